@@ -1,0 +1,162 @@
+#include "engine/blend/moving_lattice.h"
+
+#include "engine/match/fold_guard.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace slicemorph {
+
+namespace {
+
+constexpr double kFoldedBelow = 0.05;
+/// A point of a face belongs to both its tetrahedra; the later one wins, in a fixed order.
+constexpr double kOnFace = 1e-6;
+
+double volumeOf(const Vec3d* p, const int* t) {
+  return (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]).dot(p[t[3]] - p[t[0]]);
+}
+
+}  // namespace
+
+MovingLattice::MovingLattice(const Displacements& map, const Fields& fields, const std::vector<Chart>& charts)
+    : lattice_(map.lattice), objects_(fields.size()), at_(map.of), distance_(objects_) {
+  for (size_t k = 0; k < objects_; ++k) {
+    distance_[k].resize(lattice_.count());
+    const double unit = 1 / charts[k].meanScale();
+    tbb::parallel_for(0, int(lattice_.size[2]), [&](int z) {
+      for (int y = 0; y < lattice_.size[1]; ++y)
+        for (int x = 0; x < lattice_.size[0]; ++x) {
+          const size_t i = lattice_.index(x, y, z);
+          at_[k][i] += openvdb::Vec3s(lattice_.position(x, y, z));
+          distance_[k][i] = float(unit * fields[k]->coarse(charts[k].toWorld(Vec3d(at_[k][i]))));
+        }
+    });
+  }
+}
+
+/// One in-between's places of the lattice nodes.
+struct MovingLattice::Frame {
+  const Weights& weights;
+  std::vector<Vec3d> node;       ///< in units of `step` voxels
+  std::vector<Vec3d> chart;      ///< chart coordinates of the in-between
+  std::vector<float> distance;   ///< blended, chart units
+  std::vector<char> near;        ///< per cell (at its first node): 1 near the surface, 2 crossed by it
+  NodeMap* map;
+};
+
+NodeMap MovingLattice::nodesNearSurface(const Weights& weights, const Chart& chart,
+                                        const openvdb::math::Transform& transform, int step) const {
+  NodeMap map;
+  map.step = step;
+  map.objects = objects_;
+  const size_t count = lattice_.count();
+  Frame frame{weights, std::vector<Vec3d>(count), std::vector<Vec3d>(count), std::vector<float>(count),
+              std::vector<char>(count, 0), &map};
+  tbb::parallel_for(0, int(lattice_.size[2]), [&](int z) {
+    const size_t first = lattice_.index(0, 0, z), last = lattice_.index(0, 0, z + 1);
+    for (size_t i = first; i < last; ++i) {
+      Vec3d q(0.0);
+      float d = 0;
+      for (size_t k = 0; k < objects_; ++k) q += weights[k] * Vec3d(at_[k][i]), d += float(weights[k]) * distance_[k][i];
+      frame.chart[i] = q, frame.distance[i] = d;
+      frame.node[i] = transform.worldToIndex(chart.toWorld(q)) / step;
+    }
+  });
+  // Nodes are needed as far out as the band, and two nodes more for the splines between them.
+  const double voxel = transform.voxelSize()[0] / chart.meanScale();
+  const float reach = float((kHalfWidth + 2 * step * std::sqrt(3.0)) * voxel);
+  std::vector<openvdb::BBoxd> boxes(lattice_.size[2]);
+  std::vector<size_t> crossed(lattice_.size[2], 0), folded(lattice_.size[2], 0);
+  tbb::parallel_for(0, int(lattice_.size[2]) - 1, [&](int z) {
+    for (int y = 0; y + 1 < lattice_.size[1]; ++y)
+      for (int x = 0; x + 1 < lattice_.size[0]; ++x) {
+        float low = 1e30f, high = -1e30f;
+        size_t corner[8];
+        for (int c = 0; c < 8; ++c) {
+          corner[c] = lattice_.index(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2));
+          low = std::min(low, frame.distance[corner[c]]), high = std::max(high, frame.distance[corner[c]]);
+        }
+        if (low > reach || high < -reach) continue;
+        frame.near[corner[0]] = 1;
+        for (size_t i : corner) boxes[z].expand(frame.node[i]);
+        if (low > 0 || high < 0) continue;
+        ++crossed[z];
+        Vec3d q[8], a[8];
+        for (int c = 0; c < 8; ++c) q[c] = frame.chart[corner[c]];
+        bool folds = false;
+        for (size_t k = 0; k < objects_ && !folds; ++k) {
+          for (int c = 0; c < 8; ++c) a[c] = Vec3d(at_[k][corner[c]]);
+          for (const auto& t : kKuhnTetrahedra) {
+            const double vq = volumeOf(q, t), va = volumeOf(a, t);
+            folds |= !(vq > 0) || !(va > kFoldedBelow * vq);
+          }
+        }
+        folded[z] += folds;
+      }
+  });
+  openvdb::BBoxd box;
+  size_t allCrossed = 0, allFolded = 0;
+  for (int z = 0; z < lattice_.size[2]; ++z) {
+    if (!boxes[z].empty()) box.expand(boxes[z]);
+    allCrossed += crossed[z], allFolded += folded[z];
+  }
+  map.foldShare = allCrossed ? double(allFolded) / double(allCrossed) : 0;
+  if (allCrossed == 0) return map;
+  map.origin = openvdb::Coord::floor(box.min());
+  map.size = openvdb::Coord::ceil(box.max()) - map.origin + openvdb::Coord(1);
+  const size_t nodes = size_t(map.size[0]) * map.size[1] * map.size[2];
+  map.at.resize(nodes * objects_);
+  map.known.assign(nodes, 0);
+  std::vector<std::vector<size_t>> found(lattice_.size[2]);
+  std::vector<std::vector<openvdb::Vec3s>> at(lattice_.size[2]);
+  tbb::parallel_for(0, int(lattice_.size[2]) - 1, [&](int z) { rasterise(frame, z, found[z], at[z]); });
+  for (int z = 0; z < lattice_.size[2]; ++z)
+    for (size_t i = 0; i < found[z].size(); ++i) {
+      map.known[found[z][i]] = 1;
+      std::copy_n(&at[z][i * objects_], objects_, &map.at[found[z][i] * objects_]);
+    }
+  return map;
+}
+
+/// Finds the nodes inside every near tetrahedron of one slab, with their places by barycentric coordinates.
+void MovingLattice::rasterise(const Frame& frame, int z, std::vector<size_t>& nodes,
+                              std::vector<openvdb::Vec3s>& at) const {
+  for (int y = 0; y + 1 < lattice_.size[1]; ++y)
+    for (int x = 0; x + 1 < lattice_.size[0]; ++x) {
+      if (!frame.near[lattice_.index(x, y, z)]) continue;
+      size_t corner[8];
+      Vec3d p[8], cellLow(1e30), cellHigh(-1e30);
+      for (int c = 0; c < 8; ++c) {
+        corner[c] = lattice_.index(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2));
+        p[c] = frame.node[corner[c]];
+        for (int a = 0; a < 3; ++a) cellLow[a] = std::min(cellLow[a], p[c][a]), cellHigh[a] = std::max(cellHigh[a], p[c][a]);
+      }
+      const openvdb::Coord low = openvdb::Coord::ceil(cellLow - Vec3d(kOnFace));
+      const openvdb::Coord high = openvdb::Coord::floor(cellHigh + Vec3d(kOnFace));
+      if (low[0] > high[0] || low[1] > high[1] || low[2] > high[2]) continue;
+      for (const auto& t : kKuhnTetrahedra) {
+        const Vec3d e1 = p[t[1]] - p[t[0]], e2 = p[t[2]] - p[t[0]], e3 = p[t[3]] - p[t[0]];
+        const double volume = e1.cross(e2).dot(e3);
+        if (!(volume > 0)) continue;
+        const Vec3d n1 = e2.cross(e3) / volume, n2 = e3.cross(e1) / volume, n3 = e1.cross(e2) / volume;
+        for (int k = low[2]; k <= high[2]; ++k)
+          for (int j = low[1]; j <= high[1]; ++j)
+            for (int i = low[0]; i <= high[0]; ++i) {
+              const Vec3d d = Vec3d(i, j, k) - p[t[0]];
+              const double b1 = n1.dot(d), b2 = n2.dot(d), b3 = n3.dot(d), b0 = 1 - b1 - b2 - b3;
+              if (b0 < -kOnFace || b1 < -kOnFace || b2 < -kOnFace || b3 < -kOnFace) continue;
+              nodes.push_back(frame.map->index(i, j, k));
+              for (size_t o = 0; o < objects_; ++o) {
+                const VectorField& a = at_[o];
+                at.push_back(openvdb::Vec3s(b0 * Vec3d(a[corner[t[0]]]) + b1 * Vec3d(a[corner[t[1]]]) +
+                                            b2 * Vec3d(a[corner[t[2]]]) + b3 * Vec3d(a[corner[t[3]]])));
+              }
+            }
+      }
+    }
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,48 @@
+#pragma once
+
+#include "engine/frame/align.h"
+#include "engine/match/lattice.h"
+
+namespace slicemorph {
+
+/// The backward map of one in-between on the nodes of a coarse grid over the frame's voxels: where each node lies on
+/// every object. Nodes far from the in-between surface are not known.
+struct NodeMap {
+  int step = 4;                       ///< voxels between nodes; node (i, j, k) is voxel step * (i, j, k)
+  openvdb::Coord origin{0, 0, 0};     ///< first node
+  openvdb::Coord size{0, 0, 0};
+  size_t objects = 0;
+  std::vector<openvdb::Vec3s> at;     ///< per node and object: chart coordinates
+  std::vector<char> known;            ///< per node
+  double foldShare = 0;               ///< share of the surface's cells whose Jacobian to some object is below 0.05
+
+  size_t index(int i, int j, int k) const {
+    return (size_t(k - origin[2]) * size[1] + (j - origin[1])) * size[0] + (i - origin[0]);
+  }
+  bool inside(int i, int j, int k) const {
+    return i >= origin[0] && j >= origin[1] && k >= origin[2] && i < origin[0] + size[0] && j < origin[1] + size[1] &&
+           k < origin[2] + size[2];
+  }
+};
+
+/// The matching's lattice, made to move: its nodes have a place on every object and so on every in-between. Between
+/// the nodes the map is linear on tetrahedra; without folds it is one to one, and its inverse exact.
+class MovingLattice {
+ public:
+  MovingLattice(const Displacements& map, const Fields& fields, const std::vector<Chart>& charts);
+
+  /// `transform`: index space of the frame. Parallel; the same for any thread count.
+  NodeMap nodesNearSurface(const Weights& weights, const Chart& chart, const openvdb::math::Transform& transform,
+                           int step) const;
+
+ private:
+  struct Frame;
+  void rasterise(const Frame& frame, int z, std::vector<size_t>& nodes, std::vector<openvdb::Vec3s>& at) const;
+
+  Lattice lattice_;
+  size_t objects_;
+  std::vector<VectorField> at_;               ///< per object: chart coordinates of the nodes
+  std::vector<std::vector<float>> distance_;  ///< per object: distance at the nodes, chart units
+};
+
+}  // namespace slicemorph

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "engine/volume/distance_field.h"
+
+namespace slicemorph {
+
+/// Moments of an object's inside, world units.
+struct Moments {
+  double volume = 0;
+  Vec3d centroid{0, 0, 0};
+  Mat3d covariance = Mat3d::zero();
+};
+
+/// From the coarse distances, each node counted by the share of its cell that lies inside.
+Moments insideMoments(const DistanceField& field);
+
+/// Eigenvectors as columns of a rotation, largest eigenvalue first, with the eigenvalues.
+struct PrincipalAxes {
+  Mat3d axes = Mat3d::identity();
+  Vec3d variances{1, 1, 1};
+};
+PrincipalAxes principalAxes(const Mat3d& covariance);
+
+}  // namespace slicemorph

@@ -1,0 +1,125 @@
+#include "engine/match/fold_guard.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+namespace slicemorph {
+
+// Each goes from corner 000 to 111 along one order of the axes; odd orders have two corners swapped so that all six
+// have positive volume.
+const int kKuhnTetrahedra[6][4] = {{0, 1, 3, 7}, {0, 5, 1, 7}, {0, 3, 2, 7}, {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 6, 4, 7}};
+
+namespace {
+
+constexpr int kMaxRounds = 60;
+
+/// Calls visit(x, y, z) for all cells, in slabs of one task each.
+template <typename Visit>
+void forEachCell(const Lattice& lattice, const Visit& visit) {
+  tbb::parallel_for(0, int(lattice.size[2]) - 1, [&](int z) {
+    for (int y = 0; y + 1 < lattice.size[1]; ++y)
+      for (int x = 0; x + 1 < lattice.size[0]; ++x) visit(x, y, z);
+  });
+}
+
+/// The maps that must be free of folds: to every object, and to points on the way there from the middle.
+std::vector<Weights> guardedWeights(size_t objects) {
+  std::vector<Weights> result;
+  for (size_t k = 0; k < objects; ++k)
+    for (double toward : {1.0, 0.5}) {
+      Weights w(objects, (1 - toward) / double(objects));
+      w[k] += toward;
+      result.push_back(w);
+    }
+  return result;
+}
+
+/// How much of the smoothed field each node takes: 1 within two cells of a fold, falling off over four more.
+std::vector<float> smoothingMask(const Lattice& lattice, const std::vector<char>& folded) {
+  std::vector<float> mask(lattice.count(), 0.f);
+  for (int z = 0; z + 1 < lattice.size[2]; ++z)
+    for (int y = 0; y + 1 < lattice.size[1]; ++y)
+      for (int x = 0; x + 1 < lattice.size[0]; ++x)
+        if (folded[lattice.index(x, y, z)])
+          for (int c = 0; c < 8; ++c) mask[lattice.index(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2))] = 1.f;
+  const int step[3] = {1, lattice.size[0], lattice.size[0] * lattice.size[1]};
+  for (int round = 0; round < 3; ++round)
+    for (int axis = 0; axis < 3; ++axis) {
+      std::vector<float> wider = mask;
+      for (int z = 0; z < lattice.size[2]; ++z)
+        for (int y = 0; y < lattice.size[1]; ++y)
+          for (int x = 0; x < lattice.size[0]; ++x) {
+            const openvdb::Coord c(x, y, z);
+            const size_t i = lattice.index(x, y, z);
+            if (c[axis] > 0) wider[i] = std::max(wider[i], 0.8f * mask[i - step[axis]]);
+            if (c[axis] + 1 < lattice.size[axis]) wider[i] = std::max(wider[i], 0.8f * mask[i + step[axis]]);
+          }
+      mask.swap(wider);
+    }
+  return mask;
+}
+
+/// One step towards the mean of the six neighbours (zero beyond the lattice), where the mask says so.
+void smooth(const Lattice& lattice, VectorField& field, const std::vector<float>& mask) {
+  const VectorField old = field;
+  const int step[3] = {1, lattice.size[0], lattice.size[0] * lattice.size[1]};
+  tbb::parallel_for(0, int(lattice.size[2]), [&](int z) {
+    for (int y = 0; y < lattice.size[1]; ++y)
+      for (int x = 0; x < lattice.size[0]; ++x) {
+        const size_t i = lattice.index(x, y, z);
+        if (mask[i] == 0) continue;
+        const openvdb::Coord c(x, y, z);
+        openvdb::Vec3s sum(0.f);
+        for (int axis = 0; axis < 3; ++axis) {
+          if (c[axis] > 0) sum += old[i - step[axis]];
+          if (c[axis] + 1 < lattice.size[axis]) sum += old[i + step[axis]];
+        }
+        field[i] = old[i] + (sum / 6.f - old[i]) * mask[i];
+      }
+  });
+}
+
+}  // namespace
+
+std::vector<float> smallestRatios(const Displacements& map, const Weights& weights) {
+  const Lattice& lattice = map.lattice;
+  std::vector<float> ratios(lattice.count(), 1.f);
+  forEachCell(lattice, [&](int x, int y, int z) {
+    Vec3d p[8];
+    for (int c = 0; c < 8; ++c) {
+      const int dx = c & 1, dy = c >> 1 & 1, dz = c >> 2;
+      const size_t i = lattice.index(x + dx, y + dy, z + dz);
+      p[c] = lattice.spacing * Vec3d(dx, dy, dz);
+      for (size_t k = 0; k < weights.size(); ++k) p[c] += weights[k] * Vec3d(map.of[k][i]);
+    }
+    double smallest = 1e30;
+    for (const auto& t : kKuhnTetrahedra)
+      smallest = std::min(smallest, (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]).dot(p[t[3]] - p[t[0]]));
+    ratios[lattice.index(x, y, z)] = float(smallest / (lattice.spacing * lattice.spacing * lattice.spacing));
+  });
+  return ratios;
+}
+
+int removeFolds(Displacements& map, double floor) {
+  const std::vector<Weights> guarded = guardedWeights(map.of.size());
+  for (int round = 0; round < kMaxRounds; ++round) {
+    std::vector<char> folded(map.lattice.count(), 0);
+    bool any = false;
+    for (const Weights& w : guarded) {
+      const std::vector<float> ratios = smallestRatios(map, w);
+      for (size_t i = 0; i < ratios.size(); ++i)
+        if (ratios[i] < floor) folded[i] = 1, any = true;
+    }
+    if (!any) return round;
+    const std::vector<float> mask = smoothingMask(map.lattice, folded);
+    for (int i = 0; i < 2 + round / 8; ++i)
+      for (VectorField& field : map.of) smooth(map.lattice, field, mask);
+  }
+  // What smoothing cannot cure shrinks towards the middle space, which has no folds.
+  for (VectorField& field : map.of)
+    for (auto& d : field) d *= 0.7f;
+  return kMaxRounds + removeFolds(map, floor);
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "engine/conventions.h"
+
+namespace slicemorph {
+
+/// Regular lattice in the middle chart space: the space half way between all objects.
+struct Lattice {
+  Vec3d origin{0, 0, 0};
+  double spacing = 1;
+  openvdb::Coord size{1, 1, 1};
+
+  size_t count() const { return size_t(size[0]) * size[1] * size[2]; }
+  size_t index(int x, int y, int z) const { return (size_t(z) * size[1] + y) * size[0] + x; }
+  Vec3d position(int x, int y, int z) const { return origin + spacing * Vec3d(x, y, z); }
+  /// Covers `box` with nodes `spacing` apart, centred on it.
+  static Lattice over(const openvdb::BBoxd& box, double spacing);
+};
+
+/// One vector per node.
+using VectorField = std::vector<openvdb::Vec3s>;
+
+/// Trilinear value; zero beyond the lattice.
+Vec3d sampleField(const Lattice& lattice, const VectorField& field, const Vec3d& z);
+
+/// The field on another lattice, by Catmull-Rom splines: no creases at the coarse nodes. Zero beyond the lattice.
+VectorField resampleField(const Lattice& from, const VectorField& field, const Lattice& to);
+
+/// Every object's displacement from the middle space: object k's chart point of a middle point s is s + of[k](s).
+/// With equal weights the displacements sum to zero everywhere.
+struct Displacements {
+  Lattice lattice;
+  std::vector<VectorField> of;
+
+  Vec3d at(size_t object, const Vec3d& s) const { return sampleField(lattice, of[object], s); }
+};
+
+/// The same map on another lattice.
+Displacements resampled(const Displacements& map, const Lattice& to);
+
+}  // namespace slicemorph

@@ -1,0 +1,337 @@
+#include "engine/match/register.h"
+
+#include "engine/errors.h"
+#include "engine/match/fit_field.h"
+#include "engine/match/fold_guard.h"
+#include "engine/match/soft_match.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace slicemorph {
+
+namespace {
+
+/// An object's surface in chart coordinates.
+struct ChartSamples {
+  OrientedPoints points;
+};
+
+/// One round of matching, from coarse to fine. Lengths are shares of the objects' size in chart space.
+struct Round {
+  bool soft;         ///< soft match, else closest points
+  double reach;      ///< blur of the soft match; or distance up to which a closest point counts
+  double spacing;    ///< of the fitted lattice
+  double stiffness;  ///< of the fit
+  int samples;       ///< per object
+};
+
+const Round kRounds[] = {
+    {true, 0.22, 0.25, 8, 900},    {true, 0.16, 0.20, 8, 900},    {true, 0.12, 0.15, 6, 1400},
+    {true, 0.09, 0.12, 5, 1400},   {true, 0.065, 0.09, 4, 2200},  {true, 0.05, 0.075, 3, 2200},
+    {false, 0.20, 0.06, 2, 6000},  {false, 0.12, 0.05, 2, 6000},  {false, 0.08, 0.045, 1.5, 8000},
+    {false, 0.06, 0.04, 1, 8000},
+};
+
+class Registrar {
+ public:
+  Registrar(const Fields& fields, const Frames& frames, const MorphOptions& options, Progress& progress)
+      : fields_(fields), charts_(frames.charts), options_(options), progress_(progress), objects_(fields.size()) {}
+
+  Registration run() {
+    measureObjects();
+    sliceObjects();
+    startFromContours();
+    int n = 0;
+    for (const Round& round : kRounds) {
+      if (progress_.cancelled()) throw Cancelled();
+      progress_.report("match", 0.2 + 0.8 * n++ / std::size(kRounds));
+      refine(round);
+    }
+    finish();
+    return std::move(result_);
+  }
+
+ private:
+  void measureObjects() {
+    samples_.resize(objects_);
+    std::vector<openvdb::BBoxd> boxes(objects_);
+    tbb::parallel_for(size_t(0), objects_, [&](size_t k) {
+      samples_[k] = chartSamples(k, 8000);
+      for (const Vec3d& p : samples_[k].position) boxes[k].expand(p);
+    });
+    chartBoxes_ = boxes;
+    for (const auto& b : boxes) box_.expand(b);
+    const Vec3d e = box_.extents();
+    size_ = std::cbrt(e[0] * e[1] * e[2]);
+    margin_ = Vec3d(0.3 * size_);
+  }
+
+  OrientedPoints chartSamples(size_t k, int count) const {
+    OrientedPoints result;
+    double total = 0;
+    for (const SurfaceSample& s : sampleSurface(*fields_[k], count)) {
+      result.position.push_back(charts_[k].toChart(s.position));
+      result.normal.push_back(charts_[k].normalToChart(s.normal));
+      result.mass.push_back(s.area);
+      total += s.area;
+    }
+    for (double& m : result.mass) m /= total;
+    return result;
+  }
+
+  void sliceObjects() {
+    progress_.report("slice", 0.05);
+    result_.planes = placeSlices(chartBoxes_, options_.slices);
+    result_.stacks.resize(objects_);
+    for (size_t k = 0; k < objects_; ++k) {
+      const std::vector<SliceImage> images = sampleSlices(*fields_[k], charts_[k], result_.planes);
+      result_.stacks[k].resize(images.size());
+      tbb::parallel_for(size_t(0), images.size(), [&](size_t i) {
+        result_.stacks[k][i] = traceContours(images[i], result_.planes);
+      });
+    }
+  }
+
+  Lattice latticeOf(double spacing) const {
+    return Lattice::over({box_.min() - margin_, box_.max() + margin_}, spacing * size_);
+  }
+
+  void startFromContours() {
+    progress_.report("match contours", 0.1);
+    const BaseWarp base = makeBaseWarp(result_.stacks, result_.planes);
+    const Lattice lattice = latticeOf(0.08);
+    Displacements none{lattice, std::vector<VectorField>(objects_, VectorField(lattice.count(), openvdb::Vec3s(0.f)))};
+    result_.overlapBefore = overlap_ = overlapOf(none);
+    result_.map = none;
+    base_ = none;
+    Displacements affine = baseDisplacements(base, lattice, box_);
+    removeFolds(affine);
+    if (keepIfBetter(affine, "per-slice affine")) base_ = affine;
+    result_.pairs = matchContours(result_.stacks, base);
+    const std::vector<Correspondence> points =
+        pairCorrespondences(result_.pairs, result_.stacks, base, std::max(16, options_.samples / 4));
+    if (points.empty()) return;
+    keepIfBetter(fit(points, latticeOf(0.12), 4), "contour pairs");
+  }
+
+  /// Takes a map where the warped objects overlap at least as well as before.
+  bool keepIfBetter(const Displacements& map, const char* name) {
+    const double overlap = overlapOf(map);
+    const bool better = overlap > overlap_ + 1e-6;
+    char text[96];
+    std::snprintf(text, sizeof text, "%s: overlap %.3f, %s", name, overlap, better ? "kept" : "not kept");
+    result_.notes.push_back(text);
+    if (better) result_.map = map, overlap_ = overlap;
+    return better;
+  }
+
+  /// The smooth fold-free map that meets the correspondences, as displacement on top of the base warp.
+  Displacements fit(const std::vector<Correspondence>& points, const Lattice& lattice, double stiffness) const {
+    const Displacements base = resampled(base_, lattice);
+    Displacements start = resampled(result_.map, lattice);
+    for (size_t k = 0; k < objects_; ++k)
+      for (size_t i = 0; i < lattice.count(); ++i) start.of[k][i] -= base.of[k][i];
+    Sites sites;
+    sites.value.resize(objects_);
+    for (const Correspondence& c : points) {
+      Vec3d s(0.0);
+      for (const Vec3d& p : c.at) s += p / double(objects_);
+      sites.position.push_back(s);
+      sites.weight.push_back(c.weight);
+      for (size_t k = 0; k < objects_; ++k) sites.value[k].push_back(c.at[k] - s - base.at(k, s));
+    }
+    // As many samples a node whatever the counts: the stiffness then means the same for all rounds.
+    Displacements map = fitFields(lattice, sites, stiffness, start);
+    for (size_t k = 0; k < objects_; ++k)
+      for (size_t i = 0; i < lattice.count(); ++i) map.of[k][i] += base.of[k][i];
+    removeFolds(map);
+    return map;
+  }
+
+  /// Middle point of a chart point of object k: Newton's method on s + D_k(s) = a.
+  bool toMiddleSpace(size_t k, const Vec3d& a, Vec3d& s) const {
+    const Displacements& map = result_.map;
+    const double h = 0.5 * map.lattice.spacing;
+    s = a - map.at(k, a);
+    for (int i = 0; i < 12; ++i) {
+      const Vec3d r = a - s - map.at(k, s);
+      if (r.length() < 1e-3 * map.lattice.spacing) return true;
+      Mat3d jacobian;
+      for (int axis = 0; axis < 3; ++axis) {
+        Vec3d e(0.0);
+        e[axis] = h;
+        Vec3d column = (map.at(k, s + e) - map.at(k, s - e)) / (2 * h);
+        column[axis] += 1;
+        for (int row = 0; row < 3; ++row) jacobian(row, axis) = column[row];
+      }
+      const double det = jacobian.det();
+      Vec3d step = det > 0.02 ? jacobian.inverse() * r : 0.5 * r;
+      const double longest = 2 * map.lattice.spacing;
+      if (step.length() > longest) step *= longest / step.length();
+      s += step;
+    }
+    return (a - s - map.at(k, s)).length() < 0.2 * map.lattice.spacing;
+  }
+
+  /// Every n-th sample of every object, in the middle space.
+  struct MiddleSamples {
+    OrientedPoints points;
+    std::vector<Vec3d> own;  ///< chart coordinates
+  };
+
+  MiddleSamples middleSamples(size_t k, int count) const {
+    const OrientedPoints& all = samples_[k];
+    const size_t stride = std::max<size_t>(1, all.position.size() / size_t(count));
+    const size_t n = all.position.size() / stride;
+    std::vector<Vec3d> middle(n);
+    std::vector<char> found(n);
+    tbb::parallel_for(size_t(0), n, [&](size_t i) { found[i] = toMiddleSpace(k, all.position[i * stride], middle[i]); });
+    MiddleSamples result;
+    double total = 0;
+    for (size_t i = 0; i < n; ++i) {
+      if (!found[i]) continue;
+      result.points.position.push_back(middle[i]);
+      result.points.normal.push_back(all.normal[i * stride]);
+      result.points.mass.push_back(all.mass[i * stride]);
+      result.own.push_back(all.position[i * stride]);
+      total += all.mass[i * stride];
+    }
+    for (double& m : result.points.mass) m /= total;
+    return result;
+  }
+
+  void refine(const Round& round) {
+    std::vector<MiddleSamples> samples(objects_);
+    for (size_t k = 0; k < objects_; ++k) samples[k] = middleSamples(k, round.samples);
+    const std::vector<Correspondence> points =
+        round.soft ? softCorrespondences(samples, round) : closestCorrespondences(samples, round);
+    if (points.empty()) return;
+    const Lattice lattice = latticeOf(round.spacing);
+    const double density = double(points.size()) / 2000;
+    char name[64];
+    std::snprintf(name, sizeof name, "%s %.3f (%zu points)", round.soft ? "soft match" : "closest points", round.reach, points.size());
+    keepIfBetter(fit(points, lattice, round.stiffness * density), name);
+  }
+
+  std::vector<Correspondence> softCorrespondences(const std::vector<MiddleSamples>& samples, const Round& round) const {
+    // targets[j][i].at: of object j's sample i on every object.
+    std::vector<std::vector<Correspondence>> all(objects_);
+    for (size_t j = 0; j < objects_; ++j)
+      for (size_t i = 0; i < samples[j].own.size(); ++i) {
+        Correspondence c;
+        const Vec3d& s = samples[j].points.position[i];
+        for (size_t k = 0; k < objects_; ++k) c.at.push_back(k == j ? samples[j].own[i] : s + result_.map.at(k, s));
+        c.weight = 1;
+        all[j].push_back(std::move(c));
+      }
+    const auto take = [&](size_t from, size_t to, const SoftTargets& targets) {
+      for (size_t i = 0; i < targets.position.size(); ++i) {
+        const Vec3d& t = targets.position[i];
+        all[from][i].at[to] = t + result_.map.at(to, t);
+        all[from][i].weight = std::min(all[from][i].weight, float(targets.trust[i]));
+      }
+    };
+    for (size_t j = 0; j < objects_; ++j)
+      for (size_t k = j + 1; k < objects_; ++k) {
+        const SoftMatch m = softMatch(samples[j].points, samples[k].points, round.reach * size_);
+        take(j, k, m.aToB);
+        take(k, j, m.bToA);
+      }
+    std::vector<Correspondence> points;
+    for (const auto& list : all)
+      for (const Correspondence& c : list)
+        if (c.weight > 0.05f) points.push_back(c);
+    return points;
+  }
+
+  std::vector<Correspondence> closestCorrespondences(const std::vector<MiddleSamples>& samples,
+                                                     const Round& round) const {
+    std::vector<Correspondence> points;
+    for (size_t j = 0; j < objects_; ++j) {
+      std::vector<Correspondence> found(samples[j].own.size());
+      tbb::parallel_for(size_t(0), found.size(), [&](size_t i) {
+        Correspondence& c = found[i];
+        const Vec3d& s = samples[j].points.position[i];
+        bool any = false;
+        for (size_t k = 0; k < objects_; ++k) {
+          Vec3d at = k == j ? samples[j].own[i] : s + result_.map.at(k, s);
+          if (k != j) any |= projectOnto(k, samples[j].points.normal[i], round.reach * size_, at);
+          c.at.push_back(at);
+        }
+        c.weight = any ? 1.f : 0.f;
+      });
+      for (Correspondence& c : found)
+        if (c.weight > 0) points.push_back(std::move(c));
+    }
+    return points;
+  }
+
+  /// Moves a chart point onto object k's surface where that is near and faces the same way.
+  bool projectOnto(size_t k, const Vec3d& normal, double reach, Vec3d& at) const {
+    const Vec3d world = charts_[k].toWorld(at);
+    const Vec3d surface = fields_[k]->closest(world);
+    const Vec3d projected = charts_[k].toChart(surface);
+    if ((projected - at).length() > reach) return false;
+    if (charts_[k].normalToChart(fields_[k]->gradient(surface)).dot(normal) < 0.3) return false;
+    at = projected;
+    return true;
+  }
+
+  /// Soft intersection over union of the warped objects in the middle space.
+  double overlapOf(const Displacements& map) const {
+    const Lattice lattice = latticeOf(0.03);
+    std::vector<double> both(lattice.size[2], 0), either(lattice.size[2], 0);
+    tbb::parallel_for(0, int(lattice.size[2]), [&](int z) {
+      for (int y = 0; y < lattice.size[1]; ++y)
+        for (int x = 0; x < lattice.size[0]; ++x) {
+          const Vec3d s = lattice.position(x, y, z);
+          double least = 1, most = 0;
+          for (size_t k = 0; k < objects_; ++k) {
+            const double d = fields_[k]->coarse(charts_[k].toWorld(s + map.at(k, s))) / charts_[k].meanScale();
+            const double inside = std::min(std::max(0.5 - d / lattice.spacing, 0.0), 1.0);
+            least = std::min(least, inside), most = std::max(most, inside);
+          }
+          both[z] += least, either[z] += most;
+        }
+    });
+    double sumBoth = 0, sumEither = 0;
+    for (size_t z = 0; z < both.size(); ++z) sumBoth += both[z], sumEither += either[z];
+    return sumEither > 0 ? sumBoth / sumEither : 0;
+  }
+
+  /// The lattice the frames move: as fine as the eye needs, still free of folds.
+  void finish() {
+    const double longest = std::max({box_.extents()[0], box_.extents()[1], box_.extents()[2]});
+    Displacements fine = resampled(result_.map, Lattice::over({box_.min() - margin_, box_.max() + margin_}, longest / 72));
+    removeFolds(fine, 0.1);
+    result_.map = std::move(fine);
+    result_.overlapAfter = overlapOf(result_.map);
+  }
+
+  const Fields& fields_;
+  const std::vector<Chart>& charts_;
+  const MorphOptions& options_;
+  Progress& progress_;
+  size_t objects_;
+  std::vector<OrientedPoints> samples_;
+  std::vector<openvdb::BBoxd> chartBoxes_;
+  openvdb::BBoxd box_;   ///< of all objects, chart space
+  Vec3d margin_;
+  double size_ = 1;      ///< cube root of the box's volume
+  Displacements base_;
+  double overlap_ = 0;
+  Registration result_;
+};
+
+}  // namespace
+
+Registration registerObjects(const Fields& fields, const Frames& frames, const MorphOptions& options,
+                             Progress& progress) {
+  return Registrar(fields, frames, options, progress).run();
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "engine/frame/align.h"
+#include "engine/match/contour_pairs.h"
+
+namespace slicemorph {
+
+/// All that the matching found: the map between the objects, and the slices it started from.
+struct Registration {
+  Displacements map;        ///< free of folds
+  SlicePlanes planes;
+  std::vector<ContourStack> stacks;
+  std::vector<ContourPair> pairs;
+  double overlapBefore = 0;  ///< of the objects in chart space, intersection over union
+  double overlapAfter = 0;   ///< of the warped objects in the middle space
+  std::vector<std::string> notes;
+};
+
+/// Slices the objects, traces and matches their contours, and grows from the trusted pairs a fold-free map between
+/// them: base warp, accepted contour pairs, soft matches from coarse to fine, closest points. Each step is kept only
+/// where the warped objects overlap better than before.
+Registration registerObjects(const Fields& fields, const Frames& frames, const MorphOptions& options,
+                             Progress& progress);
+
+}  // namespace slicemorph

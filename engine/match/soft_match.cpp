@@ -1,0 +1,140 @@
+#include "engine/match/soft_match.h"
+
+#include <Eigen/Core>
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace slicemorph {
+
+namespace {
+
+using Kernel = Eigen::Array<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using Vector = Eigen::ArrayXf;
+using Features = Eigen::Matrix<float, Eigen::Dynamic, 6, Eigen::RowMajor>;
+
+constexpr int kIterations = 25;
+/// Exponent of the unbalanced update: below 1, mass that has no partner may stay at home.
+constexpr float kBalance = 0.92f;
+/// A quarter turn of the normal costs as much as this many blur lengths.
+constexpr double kNormalPrice = 1.1;
+constexpr int kBlock = 64;
+
+Features features(const OrientedPoints& points, double blur) {
+  Features f(points.position.size(), 6);
+  for (size_t i = 0; i < points.position.size(); ++i)
+    for (int d = 0; d < 3; ++d) {
+      f(Eigen::Index(i), d) = float(points.position[i][d] / blur);
+      f(Eigen::Index(i), 3 + d) = float(kNormalPrice * points.normal[i][d]);
+    }
+  return f;
+}
+
+template <typename Body>
+void overBlocks(Eigen::Index count, const Body& body) {
+  tbb::parallel_for(Eigen::Index(0), (count + kBlock - 1) / kBlock, [&](Eigen::Index b) {
+    const Eigen::Index first = b * kBlock;
+    body(first, std::min<Eigen::Index>(kBlock, count - first));
+  });
+}
+
+Kernel kernel(const Features& a, const Features& b) {
+  const Vector bb = b.rowwise().squaredNorm().array();
+  Kernel k(a.rows(), b.rows());
+  overBlocks(a.rows(), [&](Eigen::Index first, Eigen::Index n) {
+    for (Eigen::Index i = first; i < first + n; ++i) {
+      const float aa = a.row(i).squaredNorm();
+      k.row(i) = (((a.row(i) * b.transpose()).array() - 0.5f * bb.transpose() - 0.5f * aa).max(-60.f)).exp();
+    }
+  });
+  return k;
+}
+
+/// Kernel times vector, and its transpose times vector, each sum in a fixed order.
+Vector times(const Kernel& k, const Vector& v) {
+  Vector r(k.rows());
+  overBlocks(k.rows(), [&](Eigen::Index first, Eigen::Index n) {
+    for (Eigen::Index i = first; i < first + n; ++i) r[i] = (k.row(i).transpose() * v).sum();
+  });
+  return r;
+}
+
+Vector transposedTimes(const Kernel& k, const Vector& u) {
+  Vector r = Vector::Zero(k.cols());
+  overBlocks(k.cols(), [&](Eigen::Index first, Eigen::Index n) {
+    for (Eigen::Index i = 0; i < k.rows(); ++i) r.segment(first, n) += u[i] * k.row(i).segment(first, n).transpose();
+  });
+  return r;
+}
+
+Vector scaled(const Vector& mass, const Vector& sum, const Vector& old) {
+  const Vector fresh = (mass / sum.max(1e-30f)).pow(kBalance);
+  return (fresh * old).sqrt().min(1e15f);
+}
+
+struct Transport {
+  Kernel k;
+  Vector u, v;
+};
+
+Transport transport(const Features& fa, const Features& fb, const Vector& ma, const Vector& mb) {
+  Transport t{kernel(fa, fb), Vector::Ones(fa.rows()), Vector::Ones(fb.rows())};
+  for (int i = 0; i < kIterations; ++i) {
+    const Vector kv = times(t.k, t.v), ku = transposedTimes(t.k, t.u);
+    t.u = scaled(ma, kv, t.u), t.v = scaled(mb, ku, t.v);
+  }
+  return t;
+}
+
+Vector masses(const OrientedPoints& p) {
+  Vector m(p.mass.size());
+  for (size_t i = 0; i < p.mass.size(); ++i) m[Eigen::Index(i)] = float(p.mass[i]);
+  return m;
+}
+
+/// Mean position of the mass each row of the plan sends out.
+SoftTargets rowTargets(const Transport& t, const OrientedPoints& to, const Vector& mass, bool transposed) {
+  Vector coordinate[3], weighted = transposed ? t.u : t.v;
+  for (int d = 0; d < 3; ++d) {
+    coordinate[d].resize(Eigen::Index(to.position.size()));
+    for (size_t j = 0; j < to.position.size(); ++j) coordinate[d][Eigen::Index(j)] = float(to.position[j][d]);
+  }
+  const auto apply = [&](const Vector& v) { return transposed ? transposedTimes(t.k, v) : times(t.k, v); };
+  const Vector total = apply(weighted);
+  const Vector sums[3] = {apply(weighted * coordinate[0]), apply(weighted * coordinate[1]),
+                          apply(weighted * coordinate[2])};
+  const Vector& mine = transposed ? t.v : t.u;
+  SoftTargets targets;
+  for (Eigen::Index i = 0; i < total.size(); ++i) {
+    const float n = std::max(total[i], 1e-30f);
+    targets.position.emplace_back(sums[0][i] / n, sums[1][i] / n, sums[2][i] / n);
+    targets.trust.push_back(double(mine[i]) * total[i] / std::max(mass[i], 1e-30f));
+  }
+  return targets;
+}
+
+/// Takes away the drift that a surface shows onto itself.
+void debias(SoftTargets& targets, const OrientedPoints& from, const SoftTargets& self) {
+  for (size_t i = 0; i < targets.position.size(); ++i)
+    targets.position[i] = from.position[i] + (targets.position[i] - self.position[i]);
+}
+
+}  // namespace
+
+SoftMatch softMatch(const OrientedPoints& a, const OrientedPoints& b, double blur) {
+  const Features fa = features(a, blur), fb = features(b, blur);
+  const Vector ma = masses(a), mb = masses(b);
+  SoftMatch match;
+  {
+    const Transport t = transport(fa, fb, ma, mb);
+    match.aToB = rowTargets(t, b, ma, false);
+    match.bToA = rowTargets(t, a, mb, true);
+  }
+  debias(match.aToB, a, rowTargets(transport(fa, fa, ma, ma), a, ma, false));
+  debias(match.bToA, b, rowTargets(transport(fb, fb, mb, mb), b, mb, false));
+  return match;
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,166 @@
+#include "engine/errors.h"
+#include "engine/measure/measure.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+namespace slicemorph {
+namespace {
+
+using openvdb::Vec3s;
+
+struct Triangle {
+  Vec3s a, b, c;
+};
+
+struct Box {
+  Vec3s low{std::numeric_limits<float>::max()}, high{std::numeric_limits<float>::lowest()};
+
+  void add(const Vec3s& p) {
+    for (int i = 0; i < 3; ++i) low[i] = std::min(low[i], p[i]), high[i] = std::max(high[i], p[i]);
+  }
+  double squaredDistance(const Vec3d& p) const {
+    double sum = 0;
+    for (int i = 0; i < 3; ++i) {
+      const double outside = std::max({low[i] - p[i], p[i] - high[i], 0.0});
+      sum += outside * outside;
+    }
+    return sum;
+  }
+};
+
+double squaredDistanceToSegment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
+  const Vec3d ab = b - a;
+  const double length = ab.lengthSqr();
+  const double t = length > 0 ? std::clamp((p - a).dot(ab) / length, 0.0, 1.0) : 0.0;
+  return (p - a - t * ab).lengthSqr();
+}
+
+/// Ericson, Real-Time Collision Detection, 5.1.5: inside the prism the distance to the plane, else to an edge.
+double squaredDistance(const Vec3d& p, const Triangle& triangle) {
+  const Vec3d a(triangle.a), b(triangle.b), c(triangle.c);
+  const Vec3d normal = (b - a).cross(c - a);
+  const bool inAB = normal.cross(b - a).dot(p - a) >= 0, inBC = normal.cross(c - b).dot(p - b) >= 0,
+             inCA = normal.cross(a - c).dot(p - c) >= 0;
+  const double area = normal.lengthSqr();
+  if (inAB && inBC && inCA && area > 0) {
+    const double height = normal.dot(p - a);
+    return height * height / area;
+  }
+  return std::min({squaredDistanceToSegment(p, a, b), squaredDistanceToSegment(p, b, c),
+                   squaredDistanceToSegment(p, c, a)});
+}
+
+/// Balanced tree of boxes over the triangles of a mesh: halves by count, along the longest side of the centres' box.
+/// Node i has the children 2 i + 1 and 2 i + 2.
+class TriangleTree {
+ public:
+  explicit TriangleTree(const Mesh& mesh) {
+    for (const auto& t : mesh.triangles)
+      triangles_.push_back({mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]});
+    size_t nodes = 1;
+    for (size_t n = triangles_.size(); n > kLeafSize; n = (n + 1) / 2) nodes = 2 * nodes + 1;
+    boxes_.resize(nodes);
+    build(0, 0, triangles_.size());
+  }
+
+  struct Nearest {
+    double squared = std::numeric_limits<double>::max();
+    size_t triangle = 0;
+  };
+  /// Closest triangle to `p`; `guess`, any triangle's index, only saves time.
+  Nearest nearest(const Vec3d& p, size_t guess) const {
+    Nearest best{squaredDistance(p, triangles_[guess]), guess};
+    search(p, 0, 0, triangles_.size(), best);
+    return best;
+  }
+
+ private:
+  static constexpr size_t kLeafSize = 4;
+
+  void build(size_t node, size_t first, size_t last) {
+    Box box, centres;
+    for (size_t i = first; i < last; ++i) {
+      const Triangle& t = triangles_[i];
+      box.add(t.a), box.add(t.b), box.add(t.c);
+      centres.add(t.a + t.b + t.c);
+    }
+    boxes_[node] = box;
+    if (last - first <= kLeafSize) return;
+    const Vec3s size = centres.high - centres.low;
+    const size_t axis = openvdb::math::MaxIndex(size);
+    const size_t middle = (first + last) / 2;
+    const auto begin = triangles_.begin();
+    std::nth_element(begin + first, begin + middle, begin + last, [axis](const Triangle& s, const Triangle& t) {
+      return s.a[axis] + s.b[axis] + s.c[axis] < t.a[axis] + t.b[axis] + t.c[axis];
+    });
+    const auto left = [&] { build(2 * node + 1, first, middle); };
+    const auto right = [&] { build(2 * node + 2, middle, last); };
+    if (last - first > 8192)
+      tbb::parallel_invoke(left, right);
+    else
+      left(), right();
+  }
+
+  void search(const Vec3d& p, size_t node, size_t first, size_t last, Nearest& best) const {
+    if (last - first <= kLeafSize) {
+      for (size_t i = first; i < last; ++i) {
+        const double squared = squaredDistance(p, triangles_[i]);
+        if (squared < best.squared) best = {squared, i};
+      }
+      return;
+    }
+    const size_t middle = (first + last) / 2, left = 2 * node + 1, right = left + 1;
+    const double toLeft = boxes_[left].squaredDistance(p), toRight = boxes_[right].squaredDistance(p);
+    const bool leftFirst = toLeft <= toRight;
+    if (leftFirst && toLeft < best.squared) search(p, left, first, middle, best);
+    if (toRight < best.squared) search(p, right, middle, last, best);
+    if (!leftFirst && toLeft < best.squared) search(p, left, first, middle, best);
+  }
+
+  std::vector<Triangle> triangles_;
+  std::vector<Box> boxes_;
+};
+
+/// Appends the distance of every point of `from` that a triangle uses.
+void appendDistances(const Mesh& from, const Mesh& to, std::vector<double>& distances) {
+  std::vector<char> used(from.points.size(), 0);
+  for (const auto& t : from.triangles) used[t[0]] = used[t[1]] = used[t[2]] = 1;
+  std::vector<size_t> points;
+  for (size_t i = 0; i < used.size(); ++i)
+    if (used[i]) points.push_back(i);
+  const TriangleTree tree(to);
+  const size_t start = distances.size();
+  distances.resize(start + points.size());
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, points.size(), 512), [&](const auto& range) {
+    size_t guess = 0;  // neighbours in the list are mostly neighbours in space
+    for (size_t i = range.begin(); i != range.end(); ++i) {
+      const auto nearest = tree.nearest(Vec3d(from.points[points[i]]), guess);
+      distances[start + i] = std::sqrt(nearest.squared);
+      guess = nearest.triangle;
+    }
+  });
+}
+
+}  // namespace
+
+SurfaceDistance surfaceDistance(const Mesh& a, const Mesh& b) {
+  if (a.triangles.empty() || b.triangles.empty())
+    throw GeometryError("a surface without triangles has no distance to another one");
+  std::vector<double> distances;
+  appendDistances(a, b, distances);
+  appendDistances(b, a, distances);
+  SurfaceDistance result;
+  result.mean = std::accumulate(distances.begin(), distances.end(), 0.0) / double(distances.size());
+  const auto rank = distances.begin() + (distances.size() - 1) * 99 / 100;
+  std::nth_element(distances.begin(), rank, distances.end());
+  result.p99 = *rank;
+  result.max = *std::max_element(rank, distances.end());
+  return result;
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,138 @@
+#include "engine/errors.h"
+#include "engine/peers/peers.h"
+#include "engine/volume/distance_field.h"
+
+#include <openvdb/tools/FastSweeping.h>
+#include <openvdb/tools/SignedFloodFill.h>
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+
+namespace slicemorph {
+namespace {
+
+using openvdb::Coord;
+using openvdb::CoordBBox;
+using openvdb::FloatTree;
+using openvdb::math::Transform;
+using Leaf = FloatTree::LeafNodeType;
+
+/// Box of all narrow bands in voxels of `transform`, in whole leaves.
+CoordBBox commonBox(const std::vector<FloatGrid::ConstPtr>& levelSets, const Transform& transform) {
+  CoordBBox box;
+  for (const auto& grid : levelSets) {
+    const openvdb::BBoxd world = grid->transform().indexToWorld(grid->evalActiveVoxelBoundingBox());
+    box.expand(transform.worldToIndexCellCentered(world.min()));
+    box.expand(transform.worldToIndexCellCentered(world.max()));
+  }
+  const int mask = ~(int(Leaf::DIM) - 1);
+  return CoordBBox(box.min() & mask, (box.max() & mask).offsetBy(Leaf::DIM - 1));
+}
+
+std::vector<Coord> leafOrigins(const CoordBBox& box) {
+  std::vector<Coord> origins;
+  const int step = Leaf::DIM;
+  for (int x = box.min().x(); x <= box.max().x(); x += step)
+    for (int y = box.min().y(); y <= box.max().y(); y += step)
+      for (int z = box.min().z(); z <= box.max().z(); z += step) origins.emplace_back(x, y, z);
+  return origins;
+}
+
+/// The distance to a level set's surface at every voxel of the leaves given.
+FloatGrid::Ptr fullField(FloatGrid::ConstPtr levelSet, const Transform& transform, const std::vector<Coord>& origins) {
+  const DistanceField distance(levelSet);
+  std::vector<Leaf*> leaves(origins.size());
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, origins.size()), [&](const auto& range) {
+    DistanceField::Sampler sample(distance);
+    for (size_t i = range.begin(); i != range.end(); ++i) {
+      leaves[i] = new Leaf(origins[i], 0.0f, true);
+      for (openvdb::Index n = 0; n < Leaf::SIZE; ++n)
+        leaves[i]->setValueOnly(n, sample(transform.indexToWorld(leaves[i]->offsetToGlobalCoord(n))));
+    }
+  });
+  auto field = FloatGrid::create();
+  field->setTransform(transform.copy());
+  for (Leaf* leaf : leaves) field->tree().addLeaf(leaf);
+  return field;
+}
+
+void blendLeaf(const std::vector<const Leaf*>& sources, const Weights& weights, Leaf& result) {
+  float* values = result.buffer().data();
+  std::fill(values, values + Leaf::SIZE, 0.0f);
+  for (size_t k = 0; k < sources.size(); ++k) {
+    const float* source = sources[k]->buffer().data();
+    const float weight = float(weights[k]);
+    for (openvdb::Index i = 0; i < Leaf::SIZE; ++i) values[i] += weight * source[i];
+  }
+}
+
+/// Activates the voxels whose blend is within the band and clamps the others. Blends of distances change by at most a
+/// voxel per voxel, so the surface's neighbourhood of that width is among them. Returns whether any is.
+bool clampToBand(Leaf& leaf, float band) {
+  float* values = leaf.buffer().data();
+  for (openvdb::Index i = 0; i < Leaf::SIZE; ++i) {
+    const bool near = std::abs(values[i]) < band;
+    if (!near) values[i] = std::copysign(band, values[i]);
+    leaf.setActiveState(i, near);
+  }
+  return !leaf.isEmpty();
+}
+
+/// A blend of distances is no distance: sweeps it anew from its surface, then trims the band to its width.
+FloatGrid::Ptr redistance(const FloatGrid& blend, float band) {
+  FloatGrid::Ptr result = openvdb::tools::sdfToSdf(blend);
+  if (!result) {
+    result = FloatGrid::create(band);
+    result->setTransform(blend.transform().copy());
+  }
+  std::vector<Leaf*> leaves;
+  result->tree().getNodes(leaves);
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, leaves.size()), [&](const auto& range) {
+    for (size_t i = range.begin(); i != range.end(); ++i) clampToBand(*leaves[i], band);
+  });
+  openvdb::tools::pruneLevelSet(result->tree());
+  result->setName("surface");
+  result->setGridClass(openvdb::GRID_LEVEL_SET);
+  return result;
+}
+
+}  // namespace
+
+SdfBlend::SdfBlend(const std::vector<FloatGrid::ConstPtr>& levelSets, double voxelSize) {
+  const auto transform = Transform::createLinearTransform(voxelSize);
+  const CoordBBox box = commonBox(levelSets, *transform);
+  if (box.volume() > (openvdb::Index64(1) << 31))
+    throw InputError("--method sdf needs every voxel of the box about all inputs, which are " +
+                     std::to_string(box.volume()) + " here; 2147483648 at most: choose a larger --voxel-size or a "
+                     "smaller --resolution");
+  const std::vector<Coord> origins = leafOrigins(box);
+  for (const auto& levelSet : levelSets) fields_.push_back(fullField(levelSet, *transform, origins));
+}
+
+FloatGrid::Ptr SdfBlend::frame(const Weights& weights) const {
+  if (weights.size() != fields_.size())
+    throw InputError(std::to_string(weights.size()) + " weights for " + std::to_string(fields_.size()) + " objects");
+  const float band = float(kHalfWidth * fields_[0]->voxelSize()[0]);
+  std::vector<std::vector<const Leaf*>> leaves(fields_.size());
+  for (size_t k = 0; k < fields_.size(); ++k) fields_[k]->tree().getNodes(leaves[k]);
+
+  // Only the leaves that hold a part of the band are kept; the sign of the others follows from the flood fill.
+  std::vector<std::unique_ptr<Leaf>> blended(leaves[0].size());
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, blended.size()), [&](const auto& range) {
+    std::vector<const Leaf*> sources(fields_.size());
+    for (size_t i = range.begin(); i != range.end(); ++i) {
+      for (size_t k = 0; k < fields_.size(); ++k) sources[k] = leaves[k][i];
+      auto leaf = std::make_unique<Leaf>(sources[0]->origin());
+      blendLeaf(sources, weights, *leaf);
+      if (clampToBand(*leaf, band)) blended[i] = std::move(leaf);
+    }
+  });
+  auto blend = FloatGrid::create(band);
+  blend->setTransform(fields_[0]->transform().copy());
+  for (auto& leaf : blended)
+    if (leaf) blend->tree().addLeaf(leaf.release());
+  openvdb::tools::signedFloodFill(blend->tree());
+  return redistance(*blend, band);
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,201 @@
+#include "engine/rebuild/rebuild.h"
+
+#include "engine/rebuild/redistance.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace slicemorph {
+
+namespace {
+
+constexpr int kLeaf = 8;
+/// How much faster than a distance the blend may change: for deciding what is certainly outside the band.
+constexpr double kSteepest = 1.5;
+
+/// Catmull-Rom weights of nodes -1, 0, 1, 2 at the fractions 0, 1/step, ...
+std::vector<std::array<float, 4>> splineWeights(int step) {
+  std::vector<std::array<float, 4>> weights;
+  for (int i = 0; i < step; ++i) {
+    const double a = double(i) / step;
+    weights.push_back({float(((-0.5 * a + 1) * a - 0.5) * a), float((1.5 * a - 2.5) * a * a + 1),
+                       float(((-1.5 * a + 2) * a + 0.5) * a), float((0.5 * a - 0.5) * a * a)});
+  }
+  return weights;
+}
+
+class Rebuilder {
+ public:
+  Rebuilder(const NodeMap& nodes, const Fields& fields, const std::vector<Chart>& charts, const Weights& weights,
+            double scale, const openvdb::math::Transform& transform)
+      : nodes_(nodes), fields_(fields), charts_(charts), scale_(scale), voxel_(transform.voxelSize()[0]),
+        step_(nodes.step), spline_(splineWeights(nodes.step)) {
+    for (size_t k = 0; k < weights.size(); ++k)
+      if (weights[k] > 0) {
+        used_.push_back(k);
+        // Every object's distances count in units of its own size.
+        factor_.push_back(float(weights[k] * scale / charts[k].meanScale()));
+      }
+  }
+
+  SparseValues run() {
+    findNodeDistances();
+    const std::vector<openvdb::Coord> origins = activeLeaves();
+    SparseValues values(origins, float(voxel_));
+    tbb::parallel_for(size_t(0), origins.size(), [&](size_t i) { fillLeaf(origins[i], values.leaf(i)); });
+    return values;
+  }
+
+ private:
+  void findNodeDistances() {
+    distance_.assign(nodes_.known.size(), std::numeric_limits<float>::max());
+    tbb::parallel_for(0, int(nodes_.size[2]), [&](int z) {
+      const size_t slab = size_t(nodes_.size[0]) * nodes_.size[1];
+      for (size_t i = z * slab; i < (z + 1) * slab; ++i) {
+        if (!nodes_.known[i]) continue;
+        float d = 0;
+        for (size_t n = 0; n < used_.size(); ++n) {
+          const size_t k = used_[n];
+          d += factor_[n] * fields_[k]->coarse(charts_[k].toWorld(Vec3d(nodes_.at[i * nodes_.objects + k])));
+        }
+        distance_[i] = d;
+      }
+    });
+  }
+
+  /// Whether the cell with this first node may hold voxels of the band.
+  bool cellActive(int i, int j, int k) const {
+    if (!nodes_.inside(i, j, k) || !nodes_.inside(i + 1, j + 1, k + 1)) return false;
+    float least = std::numeric_limits<float>::max();
+    for (int c = 0; c < 8; ++c) {
+      const size_t n = nodes_.index(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2));
+      if (!nodes_.known[n]) return false;
+      least = std::min(least, std::abs(distance_[n]));
+    }
+    return least < (kHalfWidth + kSteepest * 0.5 * std::sqrt(3.0) * step_) * voxel_;
+  }
+
+  /// Origins of the leaves with active cells, in order.
+  std::vector<openvdb::Coord> activeLeaves() const {
+    const int perLeaf = kLeaf / step_;
+    const auto leafOf = [&](int node) { return node >= 0 ? node / perLeaf : -((-node + perLeaf - 1) / perLeaf); };
+    openvdb::Coord low, high;
+    for (int a = 0; a < 3; ++a)
+      low[a] = leafOf(nodes_.origin[a]), high[a] = leafOf(nodes_.origin[a] + std::max(nodes_.size[a] - 1, 0));
+    std::vector<std::vector<openvdb::Coord>> found(std::max(0, high[2] - low[2] + 1));
+    tbb::parallel_for(0, int(found.size()), [&](int s) {
+      const int z = low[2] + s;
+      for (int y = low[1]; y <= high[1]; ++y)
+        for (int x = low[0]; x <= high[0]; ++x) {
+          bool active = false;
+          for (int c = 0; c < perLeaf * perLeaf * perLeaf && !active; ++c)
+            active = cellActive(x * perLeaf + c % perLeaf, y * perLeaf + c / perLeaf % perLeaf,
+                                z * perLeaf + c / (perLeaf * perLeaf));
+          if (active) found[s].emplace_back(x * kLeaf, y * kLeaf, z * kLeaf);
+        }
+    });
+    std::vector<openvdb::Coord> all;
+    for (const auto& list : found) all.insert(all.end(), list.begin(), list.end());
+    return all;
+  }
+
+  void fillLeaf(const openvdb::Coord& origin, float* values) const {
+    std::vector<DistanceField::Sampler> samplers;
+    for (size_t k : used_) samplers.emplace_back(*fields_[k]);
+    std::vector<openvdb::Vec3s> places(size_t(step_) * step_ * step_);
+    for (int z = 0; z < kLeaf; z += step_)
+      for (int y = 0; y < kLeaf; y += step_)
+        for (int x = 0; x < kLeaf; x += step_) {
+          const int i = (origin[0] + x) / step_, j = (origin[1] + y) / step_, k = (origin[2] + z) / step_;
+          if (cellActive(i, j, k)) fillCell(i, j, k, samplers, places, values + (x * kLeaf + y) * kLeaf + z);
+        }
+  }
+
+  /// `values`: of the cell's first voxel, in OpenVDB's leaf order (x slowest).
+  void fillCell(int i, int j, int k, std::vector<DistanceField::Sampler>& samplers,
+                std::vector<openvdb::Vec3s>& places, float* values) const {
+    for (size_t n = 0; n < used_.size(); ++n) {
+      placeVoxels(i, j, k, used_[n], places);
+      const Chart& chart = charts_[used_[n]];
+      size_t v = 0;
+      for (int x = 0; x < step_; ++x)
+        for (int y = 0; y < step_; ++y)
+          for (int z = 0; z < step_; ++z) {
+            float& value = values[(x * kLeaf + y) * kLeaf + z];
+            const float f = factor_[n] * samplers[n](chart.toWorld(Vec3d(places[v++])));
+            value = n == 0 ? f : value + f;
+          }
+    }
+  }
+
+  /// Chart places of a cell's voxels (x slowest): splined where all 64 nodes around are known, else trilinear.
+  void placeVoxels(int i, int j, int k, size_t object, std::vector<openvdb::Vec3s>& places) const {
+    openvdb::Vec3s node[4][4][4];
+    bool all = nodes_.inside(i - 1, j - 1, k - 1) && nodes_.inside(i + 2, j + 2, k + 2);
+    for (int c = 0; c < 4 && all; ++c)
+      for (int b = 0; b < 4 && all; ++b)
+        for (int a = 0; a < 4 && all; ++a) {
+          const size_t n = nodes_.index(i - 1 + a, j - 1 + b, k - 1 + c);
+          all = nodes_.known[n];
+          node[a][b][c] = nodes_.at[n * nodes_.objects + object];
+        }
+    if (!all) return placeLinearly(i, j, k, object, places);
+    openvdb::Vec3s alongZ[4][4][kLeaf], alongY[4][kLeaf][kLeaf];
+    const auto combine = [](const std::array<float, 4>& w, const openvdb::Vec3s& p, const openvdb::Vec3s& q,
+                            const openvdb::Vec3s& r, const openvdb::Vec3s& s) {
+      return openvdb::Vec3s(w[0] * p[0] + w[1] * q[0] + w[2] * r[0] + w[3] * s[0],
+                            w[0] * p[1] + w[1] * q[1] + w[2] * r[1] + w[3] * s[1],
+                            w[0] * p[2] + w[1] * q[2] + w[2] * r[2] + w[3] * s[2]);
+    };
+    for (int a = 0; a < 4; ++a)
+      for (int b = 0; b < 4; ++b)
+        for (int z = 0; z < step_; ++z)
+          alongZ[a][b][z] = combine(spline_[z], node[a][b][0], node[a][b][1], node[a][b][2], node[a][b][3]);
+    for (int a = 0; a < 4; ++a)
+      for (int y = 0; y < step_; ++y)
+        for (int z = 0; z < step_; ++z)
+          alongY[a][y][z] = combine(spline_[y], alongZ[a][0][z], alongZ[a][1][z], alongZ[a][2][z], alongZ[a][3][z]);
+    size_t v = 0;
+    for (int x = 0; x < step_; ++x)
+      for (int y = 0; y < step_; ++y)
+        for (int z = 0; z < step_; ++z)
+          places[v++] = combine(spline_[x], alongY[0][y][z], alongY[1][y][z], alongY[2][y][z], alongY[3][y][z]);
+  }
+
+  void placeLinearly(int i, int j, int k, size_t object, std::vector<openvdb::Vec3s>& places) const {
+    openvdb::Vec3s node[8];
+    for (int c = 0; c < 8; ++c)
+      node[c] = nodes_.at[nodes_.index(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2)) * nodes_.objects + object];
+    size_t v = 0;
+    for (int x = 0; x < step_; ++x)
+      for (int y = 0; y < step_; ++y)
+        for (int z = 0; z < step_; ++z) {
+          const float a = float(x) / step_, b = float(y) / step_, c = float(z) / step_;
+          openvdb::Vec3s sum(0.f);
+          for (int n = 0; n < 8; ++n)
+            sum += node[n] * ((n & 1 ? a : 1 - a) * (n & 2 ? b : 1 - b) * (n & 4 ? c : 1 - c));
+          places[v++] = sum;
+        }
+  }
+
+  const NodeMap& nodes_;
+  const Fields& fields_;
+  const std::vector<Chart>& charts_;
+  double scale_, voxel_;
+  int step_;
+  std::vector<std::array<float, 4>> spline_;
+  std::vector<size_t> used_;    ///< objects of positive weight
+  std::vector<float> factor_;   ///< weight times relative size, of each
+  std::vector<float> distance_; ///< blended, per node, world units
+};
+
+}  // namespace
+
+FloatGrid::Ptr rebuildLevelSet(const NodeMap& nodes, const Fields& fields, const std::vector<Chart>& charts,
+                               const Weights& weights, double scale, const openvdb::math::Transform& transform) {
+  return redistance(Rebuilder(nodes, fields, charts, weights, scale, transform).run(), transform);
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,69 @@
+#pragma once
+
+#include "engine/conventions.h"
+#include "engine/progress.h"
+
+#include <memory>
+#include <string>
+
+/// slicemorph: morphs volumes through oriented slices. Grids in, grids out; loads nothing, prints nothing.
+/// Method: Yasmin & Talib, "A Method for 3D Morphing Using Slices", GRAPP 2009; see engine/pipeline.cpp.
+namespace slicemorph {
+
+/// One input of a morph: a level set by the conventions.
+struct Object {
+  std::string name;
+  FloatGrid::ConstPtr levelSet;
+};
+
+enum class SpineKind { kAuto, kStraight, kCurved };
+enum class Align { kAuto, kNone };
+
+struct MorphOptions {
+  int slices = 96;                        ///< slices per object, 8 to 1024
+  int samples = 128;                      ///< points per contour, 16 to 4096
+  SpineKind spine = SpineKind::kAuto;     ///< kCurved throws InputError until curved spines are built
+  Align align = Align::kAuto;             ///< kNone: world positions and directions are kept
+  Vec3d axis{0, 0, 0};                    ///< slicing direction of the first object, world; zero: found
+  double voxelSize = 0;                   ///< of every frame, world units; 0: follows the objects' own
+};
+
+/// One slice of the plan, for debug pictures: contours in chart space (x, y) and the pairs that were accepted.
+struct SlicePicture {
+  struct Contour {
+    std::vector<openvdb::Vec2d> points;  ///< closed, the first point is not repeated
+    bool hole = false;
+    int partner = -1;  ///< index of the matched contour of the next object, -1: none was trusted
+  };
+  double u = 0;
+  std::vector<std::vector<Contour>> objects;  ///< per object, its contours
+};
+
+struct InBetween {
+  FloatGrid::Ptr surface;  ///< level set named "surface"
+  double foldShare = 0;    ///< share of the near-surface whose map has a Jacobian below 0.05, relative to its mean
+};
+
+/// What a morph needs to know once; every frame is then an independent task. Thread-safe after construction.
+class MorphPlan {
+ public:
+  /// Throws InputError for fewer than one object or options out of range, GeometryError for an empty level set.
+  MorphPlan(std::vector<Object> objects, const MorphOptions& options = {}, Progress* progress = nullptr);
+  ~MorphPlan();
+  MorphPlan(MorphPlan&&) noexcept;
+  MorphPlan& operator=(MorphPlan&&) noexcept;
+
+  /// The in-between of the given weights (one per object, each >= 0, of sum 1 within 1e-6; else InputError).
+  InBetween frame(const Weights& weights) const;
+
+  size_t objectCount() const;
+  std::vector<SlicePicture> slicePictures() const;
+  /// What was decided, one sentence each (axes, alignment, share of trusted pairs).
+  std::vector<std::string> notes() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace slicemorph

@@ -1,0 +1,178 @@
+#include "engine/volume/level_set.h"
+
+#include "engine/errors.h"
+#include "engine/volume/voxelise.h"
+
+#include <openvdb/tree/LeafManager.h>
+
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+namespace slicemorph {
+namespace {
+
+/// Relative slack of half floats, which keep 11 bits.
+constexpr float kHalfTolerance = 1.0f / 512;
+
+struct ValueRange {
+  float low = std::numeric_limits<float>::max(), high = std::numeric_limits<float>::lowest();
+  size_t clamped = 0;  // active voxels at or beyond the background
+  bool finite = true;
+
+  void add(float value, float background) {
+    finite = finite && std::isfinite(value);
+    low = std::min(low, value);
+    high = std::max(high, value);
+    clamped += std::abs(value) >= background;
+  }
+  ValueRange joined(const ValueRange& other) const {
+    return {std::min(low, other.low), std::max(high, other.high), clamped + other.clamped, finite && other.finite};
+  }
+};
+
+/// Over active values; every field is the same in whatever order parts are joined.
+ValueRange rangeOf(const FloatGrid& grid) {
+  const float background = std::abs(grid.background());
+  const openvdb::tree::LeafManager<const openvdb::FloatTree> leaves(grid.tree());
+  ValueRange range = tbb::parallel_reduce(
+      leaves.leafRange(64), ValueRange(),
+      [&](const auto& part, ValueRange sum) {
+        for (auto leaf = part.begin(); leaf; ++leaf) {
+          for (auto value = leaf->cbeginValueOn(); value; ++value) sum.add(*value, background);
+        }
+        return sum;
+      },
+      [](const ValueRange& a, const ValueRange& b) { return a.joined(b); });
+  auto tile = grid.tree().cbeginValueOn();
+  for (tile.setMaxDepth(openvdb::FloatTree::ValueOnCIter::LEAF_DEPTH - 1); tile; ++tile) range.add(*tile, background);
+  return range;
+}
+
+/// Mean length of the gradient next to the surface, in value per voxel; 0 where there is no surface.
+double meanSlope(const FloatGrid& grid, double voxelSize) {
+  const auto accessor = grid.getConstAccessor();
+  double sum = 0;
+  size_t count = 0;
+  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
+    for (auto value = leaf->cbeginValueOn(); value; ++value) {
+      if (std::abs(*value) > 0.75 * voxelSize) continue;
+      const openvdb::Coord c = value.getCoord();
+      const Vec3d slope(accessor.getValue(c.offsetBy(1, 0, 0)) - accessor.getValue(c.offsetBy(-1, 0, 0)),
+                        accessor.getValue(c.offsetBy(0, 1, 0)) - accessor.getValue(c.offsetBy(0, -1, 0)),
+                        accessor.getValue(c.offsetBy(0, 0, 1)) - accessor.getValue(c.offsetBy(0, 0, -1)));
+      sum += slope.length() / 2;
+      ++count;
+    }
+  }
+  return count ? sum / double(count) : 0;
+}
+
+bool isUniformAndParallel(const openvdb::math::Transform& transform) {
+  if (!transform.isLinear()) return false;
+  const auto matrix = transform.baseMap()->getAffineMap()->getMat4();
+  const double size = matrix(0, 0);
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      if (std::abs(matrix(i, j) - (i == j ? size : 0)) > 1e-6 * std::abs(size)) return false;
+    }
+  }
+  return size > 0;
+}
+
+/// Why a grid is no level set by the conventions, as a part of a sentence; empty: it is one.
+std::string deviation(const FloatGrid& grid, const ValueRange& range, double voxelSize) {
+  const float background = grid.background();
+  if (grid.getGridClass() != openvdb::GRID_LEVEL_SET) return "it is not of class level set";
+  if (grid.tree().activeTileCount() > 0 || range.clamped * 20 > grid.activeVoxelCount()) return "it is dense";
+  if (!isUniformAndParallel(grid.transform())) return "its voxels are not cubes parallel to the axes";
+  if (std::abs(background - kHalfWidth * voxelSize) > kHalfTolerance * kHalfWidth * voxelSize) {
+    std::ostringstream text;
+    text << "its band is " << background / voxelSize << " voxels wide, not " << kHalfWidth;
+    return text.str();
+  }
+  const float limit = background * (1 + kHalfTolerance);
+  if (range.low < -limit || range.high > limit) return "its values go beyond its band";
+  const double slope = meanSlope(grid, voxelSize) / voxelSize;
+  if (slope < 0.8 || slope > 1.2) {
+    std::ostringstream text;
+    text << "its values are no distances (mean slope " << slope << ")";
+    return text.str();
+  }
+  return "";
+}
+
+bool isFog(const FloatGrid& grid) { return grid.getGridClass() == openvdb::GRID_FOG_VOLUME; }
+
+double smallestVoxelSize(const FloatGrid& grid) {
+  const Vec3d size = grid.voxelSize();
+  return std::min({size.x(), size.y(), size.z()});
+}
+
+std::string noSurface(const LevelSetReading& reading) {
+  std::ostringstream why;
+  why << "the grid has no surface at " << reading.iso << ": its values run from " << reading.minimum << " to "
+      << reading.maximum;
+  return why.str();
+}
+
+std::string whyRebuilt(const FloatGrid& grid, const ValueRange& range, double voxelSize, double iso) {
+  const double own = smallestVoxelSize(grid);
+  const std::string why = deviation(grid, range, own);
+  if (!why.empty()) return why;
+  if (iso != 0) return "its surface is taken at another value than 0";
+  return voxelSize > 0 && std::abs(voxelSize - own) > 1e-6 * own ? "another voxel size was asked for" : "";
+}
+
+}  // namespace
+
+LevelSetReading readingOf(const FloatGrid& grid, double voxelSize, double iso) {
+  LevelSetReading reading;
+  reading.iso = iso;
+  if (grid.empty()) {
+    reading.problem = "the grid is empty: it has no active voxels";
+    return reading;
+  }
+  const ValueRange range = rangeOf(grid);
+  reading.minimum = range.low;
+  reading.maximum = range.high;
+  if (isFog(grid) && iso == 0) reading.iso = 0.5 * range.high;
+  // Where the active values lie on one side of the surface only, the background may lie on the other.
+  const float low = std::min(range.low, grid.background()), high = std::max(range.high, grid.background());
+  if (!range.finite) {
+    reading.problem = "the grid holds values that are not finite";
+  } else if (!(low < reading.iso && reading.iso <= high)) {
+    reading.problem = noSurface(reading);
+  } else {
+    reading.rebuilt = whyRebuilt(grid, range, voxelSize, reading.iso);
+  }
+  return reading;
+}
+
+LevelSetInput toLevelSet(const FloatGrid::ConstPtr& grid, double voxelSize, double iso) {
+  if (!std::isfinite(iso)) throw InputError("the iso value is not finite");
+  if (!(voxelSize >= 0) || !std::isfinite(voxelSize)) {
+    throw InputError("voxel size " + std::to_string(voxelSize) + " is no positive number of world units");
+  }
+  const LevelSetReading reading = readingOf(*grid, voxelSize, iso);
+  if (!reading.problem.empty()) throw GeometryError(reading.problem);
+  LevelSetInput result;
+  if (reading.rebuilt.empty()) {
+    result.grid = openvdb::ConstPtrCast<FloatGrid>(grid);
+    return result;
+  }
+  const Mesh mesh = surfaceOf(*grid, reading.iso);
+  if (mesh.triangles.empty()) throw GeometryError(noSurface(reading));
+  result.grid = voxelise(mesh, voxelSize > 0 ? voxelSize : smallestVoxelSize(*grid));
+  result.grid->setName(grid->getName());
+  std::ostringstream note;
+  note << "rebuilt as a level set from its surface at " << reading.iso
+       << (isFog(*grid) && iso == 0 ? " (half the largest value)" : "") << ": " << reading.rebuilt;
+  result.notes.push_back(note.str());
+  return result;
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,161 @@
+#include "engine/volume/voxelise.h"
+
+#include "engine/errors.h"
+#include "engine/volume/manifold.h"
+
+#include <openvdb/tools/MeshToVolume.h>
+#include <openvdb/tools/VolumeToMesh.h>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <sstream>
+
+namespace slicemorph {
+namespace {
+
+using openvdb::Vec3I;
+using openvdb::Vec3s;
+using openvdb::Vec4I;
+using Index = std::uint32_t;
+
+/// Larger grids are a mistyped voxel size: the band of 4e8 voxels takes some 3 GiB, and more while it is built.
+constexpr double kMostVoxelsAlong = 8192;
+constexpr double kMostBandVoxels = 4e8;
+/// Coordinates beyond it lose their fraction in single precision and come near the limits of 32-bit indices.
+constexpr double kFarthestVoxel = 1 << 24;
+
+openvdb::BBoxd boundsOf(const Mesh& mesh) {
+  openvdb::BBoxd box;
+  for (const Vec3s& p : mesh.points) box.expand(Vec3d(p));
+  return box;
+}
+
+double areaOf(const Mesh& mesh) {
+  double twice = 0;
+  for (const Vec3I& t : mesh.triangles) {
+    const Vec3d a(mesh.points[t[0]]);
+    twice += (Vec3d(mesh.points[t[1]]) - a).cross(Vec3d(mesh.points[t[2]]) - a).length();
+  }
+  return twice / 2;
+}
+
+/// Checked before anything is allocated.
+void refuseAbsurdSize(const Mesh& mesh, double voxelSize) {
+  std::ostringstream why;
+  if (!(voxelSize > 0) || !std::isfinite(voxelSize)) {
+    why << "voxel size " << voxelSize << " is no positive number of world units";
+    throw InputError(why.str());
+  }
+  if (mesh.triangles.empty()) throw GeometryError("the mesh has no faces");
+  const openvdb::BBoxd box = boundsOf(mesh);
+  const double longest = box.extents()[int(box.maxExtent())];
+  const double band = areaOf(mesh) / (voxelSize * voxelSize) * 2 * kHalfWidth;
+  double farthest = 0;
+  for (int i = 0; i < 3; ++i) farthest = std::max({farthest, std::abs(box.min()[i]), std::abs(box.max()[i])});
+  const double allowed = std::max({longest / kMostVoxelsAlong, farthest / kFarthestVoxel,
+                                   voxelSize * std::sqrt(band / kMostBandVoxels)});
+  if (std::isfinite(allowed) && voxelSize >= allowed) return;
+  why << "voxel size " << voxelSize << " would make a grid of " << std::ceil(longest / voxelSize)
+      << " voxels along the longest side and about " << band << " voxels in the narrow band; at most "
+      << kMostVoxelsAlong << " and " << kMostBandVoxels << " are allowed: for this surface a voxel size of at least "
+      << allowed;
+  throw InputError(why.str());
+}
+
+bool hasInside(const FloatGrid& grid) {
+  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
+    for (auto value = leaf->cbeginValueOn(); value; ++value) {
+      if (*value < 0) return true;
+    }
+  }
+  return false;
+}
+
+/// Where (in `items`) each point's quads are listed.
+struct QuadsByPoint {
+  std::vector<Index> starts, items;
+
+  QuadsByPoint(const std::vector<Vec4I>& quads, size_t pointCount) : starts(pointCount + 1, 0) {
+    for (const Vec4I& q : quads) {
+      for (int k = 0; k < 4; ++k) ++starts[q[k] + 1];
+    }
+    for (size_t i = 1; i < starts.size(); ++i) starts[i] += starts[i - 1];
+    std::vector<Index> next(starts.begin(), starts.end() - 1);
+    items.resize(quads.size() * 4);
+    for (size_t i = 0; i < quads.size(); ++i) {
+      for (int k = 0; k < 4; ++k) items[next[quads[i][k]]++] = Index(i);
+    }
+  }
+};
+
+/// True where no quad but `own` has both points: a diagonal between them is an edge of its own.
+bool isFree(const QuadsByPoint& by, const std::vector<Vec4I>& quads, Index own, Index a, Index b) {
+  for (Index i = by.starts[a]; i < by.starts[a + 1]; ++i) {
+    const Vec4I& q = quads[by.items[i]];
+    if (by.items[i] != own && (q[0] == b || q[1] == b || q[2] == b || q[3] == b)) return false;
+  }
+  return true;
+}
+
+/// Splits along the shorter diagonal, the first of equal ones, unless only the other is an edge of its own.
+std::vector<Vec3I> splitQuads(const std::vector<Vec3s>& points, const std::vector<Vec4I>& quads) {
+  const QuadsByPoint by(quads, points.size());
+  std::vector<Vec3I> triangles(quads.size() * 2);
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, quads.size(), 4096), [&](const tbb::blocked_range<size_t>& r) {
+    for (size_t i = r.begin(); i < r.end(); ++i) {
+      const Vec4I& q = quads[i];
+      const double d02 = (Vec3d(points[q[0]]) - Vec3d(points[q[2]])).lengthSqr();
+      const double d13 = (Vec3d(points[q[1]]) - Vec3d(points[q[3]])).lengthSqr();
+      int first = d13 < d02 ? 1 : 0;
+      if (!isFree(by, quads, Index(i), q[first], q[first + 2]) &&
+          isFree(by, quads, Index(i), q[1 - first], q[(3 - first)])) {
+        first = 1 - first;
+      }
+      triangles[2 * i] = Vec3I(q[first], q[first + 1], q[first + 2]);
+      triangles[2 * i + 1] = Vec3I(q[first], q[first + 2], q[(first + 3) % 4]);
+    }
+  });
+  return triangles;
+}
+
+/// volumeToMesh winds faces inwards seen from values below the iso value; a fog volume is inside above it.
+bool windsInwards(const FloatGrid& grid) {
+  const bool fog = grid.getGridClass() == openvdb::GRID_FOG_VOLUME;
+  const Vec3d origin = grid.indexToWorld(Vec3d(0.0));
+  const Vec3d x = grid.indexToWorld(Vec3d(1, 0, 0)) - origin, y = grid.indexToWorld(Vec3d(0, 1, 0)) - origin;
+  const bool mirrored = x.cross(y).dot(grid.indexToWorld(Vec3d(0, 0, 1)) - origin) < 0;
+  return fog == mirrored;
+}
+
+}  // namespace
+
+FloatGrid::Ptr voxelise(const Mesh& mesh, double voxelSize) {
+  refuseAbsurdSize(mesh, voxelSize);
+  const auto transform = openvdb::math::Transform::createLinearTransform(voxelSize);
+  FloatGrid::Ptr grid = openvdb::tools::meshToLevelSet<FloatGrid>(*transform, mesh.points, mesh.triangles,
+                                                                 float(kHalfWidth));
+  if (!hasInside(*grid)) {
+    std::ostringstream why;
+    why << "nothing lies inside the surface at voxel size " << voxelSize
+        << ": it is open, or thinner than a voxel everywhere";
+    throw GeometryError(why.str());
+  }
+  return grid;
+}
+
+Mesh surfaceOf(const FloatGrid& grid, double iso) {
+  Mesh mesh;
+  std::vector<Vec4I> quads;
+  openvdb::tools::volumeToMesh(grid, mesh.points, quads, iso);
+  if (windsInwards(grid)) {
+    for (Vec4I& q : quads) std::swap(q[1], q[3]);
+  }
+  mesh.triangles = splitQuads(mesh.points, quads);
+  return makeManifold(std::move(mesh));
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,96 @@
+#include "io/atomic_file.h"
+
+#include "engine/errors.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+
+namespace slicemorph {
+namespace {
+
+constexpr size_t kBuffer = 1 << 20;
+
+std::filesystem::path folderOf(const std::string& path) {
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  return folder.empty() ? std::filesystem::path(".") : folder;
+}
+
+std::string temporaryFor(const std::string& path) {
+  const std::string name = "." + std::filesystem::path(path).filename().string() + ".tmp-" + std::to_string(getpid());
+  return (folderOf(path) / name).string();
+}
+
+/// Makes the renaming itself last; a file system that cannot do it is no failure, the file is complete.
+void flushFolder(const std::string& path) {
+  const int folder = ::open(folderOf(path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder < 0) return;
+  ::fsync(folder);
+  ::close(folder);
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(const std::string& path) : path_(path), temporary_(temporaryFor(path)) {
+  descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (descriptor_ < 0) fail("cannot be created");
+  buffer_.reserve(kBuffer);
+}
+
+AtomicFile::~AtomicFile() { discard(); }
+
+void AtomicFile::write(std::string_view bytes) {
+  if (buffer_.size() + bytes.size() > kBuffer) {
+    writeThrough(buffer_);
+    buffer_.clear();
+  }
+  if (bytes.size() >= kBuffer) {
+    writeThrough(bytes);
+  } else {
+    buffer_.append(bytes);
+  }
+}
+
+void AtomicFile::commit() {
+  writeThrough(buffer_);
+  buffer_.clear();
+  // Some file systems tell of a full disk only here.
+  if (::fsync(descriptor_) != 0 && errno != EINVAL) fail("cannot be written");
+  const int closed = ::close(descriptor_);
+  descriptor_ = -1;
+  if (closed != 0 || std::rename(temporary_.c_str(), path_.c_str()) != 0) {
+    const int reason = errno;
+    ::unlink(temporary_.c_str());
+    errno = reason;
+    fail("cannot be written");
+  }
+  flushFolder(path_);
+}
+
+void AtomicFile::writeThrough(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t done = ::write(descriptor_, bytes.data(), bytes.size());
+    if (done < 0 && errno == EINTR) continue;
+    if (done < 0) fail("cannot be written");
+    bytes.remove_prefix(size_t(done));
+  }
+}
+
+void AtomicFile::discard() noexcept {
+  if (descriptor_ < 0) return;
+  ::close(descriptor_);
+  ::unlink(temporary_.c_str());
+  descriptor_ = -1;
+}
+
+void AtomicFile::fail(const char* what) {
+  const std::string reason = std::strerror(errno);
+  discard();
+  throw IoError(path_ + " " + what + ": " + reason);
+}
+
+}  // namespace slicemorph

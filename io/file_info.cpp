@@ -1,0 +1,157 @@
+#include "io/file_info.h"
+
+#include "engine/errors.h"
+#include "engine/volume/level_set.h"
+#include "io/grid_choice.h"
+#include "io/mesh_reader.h"
+#include "io/paths.h"
+#include "io/vdb_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace slicemorph {
+namespace {
+
+MeshInfo describeMesh(const std::string& path) {
+  const StoredMesh stored = readPolygons(path);
+  const MeshTopology found = inspectMesh(stored.mesh);
+  MeshInfo info;
+  info.points = stored.points;
+  info.faces = stored.faces;
+  info.shells = found.shells;
+  info.boundaryEdges = found.boundaryEdges;
+  info.boundaryLoops = found.boundaryLoops;
+  info.nonManifoldEdges = found.nonManifoldEdges;
+  info.closed = found.shells > 0 && found.boundaryEdges == 0 && found.nonManifoldEdges == 0;
+  info.signedVolume = found.signedVolume;
+  openvdb::BBoxd box;
+  for (const openvdb::Vec3s& p : stored.mesh.points) box.expand(Vec3d(p));
+  if (!stored.mesh.points.empty()) {
+    info.boxMin = box.min();
+    info.boxMax = box.max();
+  }
+  try {
+    info.notes = closeSurface(path, stored).notes;
+  } catch (const std::runtime_error& error) {
+    info.problem = error.what();
+  }
+  return info;
+}
+
+bool isRotated(const openvdb::math::Transform& transform) {
+  if (!transform.isLinear()) return true;
+  const auto matrix = transform.baseMap()->getAffineMap()->getMat4();
+  const double size = transform.voxelSize().length();
+  for (int i = 0; i < 3; ++i) {
+    if (matrix(i, i) <= 0) return true;
+    for (int j = 0; j < 3; ++j) {
+      if (i != j && std::abs(matrix(i, j)) > 1e-6 * size) return true;
+    }
+  }
+  return false;
+}
+
+void describeTransform(const openvdb::GridBase& grid, GridInfo& info) {
+  info.voxelSize = grid.voxelSize();
+  const auto [low, high] = std::minmax({info.voxelSize.x(), info.voxelSize.y(), info.voxelSize.z()});
+  info.uniform = high - low <= 1e-6 * high;
+  info.rotated = isRotated(grid.transform());
+  const openvdb::CoordBBox voxels = grid.evalActiveVoxelBoundingBox();
+  if (voxels.empty()) return;
+  const openvdb::BBoxd box = grid.transform().indexToWorld(voxels);
+  info.boxMin = box.min();
+  info.boxMax = box.max();
+}
+
+void describeScalars(const FloatGrid& grid, GridInfo& info) {
+  const LevelSetReading reading = readingOf(grid);
+  info.scalar = true;
+  info.background = grid.background();
+  info.minimum = reading.minimum;
+  info.maximum = reading.maximum;
+  info.problem = reading.problem;
+  if (!reading.problem.empty()) return;
+  std::ostringstream how;
+  how << (grid.getGridClass() == openvdb::GRID_FOG_VOLUME ? "fog volume" : "level set");
+  if (reading.rebuilt.empty()) {
+    how << ", as it is";
+  } else {
+    how << ", rebuilt from its surface at " << reading.iso << ": " << reading.rebuilt;
+  }
+  info.reading = how.str();
+}
+
+GridInfo describeGrid(const VdbFile& file, size_t index) {
+  GridInfo info;
+  info.name = file.entries()[index].name;
+  info.type = file.entries()[index].type;
+  info.halfFloat = file.entries()[index].halfFloat;
+  try {
+    const openvdb::GridBase::Ptr grid = file.read(index);
+    info.type = grid->valueType();
+    info.gridClass = openvdb::GridBase::gridClassToString(grid->getGridClass());
+    info.activeVoxels = grid->activeVoxelCount();
+    describeTransform(*grid, info);
+    if (const FloatGrid::ConstPtr scalars = asFloatGrid(grid)) {
+      describeScalars(*scalars, info);
+    } else {
+      info.problem = "holds " + info.type + " values, no scalar ones that have a surface";
+    }
+  } catch (const std::exception& error) {
+    info.problem = error.what();
+  }
+  return info;
+}
+
+/// The first of the grids that loadObject would try that is a shape.
+std::string chosenGrid(const VdbFile& file, const std::string& path, const std::vector<GridInfo>& grids) {
+  try {
+    for (size_t index : gridsToTry(file, path)) {
+      if (grids[index].problem.empty()) return grids[index].name;
+    }
+  } catch (const InputError&) {
+  }
+  return "";
+}
+
+VdbInfo describeVdb(const InputName& name) {
+  const VdbFile file(name.path);
+  VdbInfo info;
+  info.fileVersion = file.fileVersion();
+  info.libraryVersion = file.libraryVersion();
+  if (!name.grid.empty()) {
+    info.grids.push_back(describeGrid(file, findGrid(file, name)));
+    if (info.grids[0].problem.empty()) info.chosen = info.grids[0].name;
+    return info;
+  }
+  for (size_t i = 0; i < file.entries().size(); ++i) info.grids.push_back(describeGrid(file, i));
+  info.chosen = chosenGrid(file, name.path, info.grids);
+  return info;
+}
+
+}  // namespace
+
+FileInfo describeFile(const std::string& input) {
+  initialiseVdb();
+  const InputName name = splitInput(input);
+  const std::string extension = extensionOf(name.path);
+  FileInfo info;
+  info.path = name.path;
+  info.bytes = sizeOfInput(name.path);
+  if (extension != ".vdb" && !isMeshExtension(extension)) {
+    throw InputError(name.path + ": cannot read the extension '" + extension +
+                     "'; use .vdb, .obj, .ply, .stl, .off or .glb");
+  }
+  info.format = extension.substr(1);
+  if (extension == ".vdb") {
+    info.kind = FileInfo::Kind::kVdb;
+    info.vdb = describeVdb(name);
+  } else {
+    info.mesh = describeMesh(name.path);
+  }
+  return info;
+}
+
+}  // namespace slicemorph

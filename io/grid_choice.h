@@ -1,0 +1,22 @@
+#pragma once
+
+#include "io/paths.h"
+#include "io/vdb_reader.h"
+
+#include <string>
+#include <vector>
+
+namespace slicemorph {
+
+/// Index of the grid that the input names. Throws InputError listing what is there where it is missing or holds no
+/// scalars.
+size_t findGrid(const VdbFile& file, const InputName& name);
+
+/// Scalar grids in the order in which they are tried where none is named: class level set first, then unknown classes,
+/// then fog volumes. Throws InputError listing what is there where there is none.
+std::vector<size_t> gridsToTry(const VdbFile& file, const std::string& path);
+
+/// A float grid as it is, a double grid converted; null for any other.
+FloatGrid::ConstPtr asFloatGrid(const openvdb::GridBase::Ptr& grid);
+
+}  // namespace slicemorph

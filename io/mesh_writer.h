@@ -1,0 +1,13 @@
+#pragma once
+
+#include "engine/volume/mesh.h"
+
+#include <string>
+
+namespace slicemorph {
+
+/// Writes a mesh by extension: `.obj`, `.ply` (binary, little endian), `.stl` (binary). Numbers of text files are the
+/// shortest that read back as the same floats, whatever the locale. Whole or not at all; throws IoError.
+void writeMesh(const std::string& path, const Mesh& mesh);
+
+}  // namespace slicemorph

@@ -1,0 +1,65 @@
+#include "io/output.h"
+
+#include "engine/errors.h"
+#include "engine/volume/voxelise.h"
+#include "io/mesh_writer.h"
+#include "io/paths.h"
+#include "io/vdb_writer.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+namespace slicemorph {
+
+OutputName::OutputName(std::string pattern) : pattern_(std::move(pattern)) {
+  // The last run of # of the file's name; one in a folder's name is just a folder.
+  const size_t last = pattern_.rfind('#'), slash = pattern_.rfind('/');
+  if (last == std::string::npos || (slash != std::string::npos && last < slash)) return;
+  const size_t before = pattern_.find_last_not_of('#', last);
+  first_ = before == std::string::npos ? 0 : before + 1;
+  hashes_ = last + 1 - first_;
+}
+
+std::string OutputName::path(int frame) const {
+  if (!isSequence()) return pattern_;
+  std::string digits = std::to_string(frame < 0 ? -std::int64_t(frame) : std::int64_t(frame));
+  if (digits.size() < hashes_) digits.insert(0, hashes_ - digits.size(), '0');
+  if (frame < 0) digits.insert(0, 1, '-');
+  return std::string(pattern_).replace(first_, hashes_, digits);
+}
+
+std::string OutputName::extension() const { return extensionOf(pattern_); }
+
+void checkSurfaceOutput(const std::string& path) {
+  const std::string extension = extensionOf(path);
+  if (extension != ".vdb" && extension != ".obj" && extension != ".ply" && extension != ".stl") {
+    throw InputError(path + ": cannot write " +
+                     (extension.empty() ? "a file without an extension" : "the extension '" + extension + "'") +
+                     "; use .vdb, .obj, .ply or .stl");
+  }
+  std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  if (folder.empty()) folder = ".";
+  std::error_code ignored;
+  if (!std::filesystem::exists(folder, ignored)) {
+    throw IoError(path + ": the folder " + folder.string() + " does not exist");
+  }
+  if (!std::filesystem::is_directory(folder, ignored)) throw IoError(path + ": " + folder.string() + " is no folder");
+  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
+    throw IoError(path + ": the folder " + folder.string() + " cannot be written to: " + std::strerror(errno));
+  }
+  if (std::filesystem::is_directory(path, ignored)) throw IoError(path + " is a folder, not a file");
+}
+
+void writeSurface(const std::string& path, const FloatGrid& levelSet, const SurfaceOutput& options) {
+  checkSurfaceOutput(path);
+  if (extensionOf(path) == ".vdb") {
+    writeVdb(path, levelSet, options);
+  } else {
+    writeMesh(path, surfaceOf(levelSet));
+  }
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,37 @@
+#pragma once
+
+#include "engine/conventions.h"
+
+#include <string>
+
+namespace slicemorph {
+
+/// An output name of the command line: `name.####.vdb` is a sequence (the run of # is the frame number, padded with
+/// zeros), any other name a single file.
+class OutputName {
+ public:
+  explicit OutputName(std::string pattern);
+  bool isSequence() const { return hashes_ > 0; }
+  std::string path(int frame) const;
+  std::string extension() const;  ///< lower case, with the dot
+
+ private:
+  std::string pattern_;
+  size_t first_ = 0, hashes_ = 0;
+};
+
+struct SurfaceOutput {
+  bool halfFloat = false;
+  double framesPerSecond = 24;
+  int frame = 1;
+};
+
+/// Throws InputError where `path` has no extension that writeSurface knows, IoError where its folder does not exist or
+/// cannot be written to: to be called before any work is done.
+void checkSurfaceOutput(const std::string& path);
+
+/// Writes a level set by extension: `.vdb` as the grid it is, named `surface`; `.obj .ply .stl` its surface mesh.
+/// The file appears whole or not at all (written beside, flushed, then renamed). Throws IoError.
+void writeSurface(const std::string& path, const FloatGrid& levelSet, const SurfaceOutput& options = {});
+
+}  // namespace slicemorph

@@ -1,0 +1,260 @@
+#include "io/vdb_reader.h"
+
+#include "engine/errors.h"
+#include "io/paths.h"
+
+#include <log4cplus/logger.h>
+#include <openvdb/io/GridDescriptor.h>
+
+#include <fstream>
+#include <map>
+#include <mutex>
+
+namespace slicemorph {
+namespace {
+
+using openvdb::GridBase;
+using openvdb::io::GridDescriptor;
+
+/// Since this version of the format a grid begins with its compression flags.
+constexpr unsigned kFirstWithGridCompression = 222;
+/// Since this version a descriptor holds the name of the grid whose tree it shares.
+constexpr unsigned kFirstWithInstances = 216;
+
+struct Damaged : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Steps over parts of a file without believing their sizes.
+class Walker {
+ public:
+  Walker(std::istream& stream, std::uint64_t size) : stream_(stream), size_(size) {}
+
+  std::uint64_t position() { return std::uint64_t(stream_.tellg()); }
+
+  template <typename T>
+  T number() {
+    T value{};
+    stream_.read(reinterpret_cast<char*>(&value), sizeof value);
+    return value;
+  }
+  void bytes(std::uint64_t count) {
+    if (count > size_ - position()) throw Damaged("it is truncated or damaged");
+    stream_.seekg(std::streamoff(count), std::ios::cur);
+  }
+  void text() { bytes(number<std::uint32_t>()); }
+  void metadata() {
+    for (auto count = number<std::uint32_t>(); count > 0; --count) {
+      text();
+      text();
+      bytes(number<std::uint32_t>());
+    }
+  }
+
+ private:
+  std::istream& stream_;
+  std::uint64_t size_;
+};
+
+/// The parts of OpenVDB's reader that take any stream.
+class Reader : public openvdb::io::Archive {
+ public:
+  Reader(const std::string& path, std::uint64_t size) : stream_(path, std::ios::binary), size_(size) {
+    // A read beyond the end throws, wherever in OpenVDB it happens.
+    stream_.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
+    readHeader(stream_);
+    contents_ = stream_.tellg();
+    metadata_.reset(new openvdb::io::StreamMetadata);
+    metadata_->setSeekable(true);
+    openvdb::io::setStreamMetadataPtr(stream_, metadata_, /*transfer=*/false);
+    setFormatVersion(stream_);
+    setLibraryVersion(stream_);
+    setDataCompression(stream_);
+  }
+
+  unsigned version() const { return fileVersion(); }
+  bool hasOffsets() const { return inputHasGridOffsets(); }
+
+  /// Steps over the metadata of the file; returns the number of grids.
+  std::uint32_t beginContents() {
+    stream_.seekg(contents_);
+    Walker walker(stream_, size_);
+    walker.metadata();
+    return walker.number<std::uint32_t>();
+  }
+
+  GridDescriptor readDescriptor() {
+    const auto begin = stream_.tellg();
+    Walker walker(stream_, size_);
+    walker.text();
+    walker.text();
+    if (version() >= kFirstWithInstances) walker.text();
+    stream_.seekg(begin);
+    GridDescriptor descriptor;
+    descriptor.read(stream_);
+    if (!hasOffsets()) return descriptor;
+    const std::int64_t here = stream_.tellg(), end = descriptor.getEndPos();
+    if (descriptor.getGridPos() < here || descriptor.getBlockPos() < descriptor.getGridPos() ||
+        end < descriptor.getBlockPos()) {
+      throw Damaged("its table of contents is damaged");
+    }
+    if (std::uint64_t(end) > size_) {
+      throw Damaged("it is truncated: grid '" + GridDescriptor::nameAsString(descriptor.uniqueName()) +
+                    "' ends at byte " + std::to_string(end) + ", the file has " + std::to_string(size_));
+    }
+    return descriptor;
+  }
+
+  void skipGrid(const GridDescriptor& descriptor) { descriptor.seekToEnd(stream_); }
+
+  void checkGridMetadata() {
+    const auto begin = stream_.tellg();
+    Walker walker(stream_, size_);
+    if (version() >= kFirstWithGridCompression) walker.number<std::uint32_t>();
+    walker.metadata();
+    stream_.seekg(begin);
+  }
+
+  GridBase::Ptr readHeaderOf(const GridDescriptor& descriptor) {
+    GridBase::Ptr grid = begin(descriptor);
+    if (!grid) return grid;
+    readGridCompression(stream_);
+    grid->readMeta(stream_);
+    grid->readTransform(stream_);
+    return grid;
+  }
+
+  GridBase::Ptr readWhole(const GridDescriptor& descriptor) {
+    GridBase::Ptr grid = begin(descriptor);
+    if (!grid) throw Damaged("its type " + descriptor.gridType() + " is not known to this OpenVDB");
+    readGrid(grid, descriptor, stream_);
+    return grid;
+  }
+
+ private:
+  GridBase::Ptr begin(const GridDescriptor& descriptor) {
+    if (!GridBase::isRegistered(descriptor.gridType())) return nullptr;
+    if (hasOffsets()) descriptor.seekToGrid(stream_);
+    checkGridMetadata();
+    GridBase::Ptr grid = GridBase::createGrid(descriptor.gridType());
+    grid->setSaveFloatAsHalf(descriptor.saveFloatAsHalf());
+    return grid;
+  }
+
+  std::ifstream stream_;
+  std::uint64_t size_;
+  std::istream::pos_type contents_;
+  openvdb::io::StreamMetadata::Ptr metadata_;
+};
+
+/// Runs `action`; whatever OpenVDB, Boost or the library throw becomes an IoError beginning with `what`.
+template <typename Action>
+auto guarded(const std::string& what, const Action& action) {
+  try {
+    return action();
+  } catch (const IoError&) {
+    throw;
+  } catch (const std::ios_base::failure&) {
+    throw IoError(what + ": it is truncated or damaged: the file ends inside the data");
+  } catch (const std::bad_alloc&) {
+    throw IoError(what + ": it is damaged, or larger than the memory");
+  } catch (const std::exception& error) {
+    throw IoError(what + ": " + error.what());
+  } catch (...) {
+    throw IoError(what + ": it is damaged");
+  }
+}
+
+std::vector<VdbEntry> entriesOf(const std::vector<GridDescriptor>& descriptors) {
+  std::map<std::string, size_t> total, seen;
+  for (const GridDescriptor& d : descriptors) ++total[d.gridName()];
+  std::vector<VdbEntry> entries;
+  for (const GridDescriptor& d : descriptors) {
+    const std::string suffix = total[d.gridName()] > 1 ? "[" + std::to_string(seen[d.gridName()]++) + "]" : "";
+    entries.push_back({d.gridName() + suffix, d.gridType(), d.saveFloatAsHalf()});
+  }
+  return entries;
+}
+
+}  // namespace
+
+void initialiseVdb() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    openvdb::initialize();
+    log4cplus::Logger::getInstance(LOG4CPLUS_TEXT("openvdb")).setLogLevel(log4cplus::OFF_LOG_LEVEL);
+  });
+}
+
+struct VdbFile::Impl {
+  std::string path;
+  std::uint64_t size = 0;
+  unsigned fileVersion = 0;
+  std::string libraryVersion;
+  std::vector<GridDescriptor> descriptors;
+  std::vector<VdbEntry> entries;
+  std::vector<GridBase::Ptr> streamed;  // all grids of a file without offsets, which can only be read in order
+
+  void readContents() {
+    Reader reader(path, size);
+    fileVersion = reader.version();
+    const auto library = reader.libraryVersion();
+    libraryVersion = std::to_string(library.first) + "." + std::to_string(library.second);
+    for (auto count = reader.beginContents(); count > 0; --count) {
+      descriptors.push_back(reader.readDescriptor());
+      if (reader.hasOffsets()) {
+        reader.skipGrid(descriptors.back());
+      } else {
+        streamed.push_back(reader.readWhole(descriptors.back()));
+      }
+    }
+    entries = entriesOf(descriptors);
+  }
+
+  GridBase::Ptr readOwn(size_t index) const {
+    return streamed.empty() ? Reader(path, size).readWhole(descriptors.at(index)) : streamed.at(index);
+  }
+
+  /// The tree of an instance is another grid's.
+  GridBase::Ptr readConnected(size_t index) const {
+    const GridBase::Ptr grid = readOwn(index);
+    if (!descriptors[index].isInstance()) return grid;
+    for (size_t i = 0; i < descriptors.size(); ++i) {
+      const bool parent = descriptors[i].uniqueName() == descriptors[index].instanceParentName();
+      if (!parent || descriptors[i].isInstance() || descriptors[i].gridType() != descriptors[index].gridType()) continue;
+      grid->setTree(readOwn(i)->baseTreePtr());
+      return grid;
+    }
+    throw Damaged("the grid whose tree it shares is missing");
+  }
+
+  std::string cannotRead(size_t index) const {
+    return path + ": grid '" + entries.at(index).name + "' cannot be read";
+  }
+};
+
+VdbFile::VdbFile(const std::string& path) : impl_(std::make_unique<Impl>()) {
+  initialiseVdb();
+  impl_->path = path;
+  impl_->size = sizeOfInput(path);
+  guarded(path + " cannot be read as a VDB file", [&] { impl_->readContents(); });
+}
+
+VdbFile::~VdbFile() = default;
+
+const std::vector<VdbEntry>& VdbFile::entries() const { return impl_->entries; }
+unsigned VdbFile::fileVersion() const { return impl_->fileVersion; }
+std::string VdbFile::libraryVersion() const { return impl_->libraryVersion; }
+
+GridBase::Ptr VdbFile::readHeader(size_t index) const {
+  return guarded(impl_->cannotRead(index), [&] {
+    return impl_->streamed.empty() ? Reader(impl_->path, impl_->size).readHeaderOf(impl_->descriptors.at(index))
+                                   : impl_->streamed.at(index);
+  });
+}
+
+GridBase::Ptr VdbFile::read(size_t index) const {
+  return guarded(impl_->cannotRead(index), [&] { return impl_->readConnected(index); });
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,45 @@
+#pragma once
+
+#include "engine/conventions.h"
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace slicemorph {
+
+/// Registers OpenVDB's types and silences its log, which goes to stdout. Call before any VDB or grid is made;
+/// may be called often and from any thread.
+void initialiseVdb();
+
+/// One grid of a VDB file, as its table of contents lists it.
+struct VdbEntry {
+  std::string name;      ///< `density`; `density[1]` for the second of several grids of one name
+  std::string type;      ///< of the tree, for example `Tree_float_5_4_3`
+  bool halfFloat = false;
+};
+
+/// A VDB file, read grid by grid so that one that cannot be read leaves the others. OpenVDB's own reader takes sizes in
+/// the file at their word; here every size that it would allocate is first compared with what the file can hold.
+/// Everything throws IoError naming the file.
+class VdbFile {
+ public:
+  /// Reads the table of contents; a truncated file is refused here.
+  explicit VdbFile(const std::string& path);
+  ~VdbFile();
+
+  const std::vector<VdbEntry>& entries() const;
+  unsigned fileVersion() const;
+  std::string libraryVersion() const;  ///< for example "10.0"
+
+  /// Metadata and transform only, for a look at the class; null for grid types this OpenVDB does not know.
+  openvdb::GridBase::Ptr readHeader(size_t index) const;
+  openvdb::GridBase::Ptr read(size_t index) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace slicemorph

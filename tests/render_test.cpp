@@ -1,0 +1,177 @@
+#include "engine/errors.h"
+#include "engine/render/contact_sheet.h"
+#include "engine/render/render.h"
+#include "io/png_writer.h"
+
+#include <gtest/gtest.h>
+#include <openvdb/tools/LevelSetSphere.h>
+#include <png.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <filesystem>
+
+namespace slicemorph {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+FloatGrid::Ptr sphere(double radius, const Vec3d& centre, double voxelSize) {
+  return openvdb::tools::createLevelSetSphere<FloatGrid>(float(radius), openvdb::Vec3f(centre), float(voxelSize));
+}
+
+double alphaSum(const Image& image) {
+  double sum = 0;
+  for (size_t n = 3; n < image.rgba.size(); n += 4) sum += image.rgba[n];
+  return sum;
+}
+
+/// Looks along -z at `target`.
+Camera frontView(const Vec3d& target, double height) {
+  Camera camera;
+  camera.target = target;
+  camera.position = target + Vec3d(0, 0, height);
+  camera.orthographicHeight = height;
+  return camera;
+}
+
+TEST(Render, SilhouetteHasTheAreaOfTheSphereAtAnyScale) {
+  for (const double scale : {6e-4, 1.0, 250.0}) {
+    const Vec3d centre(31.3 * scale, -17.7 * scale, 55.1 * scale);
+    const auto grid = sphere(20 * scale, centre, scale);
+    RenderOptions options;
+    options.width = options.height = 200;
+    options.background = false;
+    const Image image = renderSurface(*grid, frontView(centre, 50 * scale), options);
+    const double pixel = 50.0 / 200;
+    // A quarter of a pixel all round is the error of four samples.
+    EXPECT_NEAR(alphaSum(image) * pixel * pixel, kPi * 400, 2 * kPi * 20 * pixel / 4) << "scale " << scale;
+  }
+}
+
+TEST(Render, NormalsPointOutwards) {
+  const auto grid = sphere(20, {5, 6, 7}, 1);
+  RenderOptions options;
+  options.width = options.height = 101;
+  options.shading = Shading::kNormals;
+  const Image image = renderSurface(*grid, frontView({5, 6, 7}, 50), options);
+  const auto normalAt = [&](int x, int y) {
+    const float* p = &image.rgba[4 * (size_t(y) * 101 + x)];
+    return Vec3d(2 * p[0] - 1, 2 * p[1] - 1, 2 * p[2] - 1);
+  };
+  EXPECT_GT(normalAt(50, 50).dot({0, 0, 1}), 0.999);
+  const double offset = 24 * 50.0 / 101 / 20;  // 24 pixels right of the middle, in radii
+  EXPECT_GT(normalAt(74, 50).dot({offset, 0, std::sqrt(1 - offset * offset)}), 0.995);
+  EXPECT_GT(normalAt(50, 26).dot({0, offset, std::sqrt(1 - offset * offset)}), 0.995);  // up is up
+}
+
+TEST(Render, FrameAllSeesEveryBoxWhole) {
+  const auto a = sphere(10, {0, 0, 0}, 1), b = sphere(15, {60, 20, -30}, 1);
+  for (const double fov : {0.0, 10.0, 60.0}) {
+    FrameAllOptions view;
+    view.verticalFov = fov;
+    const Camera camera = frameAll({surfaceBox(*a), surfaceBox(*b)}, view);
+    RenderOptions options;
+    options.background = false;
+    for (const auto& grid : {a, b}) {
+      const Image image = renderSurface(*grid, camera, options);
+      EXPECT_GT(alphaSum(image), 0.005 * image.width * image.height);
+      for (int x = 0; x < image.width; ++x) {
+        ASSERT_EQ(image.rgba[4 * size_t(x) + 3], 0);
+        ASSERT_EQ(image.rgba[4 * (size_t(image.height - 1) * image.width + x) + 3], 0);
+      }
+      for (int y = 0; y < image.height; ++y) {
+        ASSERT_EQ(image.rgba[4 * size_t(y) * image.width + 3], 0);
+        ASSERT_EQ(image.rgba[4 * (size_t(y) * image.width + image.width - 1) + 3], 0);
+      }
+    }
+  }
+}
+
+TEST(Render, SameBytesForAnyThreadCount) {
+  const auto grid = sphere(20, {0, 0, 0}, 1);
+  const Camera camera = frameAll({surfaceBox(*grid)});
+  std::vector<std::vector<float>> pictures;
+  for (const size_t threads : {1, 2, 4}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    pictures.push_back(renderSurface(*grid, camera).rgba);
+  }
+  EXPECT_EQ(pictures[0], pictures[1]);
+  EXPECT_EQ(pictures[0], pictures[2]);
+}
+
+TEST(Render, EmptyLevelSetGivesTheBackground) {
+  const auto grid = FloatGrid::create(3.0f);
+  grid->setGridClass(openvdb::GRID_LEVEL_SET);
+  RenderOptions options;
+  options.width = 8, options.height = 6;
+  const Image image = renderSurface(*grid, Camera(), options);
+  EXPECT_EQ(alphaSum(image), 48);
+  EXPECT_THROW(surfaceBox(*grid), GeometryError);
+}
+
+TEST(Render, RefusesWhatItCannotDraw) {
+  const auto grid = sphere(5, {0, 0, 0}, 1);
+  RenderOptions options;
+  options.width = 0;
+  EXPECT_THROW(renderSurface(*grid, Camera(), options), InputError);
+  options = {};
+  options.samples = 65;
+  EXPECT_THROW(renderSurface(*grid, Camera(), options), InputError);
+  Camera alongUp;
+  alongUp.position = {0, 5, 0};
+  EXPECT_THROW(renderSurface(*grid, alongUp), InputError);
+  EXPECT_THROW(frameAll({}), InputError);
+  grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+  EXPECT_THROW(renderSurface(*grid, Camera()), InputError);
+}
+
+Image plain(int width, int height, float value) {
+  return {width, height, std::vector<float>(size_t(4) * width * height, value)};
+}
+
+TEST(ContactSheet, TilesInReadingOrderWithCaptions) {
+  std::vector<Tile> tiles;
+  for (int n = 0; n < 5; ++n) tiles.push_back({plain(40, 30, 0.1f * float(n + 1)), n == 4 ? "t=0.25" : ""});
+  const Image sheet = contactSheet(tiles);
+  ASSERT_EQ(sheet.width, 3 * 42 - 2);
+  ASSERT_EQ(sheet.height, 2 * 32 - 2);
+  for (int n = 0; n < 5; ++n) {
+    EXPECT_FLOAT_EQ(sheet.rgba[4 * (size_t(n / 3) * 32 * sheet.width + size_t(n % 3) * 42)], 0.1f * float(n + 1));
+  }
+  int letters = 0;
+  for (int y = 32; y < 62; ++y) {
+    for (int x = 42; x < 82; ++x) letters += sheet.rgba[4 * (size_t(y) * sheet.width + x)] > 0.8f;
+  }
+  EXPECT_GT(letters, 40);
+  EXPECT_EQ(contactSheet(tiles, 1).height, 5 * 32 - 2);
+}
+
+TEST(ContactSheet, RefusesTilesOfDifferentSizes) {
+  EXPECT_THROW(contactSheet({}), InputError);
+  EXPECT_THROW(contactSheet({{plain(4, 4, 0), ""}, {plain(5, 4, 0), ""}}), InputError);
+  EXPECT_THROW(contactSheet({{plain(4, 4, 0), ""}}, -1), InputError);
+}
+
+std::vector<png_byte> readPng(const std::string& path, png_uint_32 format) {
+  png_image header = {};
+  header.version = PNG_IMAGE_VERSION;
+  EXPECT_TRUE(png_image_begin_read_from_file(&header, path.c_str())) << header.message;
+  header.format = format;
+  std::vector<png_byte> pixels(PNG_IMAGE_SIZE(header));
+  EXPECT_TRUE(png_image_finish_read(&header, nullptr, pixels.data(), 0, nullptr)) << header.message;
+  return pixels;
+}
+
+TEST(Png, WritesSrgbAndStraightAlpha) {
+  const std::string path = testing::TempDir() + "slicemorph_png_test.png";
+  writePng(path, {2, 1, {0.5f, 0, 2, 1, 0.002f, 1, -1, 1}});
+  EXPECT_EQ(readPng(path, PNG_FORMAT_RGB), (std::vector<png_byte>{188, 0, 255, 7, 255, 0}));
+  writePng(path, {1, 1, {0.25f, 0, 0.5f, 0.5f}});  // premultiplied
+  EXPECT_EQ(readPng(path, PNG_FORMAT_RGBA), (std::vector<png_byte>{188, 0, 255, 128}));
+  std::filesystem::remove(path);
+  EXPECT_THROW(writePng(testing::TempDir() + "no/such/folder/a.png", plain(1, 1, 1)), IoError);
+}
+
+}  // namespace
+}  // namespace slicemorph

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "engine/measure/measure.h"
+#include "tools/morph_settings.h"
+
+#include <nlohmann/json.hpp>
+
+#include <string>
+#include <vector>
+
+namespace slicemorph {
+
+struct FrameSeconds {
+  double evaluate = 0, measure = 0, write = 0;
+};
+
+struct FrameFigures {
+  double voxelSize = 0, foldShare = 0;
+  ShapeMeasures shape;
+  std::optional<double> symmetricDifference;  ///< to the frame before, world units cubed
+  FrameSeconds seconds;
+};
+
+/// The inputs' settings as they bear on the result: what --resume compares, and the head of the report.
+nlohmann::ordered_json describeJob(const MorphSettings& settings);
+
+/// One frame of the report. `inputs`: measures of the inputs, in order.
+nlohmann::ordered_json describeFrame(const FrameJob& job, const FrameFigures& figures,
+                                     const std::vector<ShapeMeasures>& inputs);
+
+struct ReportParts {
+  std::vector<std::string> notes;
+  std::vector<ShapeMeasures> inputs;
+  std::vector<nlohmann::ordered_json> frames;
+  double loadSeconds = 0, planSeconds = 0;
+  std::optional<double> restDistance;  ///< of --method levelset, voxels
+};
+
+/// Writes the report, whole or not at all. Throws IoError.
+void writeReport(const MorphSettings& settings, const ReportParts& parts);
+
+}  // namespace slicemorph

@@ -1,0 +1,188 @@
+#include "tools/morph_settings.h"
+
+#include "engine/errors.h"
+#include "tools/common_options.h"
+#include "tools/job_file.h"
+
+#include <cmath>
+#include <filesystem>
+#include <numeric>
+
+namespace slicemorph {
+
+struct MorphOptionSet::Values {
+  std::vector<std::string> inputs;
+  std::string output, at, weights, axis = "auto", spine = "auto", align = "auto", method = "slices", grids, report,
+                                   config, sliceFolder;
+  int frames = 24, threads = 0;
+  LoadOptions load;
+  MorphOptions plan;
+  double framesPerSecond = 24;
+  bool quiet = false, resume = false;
+
+  SamplingOptions sampling;
+  CLI::Option *inputsGiven, *outputGiven, *framesGiven, *atGiven, *weightsGiven, *threadsGiven, *gridsGiven;
+  std::vector<JobOption> jobOptions;
+};
+
+namespace {
+
+/// Weights at time t along the chain of inputs: between neighbours, each pair getting the same share of the time.
+Weights weightsAt(double t, size_t objects) {
+  const double place = t * double(objects - 1);
+  const size_t first = std::min(size_t(place), objects - 2);
+  Weights weights(objects, 0.0);
+  weights[first] = 1 - (place - double(first));
+  weights[first + 1] = place - double(first);
+  return weights;
+}
+
+void checkWeights(const Weights& weights, const std::string& text, size_t objects) {
+  if (weights.size() != objects)
+    throw InputError("--weights " + text + " has " + std::to_string(weights.size()) + " numbers for " +
+                     std::to_string(objects) + " inputs; give one weight per input");
+  for (double w : weights)
+    if (w < 0) throw InputError("--weights " + text + ": " + formatNumber(w) + " is negative; weights are 0 or more");
+  const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+  if (std::abs(sum - 1) <= 1e-6) return;
+  std::string right;
+  for (double w : weights) right += (right.empty() ? "" : ",") + formatNumber(w / sum, 9);
+  throw InputError("--weights " + text + " sum to " + formatNumber(sum, 9) + ", not to 1" +
+                   (sum > 0 ? "; in the same proportions: " + right : ""));
+}
+
+std::vector<double> frameTimes(const std::string& at, bool atGiven, int frames) {
+  if (!atGiven) {
+    checkRange("--frames", frames, 1, 1000000);
+    std::vector<double> times(size_t(frames), 0.0);
+    for (int i = 1; i < frames; ++i) times[size_t(i)] = double(i) / (frames - 1);
+    return times;
+  }
+  const std::vector<double> times = parseNumbers("--at", at);
+  for (double t : times)
+    if (t < 0 || t > 1) throw InputError("--at " + at + ": " + formatNumber(t) + " is not a time; times are 0 to 1");
+  return times;
+}
+
+Method methodOf(const std::string& name) {
+  return name == "sdf" ? Method::kSdf : name == "levelset" ? Method::kLevelSet : Method::kSlices;
+}
+
+}  // namespace
+
+MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Values>()) {
+  Values& v = *values_;
+  const auto add = [&](const std::string& name, auto& value, JobType type, const std::string& help,
+                       const std::string& typeName, const std::string& group = "") {
+    CLI::Option* option = command.add_option("--" + name, value, help)->type_name(typeName);
+    v.jobOptions.push_back({name, type, option, group});
+    return option;
+  };
+  const auto remember = [&](const std::string& key, JobType type, CLI::Option* option, const std::string& group = "") {
+    v.jobOptions.push_back({key, type, option, group});
+    return option;
+  };
+  v.inputsGiven = remember("inputs", JobType::kTexts,
+                           command.add_option("INPUT", v.inputs,
+                                              "Two or more shapes: .vdb (file.vdb:grid picks a grid) .obj .ply .stl "
+                                              ".off .glb; more than two follow each other in time"));
+  v.outputGiven = remember("output", JobType::kText,
+                           command.add_option("-o,--output", v.output,
+                                              "Result: .vdb .obj .ply or .stl; #### stands for the frame number")
+                               ->type_name("OUTPUT"));
+  v.framesGiven = add("frames", v.frames, JobType::kInteger,
+                      "Frames 1 to N, the first input at 1, the last at N (24)", "N", "time");
+  v.atGiven = add("at", v.at, JobType::kNumbers, "Only these times, 0 to 1", "T[,T...]", "time");
+  v.weightsGiven = add("weights", v.weights, JobType::kNumbers,
+                       "One blend of all inputs: a weight per input, of sum 1", "W,W[,W...]", "time");
+  v.sampling = addSamplingOptions(command, v.load);
+  remember("voxel-size", JobType::kNumber, v.sampling.voxelSize, "sampling");
+  remember("resolution", JobType::kInteger, v.sampling.resolution, "sampling");
+  remember("iso", JobType::kNumber, v.sampling.iso);
+  add("slices", v.plan.slices, JobType::kInteger, "Slices per object, 8 to 1024 (96)", "N");
+  add("samples", v.plan.samples, JobType::kInteger, "Points per contour, 16 to 4096 (128)", "N");
+  add("axis", v.axis, JobType::kText, "Slicing direction of the first input (auto)", "auto|x|y|z|DX,DY,DZ");
+  add("spine", v.spine, JobType::kText, "Line that the slices follow (auto)", "auto|straight|curved")
+      ->check(CLI::IsMember({"auto", "straight", "curved"}));
+  add("align", v.align, JobType::kText, "none keeps world positions and directions (auto)", "auto|none")
+      ->check(CLI::IsMember({"auto", "none"}));
+  add("method", v.method, JobType::kText,
+      "slices; or a classic: sdf blends distances point by point, levelset moves the surface to the nearest (slices)",
+      "slices|sdf|levelset")
+      ->check(CLI::IsMember({"slices", "sdf", "levelset"}));
+  v.gridsGiven = add("grids", v.grids, JobType::kText, "Not built yet: carry other grids of the file", "a,b,...");
+  add("fps", v.framesPerSecond, JobType::kNumber, "Frames per second, for the metadata (24)", "F");
+  v.threadsGiven = remember("threads", JobType::kInteger, addThreadsOption(command, v.threads));
+  add("report", v.report, JobType::kText, "Measure every frame and write the figures", "FILE.json");
+  add("dump-slices", v.sliceFolder, JobType::kText, "Draw the slices with their contours and pairs, one SVG each", "DIR");
+  remember("resume", JobType::kFlag,
+           command.add_flag("--resume", v.resume, "Go on with an interrupted sequence of the same settings"));
+  remember("quiet", JobType::kFlag, command.add_flag("--quiet", v.quiet, "Print nothing but errors"));
+  command.add_option("--config", v.config, "Take options from a file (key = value, keys as the long options, inputs, "
+                                           "output); the command line wins")
+      ->type_name("FILE.toml");
+}
+
+MorphSettings MorphOptionSet::settings() {
+  Values& v = *values_;
+  if (!v.config.empty()) applyJobFile(v.config, v.jobOptions);
+  if (v.inputs.size() < 2)
+    throw InputError("morph needs at least two inputs, not " + std::to_string(v.inputs.size()) +
+                     "; for example: slicemorph morph a.obj b.obj -o morph.####.vdb");
+  if (v.output.empty()) throw InputError("morph needs an output; for example: -o morph.####.vdb");
+  if (v.gridsGiven->count()) throw InputError("--grids is not built yet: only the surface is morphed");
+  if (v.spine == "curved") throw InputError("--spine curved is not built yet; use auto or straight");
+  if (v.atGiven->count() + v.weightsGiven->count() + v.framesGiven->count() > 1)
+    throw InputError("--frames, --at and --weights exclude each other; give one of them");
+
+  MorphSettings s;
+  s.inputs = v.inputs, s.output = v.output, s.load = v.load, s.plan = v.plan;
+  s.framesPerSecond = v.framesPerSecond, s.report = v.report, s.sliceFolder = v.sliceFolder;
+  s.quiet = v.quiet, s.resume = v.resume, s.method = methodOf(v.method);
+  checkSampling(s.load, v.sampling);
+  if (v.sampling.voxelSize->count()) s.plan.voxelSize = s.load.voxelSize;
+  checkRange("--slices", s.plan.slices, 8, 1024);
+  checkRange("--samples", s.plan.samples, 16, 4096);
+  checkPositive("--fps", s.framesPerSecond);
+  if (v.axis != "auto") s.plan.axis = parseDirection("--axis", v.axis);
+  s.plan.spine = v.spine == "straight" ? SpineKind::kStraight : SpineKind::kAuto;
+  s.plan.align = v.align == "none" ? Align::kNone : Align::kAuto;
+
+  const OutputName name(s.output);
+  if (v.weightsGiven->count()) {
+    const Weights weights = parseNumbers("--weights", v.weights);
+    checkWeights(weights, v.weights, s.inputs.size());
+    s.frames.push_back({1, std::nullopt, weights, name.path(1)});
+  } else {
+    const std::vector<double> times = frameTimes(v.at, v.atGiven->count() > 0, v.frames);
+    for (size_t i = 0; i < times.size(); ++i)
+      s.frames.push_back({int(i) + 1, times[i], weightsAt(times[i], s.inputs.size()), name.path(int(i) + 1)});
+  }
+  if (s.frames.size() > 1 && !name.isSequence())
+    throw InputError("-o " + s.output + " is one file for " + std::to_string(s.frames.size()) +
+                     " frames; put #### where the frame number belongs (name.####.vdb), or ask for one frame by --at "
+                     "T or --weights");
+  if (s.method == Method::kLevelSet) {
+    if (s.inputs.size() != 2)
+      throw InputError("--method levelset takes two inputs, not " + std::to_string(s.inputs.size()));
+    if (v.atGiven->count() || v.weightsGiven->count() || s.frames.size() < 2)
+      throw InputError("--method levelset has no times or weights, only steps; ask for --frames N of at least 2");
+  }
+  if (s.method != Method::kSlices && !s.sliceFolder.empty())
+    throw InputError("--dump-slices draws the slices of --method slices; the other methods have none");
+
+  checkSurfaceOutput(s.frames[0].path);
+  if (!s.report.empty()) {
+    checkExtension(s.report, {".json"});
+    checkOutputPath(s.report);
+  }
+  if (!s.sliceFolder.empty()) {
+    const auto parent = std::filesystem::absolute(s.sliceFolder).lexically_normal();
+    if (!std::filesystem::is_directory(parent)) checkOutputPath(parent.string());
+  }
+  for (const std::string& input : s.inputs) checkInputExists(input);
+  s.threadLimit = limitThreads(v.threads, v.threadsGiven);
+  return s;
+}
+
+}  // namespace slicemorph

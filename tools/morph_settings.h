@@ -1,0 +1,53 @@
+#pragma once
+
+#include "engine/slicemorph.h"
+#include "io/input.h"
+#include "io/output.h"
+
+#include <CLI/CLI.hpp>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace slicemorph {
+
+enum class Method { kSlices, kSdf, kLevelSet };
+
+/// One frame of a job.
+struct FrameJob {
+  int number = 1;           ///< 1 to N
+  std::optional<double> t;  ///< none for a blend given by weights
+  Weights weights;
+  std::string path;
+};
+
+/// What `slicemorph morph` is to do, checked.
+struct MorphSettings {
+  std::vector<std::string> inputs;
+  std::string output;
+  LoadOptions load;
+  MorphOptions plan;
+  Method method = Method::kSlices;
+  std::vector<FrameJob> frames;
+  double framesPerSecond = 24;
+  std::string report, sliceFolder;  ///< empty: none
+  bool quiet = false, resume = false;
+  std::shared_ptr<void> threadLimit;
+};
+
+/// The options of `slicemorph morph` as typed.
+class MorphOptionSet {
+ public:
+  explicit MorphOptionSet(CLI::App& command);
+  /// Reads the job file, if one is given, and checks everything that can be checked without reading the inputs.
+  /// Throws InputError, IoError.
+  MorphSettings settings();
+
+ private:
+  struct Values;
+  std::shared_ptr<Values> values_;
+};
+
+}  // namespace slicemorph
