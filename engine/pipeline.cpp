@@ -4,11 +4,13 @@
 #include "engine/errors.h"
 #include "engine/frame/align.h"
 #include "engine/match/register.h"
+#include "engine/rebuild/crumbs.h"
 #include "engine/rebuild/rebuild.h"
 #include "engine/volume/same_grid.h"
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 
 /// The whole pipeline on one screen: a plan (volume -> frames -> slices -> contours -> match), then one frame after
@@ -22,10 +24,12 @@ struct MorphPlan::Impl {
   Frames frames;
   Registration registration;
   std::unique_ptr<MovingLattice> lattice;
+  std::vector<int> pieces;                     ///< of each shape
   double voxelSize = 0;
 
   Weights shapeWeights(const Weights& weights) const;
   double frameVoxelSize(const Weights& weights) const;
+  int piecesOf(const Weights& weights) const;
 };
 
 namespace {
@@ -66,11 +70,15 @@ MorphPlan::MorphPlan(std::vector<Object> objects, const MorphOptions& options, P
 
   sink.report("measure distances", 0);
   p.fields.resize(p.levelSets.size());
+  p.pieces.resize(p.levelSets.size());
   tbb::parallel_for(size_t(0), p.fields.size(), [&](size_t k) {
     p.fields[k] = std::make_shared<DistanceField>(p.levelSets[k]);
+    p.pieces[k] = countPieces(*p.levelSets[k]);
   });
   if (p.fields.size() < 2) return;  // nothing to match: every in-between is the one shape
-  p.frames = alignFrames(p.fields, options);
+  const TurnChoice turns = chooseTurns(p.fields, options, sink);
+  p.frames = frameObjects(p.fields, turns.rotations, options);
+  p.frames.notes.insert(p.frames.notes.begin(), turns.notes.begin(), turns.notes.end());
   p.registration = registerObjects(p.fields, p.frames, options, sink);
   p.lattice = std::make_unique<MovingLattice>(p.registration.map, p.fields, p.frames.charts);
 }
@@ -80,13 +88,15 @@ InBetween MorphPlan::frame(const Weights& weights) const {
   const Weights w = p.shapeWeights(weights);
   const double voxelSize = p.frameVoxelSize(w);
   for (size_t k = 0; k < w.size(); ++k)
-    if (w[k] == 1) return {resampledTo(p.levelSets[k], voxelSize), 0};
+    if (w[k] == 1) return {resampledTo(p.levelSets[k], voxelSize)};
 
   const Chart chart = blendCharts(p.frames.charts, w);
   const auto transform = openvdb::math::Transform::createLinearTransform(voxelSize);
   const int step = nodeStep({chart}, p.frames.halfLength, voxelSize);
   const NodeMap nodes = p.lattice->nodesNearSurface(w, chart, *transform, step);
-  return {rebuildLevelSet(nodes, p.fields, p.frames.charts, w, chart.meanScale(), *transform), nodes.foldShare};
+  InBetween result{rebuildLevelSet(nodes, p.fields, p.frames.charts, w, chart.meanScale(), *transform), nodes.foldShare};
+  result.crumbs = removeCrumbs(*result.surface, p.piecesOf(w));
+  return result;
 }
 
 Weights MorphPlan::Impl::shapeWeights(const Weights& weights) const {
@@ -114,6 +124,14 @@ double MorphPlan::Impl::frameVoxelSize(const Weights& weights) const {
   double size = 0;
   for (size_t k = 0; k < weights.size(); ++k) size += weights[k] * levelSets[k]->voxelSize()[0];
   return size;
+}
+
+/// No in-between has more pieces than the richest of its objects, crumbs not counted.
+int MorphPlan::Impl::piecesOf(const Weights& weights) const {
+  int most = 1;
+  for (size_t k = 0; k < weights.size(); ++k)
+    if (weights[k] > 0) most = std::max(most, pieces[k]);
+  return most;
 }
 
 MorphPlan::~MorphPlan() = default;

@@ -108,8 +108,9 @@ void place(Imf::Header& header, const SectionPlane& plane) {
   header.insert("sliceIndex", Imf::IntAttribute(plane.index));
   header.insert("sliceCount", Imf::IntAttribute(plane.count));
   header.insert("sliceU", Imf::FloatAttribute(float(plane.u)));
-  header.insert("pixelToWorld", Imf::M44fAttribute(matrixOf(plane.xAxis * plane.pixelSize, plane.yAxis * plane.pixelSize,
-                                                            plane.normal * plane.pixelSize, plane.origin)));
+  header.insert("pixelToWorld",
+                Imf::M44fAttribute(matrixOf(plane.xAxis * plane.pixelSize, plane.yAxis * plane.pixelSize,
+                                            plane.normal * plane.pixelSize, plane.origin)));
   Imf::addWorldToCamera(header, worldToCamera(plane));
 }
 
@@ -128,7 +129,8 @@ void writeSliceExr(const std::string& path, const Section& section, const SliceE
   Imf::Header header(section.plane.width, section.plane.height);
   place(header, section.plane);
   if (!options.levelSet) {
-    writeFloats(path, header, {{options.gridName.empty() ? "value" : options.gridName, section.values.data(), 1}});
+    writeFloats(path, header,
+                {{options.gridName.empty() ? "value" : options.gridName, section.values.data(), 1}});
     return;
   }
   const std::vector<float> coverage = coverageOf(section);

@@ -53,12 +53,21 @@ bool isRotated(const openvdb::math::Transform& transform) {
   return false;
 }
 
-void describeTransform(const openvdb::GridBase& grid, GridInfo& info) {
+/// From the statistics that the file keeps with a grid, without reading its voxels; `voxels`: empty where there are none.
+openvdb::CoordBBox describeStatistics(const openvdb::GridBase& grid, GridInfo& info) {
+  const auto count = grid.getMetadata<openvdb::Int64Metadata>(openvdb::GridBase::META_FILE_VOXEL_COUNT);
+  const auto low = grid.getMetadata<openvdb::Vec3IMetadata>(openvdb::GridBase::META_FILE_BBOX_MIN);
+  const auto high = grid.getMetadata<openvdb::Vec3IMetadata>(openvdb::GridBase::META_FILE_BBOX_MAX);
+  info.activeVoxels = count ? std::uint64_t(count->value()) : 0;
+  if (info.activeVoxels == 0 || !low || !high) return {};
+  return {openvdb::Coord(low->value()), openvdb::Coord(high->value())};
+}
+
+void describeTransform(const openvdb::GridBase& grid, const openvdb::CoordBBox& voxels, GridInfo& info) {
   info.voxelSize = grid.voxelSize();
   const auto [low, high] = std::minmax({info.voxelSize.x(), info.voxelSize.y(), info.voxelSize.z()});
   info.uniform = high - low <= 1e-6 * high;
   info.rotated = isRotated(grid.transform());
-  const openvdb::CoordBBox voxels = grid.evalActiveVoxelBoundingBox();
   if (voxels.empty()) return;
   const openvdb::BBoxd box = grid.transform().indexToWorld(voxels);
   info.boxMin = box.min();
@@ -89,16 +98,19 @@ GridInfo describeGrid(const VdbFile& file, size_t index) {
   info.type = file.entries()[index].type;
   info.halfFloat = file.entries()[index].halfFloat;
   try {
-    const openvdb::GridBase::Ptr grid = file.read(index);
-    info.type = grid->valueType();
-    info.gridClass = openvdb::GridBase::gridClassToString(grid->getGridClass());
-    info.activeVoxels = grid->activeVoxelCount();
-    describeTransform(*grid, info);
-    if (const FloatGrid::ConstPtr scalars = asFloatGrid(grid)) {
-      describeScalars(*scalars, info);
-    } else {
+    const openvdb::GridBase::Ptr header = file.readHeader(index);
+    if (!header) throw IoError("of a type that this OpenVDB does not know");
+    info.type = header->valueType();
+    info.gridClass = openvdb::GridBase::gridClassToString(header->getGridClass());
+    if (!isScalar(*header)) {
       info.problem = "holds " + info.type + " values, no scalar ones that have a surface";
+      describeTransform(*header, describeStatistics(*header, info), info);
+      return info;
     }
+    const FloatGrid::ConstPtr grid = asFloatGrid(file.read(index));
+    info.activeVoxels = grid->activeVoxelCount();
+    describeTransform(*grid, grid->evalActiveVoxelBoundingBox(), info);
+    describeScalars(*grid, info);
   } catch (const std::exception& error) {
     info.problem = error.what();
   }

@@ -24,7 +24,7 @@ struct GridInfo {
   std::string name;              ///< as `file.vdb:name` selects it: `density[1]` where a name comes more than once
   std::string type;              ///< OpenVDB's value type: "float", "half"-saved grids too, "vec3s", "int32" ...
   std::string gridClass;         ///< "level set", "fog volume", "staggered", "unknown"
-  std::uint64_t activeVoxels = 0;
+  std::uint64_t activeVoxels = 0;  ///< counted for scalars, else as the file states it, 0 where it does not
   Vec3d voxelSize{0, 0, 0};      ///< world units
   bool rotated = false;          ///< rotated, sheared or mirrored: axes not parallel to the world's
   bool uniform = true;           ///< all three voxel sides are equal

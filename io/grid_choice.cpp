@@ -5,10 +5,6 @@
 namespace slicemorph {
 namespace {
 
-bool isScalar(const openvdb::GridBase& grid) {
-  return grid.isType<FloatGrid>() || grid.isType<openvdb::DoubleGrid>();
-}
-
 openvdb::GridBase::Ptr headerOrNull(const VdbFile& file, size_t index) {
   try {
     return file.readHeader(index);
@@ -31,6 +27,10 @@ std::string listOf(const VdbFile& file) {
 }
 
 }  // namespace
+
+bool isScalar(const openvdb::GridBase& grid) {
+  return grid.isType<FloatGrid>() || grid.isType<openvdb::DoubleGrid>();
+}
 
 size_t findGrid(const VdbFile& file, const InputName& name) {
   for (size_t i = 0; i < file.entries().size(); ++i) {

@@ -8,6 +8,9 @@
 
 namespace slicemorph {
 
+/// True for grids of floats or doubles, which are all that can have a surface.
+bool isScalar(const openvdb::GridBase& grid);
+
 /// Index of the grid that the input names. Throws InputError listing what is there where it is missing or holds no
 /// scalars.
 size_t findGrid(const VdbFile& file, const InputName& name);

@@ -2,6 +2,7 @@
 
 #include "engine/errors.h"
 #include "io/paths.h"
+#include "io/vdb_check.h"
 
 #include <log4cplus/logger.h>
 #include <openvdb/io/GridDescriptor.h>
@@ -17,44 +18,11 @@ using openvdb::GridBase;
 using openvdb::io::GridDescriptor;
 
 /// Since this version of the format a grid begins with its compression flags.
-constexpr unsigned kFirstWithGridCompression = 222;
+constexpr unsigned kFirstWithGridCompression = 220;
 /// Since this version a descriptor holds the name of the grid whose tree it shares.
 constexpr unsigned kFirstWithInstances = 216;
-
-struct Damaged : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
-/// Steps over parts of a file without believing their sizes.
-class Walker {
- public:
-  Walker(std::istream& stream, std::uint64_t size) : stream_(stream), size_(size) {}
-
-  std::uint64_t position() { return std::uint64_t(stream_.tellg()); }
-
-  template <typename T>
-  T number() {
-    T value{};
-    stream_.read(reinterpret_cast<char*>(&value), sizeof value);
-    return value;
-  }
-  void bytes(std::uint64_t count) {
-    if (count > size_ - position()) throw Damaged("it is truncated or damaged");
-    stream_.seekg(std::streamoff(count), std::ios::cur);
-  }
-  void text() { bytes(number<std::uint32_t>()); }
-  void metadata() {
-    for (auto count = number<std::uint32_t>(); count > 0; --count) {
-      text();
-      text();
-      bytes(number<std::uint32_t>());
-    }
-  }
-
- private:
-  std::istream& stream_;
-  std::uint64_t size_;
-};
+/// Since this version inactive values are left out; the trees of older files are not checked.
+constexpr unsigned kFirstWithMasks = 222;
 
 /// The parts of OpenVDB's reader that take any stream.
 class Reader : public openvdb::io::Archive {
@@ -125,8 +93,13 @@ class Reader : public openvdb::io::Archive {
   }
 
   GridBase::Ptr readWhole(const GridDescriptor& descriptor) {
-    GridBase::Ptr grid = begin(descriptor);
+    if (hasOffsets()) descriptor.seekToGrid(stream_);
+    const auto start = stream_.tellg();
+    GridBase::Ptr grid = readHeaderOf(descriptor);
     if (!grid) throw Damaged("its type " + descriptor.gridType() + " is not known to this OpenVDB");
+    if (!descriptor.isInstance()) checkTreeOf(*grid);
+    stream_.seekg(start);
+    grid = create(descriptor);
     readGrid(grid, descriptor, stream_);
     return grid;
   }
@@ -136,9 +109,25 @@ class Reader : public openvdb::io::Archive {
     if (!GridBase::isRegistered(descriptor.gridType())) return nullptr;
     if (hasOffsets()) descriptor.seekToGrid(stream_);
     checkGridMetadata();
+    return create(descriptor);
+  }
+
+  static GridBase::Ptr create(const GridDescriptor& descriptor) {
     GridBase::Ptr grid = GridBase::createGrid(descriptor.gridType());
     grid->setSaveFloatAsHalf(descriptor.saveFloatAsHalf());
     return grid;
+  }
+
+  /// The stream stands behind the grid's transform.
+  void checkTreeOf(const GridBase& grid) {
+    const bool isFloat = grid.isType<FloatGrid>(), isDouble = grid.isType<openvdb::DoubleGrid>();
+    if (version() < kFirstWithMasks || !(isFloat || isDouble)) return;
+    TreeStorage storage;
+    storage.valueSize = isFloat ? 4 : 8;
+    storage.storedSize = grid.saveFloatAsHalf() ? 2 : storage.valueSize;
+    storage.compression = openvdb::io::getDataCompression(stream_);
+    Walker walker(stream_, size_);
+    checkTree(walker, storage);
   }
 
   std::ifstream stream_;

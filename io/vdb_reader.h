@@ -21,7 +21,8 @@ struct VdbEntry {
 };
 
 /// A VDB file, read grid by grid so that one that cannot be read leaves the others. OpenVDB's own reader takes sizes in
-/// the file at their word; here every size that it would allocate is first compared with what the file can hold.
+/// the file at their word; here they are first compared with each other and with what the file can hold: those of the
+/// contents, the metadata and of float and double trees. (Trees of other types are only as safe as OpenVDB is.)
 /// Everything throws IoError naming the file.
 class VdbFile {
  public:

@@ -26,7 +26,8 @@ const Vec3d kCentre(3.2, -4.1, 7.7);
 constexpr double kRadius = 10, kVoxel = 0.5;
 
 FloatGrid::Ptr sphere() {
-  return openvdb::tools::createLevelSetSphere<FloatGrid>(float(kRadius), openvdb::Vec3f(kCentre), float(kVoxel));
+  return openvdb::tools::createLevelSetSphere<FloatGrid>(float(kRadius), openvdb::Vec3f(kCentre),
+                                                         float(kVoxel));
 }
 
 Vec3d worldOf(const SectionPlane& plane, double i, double j) {
@@ -49,7 +50,8 @@ FloatGrid::Ptr obliqueBar() {
 
 TEST(Section, SamplesTheDistanceOfASphere) {
   const auto grid = sphere();
-  // Trilinear interpolation over a voxel: at most h^2 / 8 times the sum of the second derivatives, 2 / distance.
+  // Trilinear interpolation over a voxel: at most h^2 / 8 times the sum of the second derivatives, 2 /
+  // distance.
   const double tolerance = kVoxel * kVoxel / 8 * 2 / (kRadius - 3 * kVoxel) + 1e-4;
   for (const Vec3d& axis : {Vec3d(0, 0, 1), Vec3d(1, 2, -0.5)}) {
     const auto slices = sections(*grid, {axis, 9, 0.37});
@@ -73,13 +75,15 @@ TEST(Section, SlabsAddUpToTheVolume) {
   double volume = 0;
   for (const Section& slice : slices) {
     const double pixel = slice.plane.pixelSize;
-    for (const float d : slice.values) volume += std::clamp(0.5 - d / pixel, 0.0, 1.0) * pixel * pixel * thickness;
+    for (const float d : slice.values)
+      volume += std::clamp(0.5 - d / pixel, 0.0, 1.0) * pixel * pixel * thickness;
   }
   EXPECT_NEAR(volume / (4.0 / 3 * kPi * std::pow(kRadius, 3)), 1, 0.005);
 }
 
 TEST(Section, PlanesAreRightHandedAndOrdered) {
-  for (const Vec3d& axis : {Vec3d(0, 0, 0), Vec3d(1, 0, 0), Vec3d(0, -3, 0), Vec3d(0, 0, 1), Vec3d(1, 1, 1)}) {
+  for (const Vec3d& axis :
+       {Vec3d(0, 0, 0), Vec3d(1, 0, 0), Vec3d(0, -3, 0), Vec3d(0, 0, 1), Vec3d(1, 1, 1)}) {
     const auto planes = sectionPlanes(*sphere(), {axis, 5, 0});
     for (size_t n = 0; n < planes.size(); ++n) {
       const SectionPlane& plane = planes[n];
@@ -110,7 +114,8 @@ TEST(Section, FindsThePrincipalAxisUnderAnyLinearTransform) {
 TEST(Section, ReproducesALinearFunctionExactly) {
   const auto grid = obliqueBar();
   const Vec3d slope(0.3, -0.2, 0.5);
-  for (auto it = grid->beginValueOn(); it; ++it) it.setValue(float(slope.dot(grid->indexToWorld(it.getCoord()))));
+  for (auto it = grid->beginValueOn(); it; ++it)
+    it.setValue(float(slope.dot(grid->indexToWorld(it.getCoord()))));
   const openvdb::BBoxd inside(Vec3d(-40, -8, -4), Vec3d(40, 8, 4));
   size_t checked = 0;
   for (const Section& slice : sections(*grid, {Vec3d(0.2, 0.3, 1), 7, 0.4})) {

@@ -1,6 +1,6 @@
+#include "engine/render/render.h"
 #include "engine/errors.h"
 #include "engine/render/contact_sheet.h"
-#include "engine/render/render.h"
 #include "io/png_writer.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,8 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 
 FloatGrid::Ptr sphere(double radius, const Vec3d& centre, double voxelSize) {
-  return openvdb::tools::createLevelSetSphere<FloatGrid>(float(radius), openvdb::Vec3f(centre), float(voxelSize));
+  return openvdb::tools::createLevelSetSphere<FloatGrid>(float(radius), openvdb::Vec3f(centre),
+                                                         float(voxelSize));
 }
 
 double alphaSum(const Image& image) {
@@ -72,6 +73,7 @@ TEST(Render, FrameAllSeesEveryBoxWhole) {
     view.verticalFov = fov;
     const Camera camera = frameAll({surfaceBox(*a), surfaceBox(*b)}, view);
     RenderOptions options;
+    options.width = 160, options.height = 120;
     options.background = false;
     for (const auto& grid : {a, b}) {
       const Image image = renderSurface(*grid, camera, options);
@@ -91,10 +93,12 @@ TEST(Render, FrameAllSeesEveryBoxWhole) {
 TEST(Render, SameBytesForAnyThreadCount) {
   const auto grid = sphere(20, {0, 0, 0}, 1);
   const Camera camera = frameAll({surfaceBox(*grid)});
+  RenderOptions options;
+  options.width = 160, options.height = 120;
   std::vector<std::vector<float>> pictures;
   for (const size_t threads : {1, 2, 4}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    pictures.push_back(renderSurface(*grid, camera).rgba);
+    pictures.push_back(renderSurface(*grid, camera, options).rgba);
   }
   EXPECT_EQ(pictures[0], pictures[1]);
   EXPECT_EQ(pictures[0], pictures[2]);
@@ -137,7 +141,8 @@ TEST(ContactSheet, TilesInReadingOrderWithCaptions) {
   ASSERT_EQ(sheet.width, 3 * 42 - 2);
   ASSERT_EQ(sheet.height, 2 * 32 - 2);
   for (int n = 0; n < 5; ++n) {
-    EXPECT_FLOAT_EQ(sheet.rgba[4 * (size_t(n / 3) * 32 * sheet.width + size_t(n % 3) * 42)], 0.1f * float(n + 1));
+    EXPECT_FLOAT_EQ(sheet.rgba[4 * (size_t(n / 3) * 32 * sheet.width + size_t(n % 3) * 42)],
+                    0.1f * float(n + 1));
   }
   int letters = 0;
   for (int y = 32; y < 62; ++y) {

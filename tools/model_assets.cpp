@@ -1,6 +1,7 @@
-// Models the bundled shapes (assets/*.ply) as closed-form distance fields with smooth unions, meshes them and pulls
-// every vertex onto the exact surface. Usage: model_assets FOLDER. Distance functions after Inigo Quilez,
-// https://iquilezles.org/articles/distfunctions (formulas); the shapes are the project's own. Up is y, front is x.
+// Models the bundled shapes (assets/*.ply) as closed-form distance fields with smooth unions, meshes them and
+// pulls every vertex onto the exact surface. Usage: model_assets FOLDER. Distance functions after Inigo
+// Quilez, https://iquilezles.org/articles/distfunctions (formulas); the shapes are the project's own. Up is
+// y, front is x.
 
 #include "engine/volume/voxelise.h"
 #include "io/mesh_writer.h"
@@ -27,12 +28,13 @@ using Field = std::function<double(const Vec3d&)>;
 
 struct Shape {
   std::string name;
-  Field field;          ///< negative inside; near the surface about a distance
-  openvdb::BBoxd box;   ///< holds the whole surface
+  Field field;         ///< negative inside; near the surface about a distance
+  openvdb::BBoxd box;  ///< holds the whole surface
   int genus = 0;
 };
 
-// Pieces ------------------------------------------------------------------------------------------------------------
+// Pieces
+// ------------------------------------------------------------------------------------------------------------
 
 double smoothUnion(double a, double b, double k) {
   const double h = std::max(k - std::abs(a - b), 0.0) / k;
@@ -81,11 +83,13 @@ std::vector<Joint> curve(const std::vector<Joint>& through) {
   std::vector<Joint> joints;
   const int last = int(through.size()) - 1;
   for (int n = 0; n < last; ++n) {
-    const Joint &a = through[std::max(n - 1, 0)], &b = through[n], &c = through[n + 1], &d = through[std::min(n + 2, last)];
+    const Joint &a = through[std::max(n - 1, 0)], &b = through[n], &c = through[n + 1],
+                &d = through[std::min(n + 2, last)];
     for (int s = 0; s < steps + (n == last - 1); ++s) {
       const double t = double(s) / steps, t2 = t * t, t3 = t2 * t;
       const auto blend = [&](const auto& e, const auto& f, const auto& g, const auto& h) {
-        return 0.5 * ((2.0 * f) + (g - e) * t + (2.0 * e - 5.0 * f + 4.0 * g - h) * t2 + (3.0 * f - e - 3.0 * g + h) * t3);
+        return 0.5 * ((2.0 * f) + (g - e) * t + (2.0 * e - 5.0 * f + 4.0 * g - h) * t2 +
+                      (3.0 * f - e - 3.0 * g + h) * t3);
       };
       joints.push_back({blend(a.at, b.at, c.at, d.at), blend(a.radius, b.radius, c.radius, d.radius)});
     }
@@ -98,7 +102,8 @@ double smoothStep(double lo, double hi, double x) {
   return t * t * (3 - 2 * t);
 }
 
-// Shapes ------------------------------------------------------------------------------------------------------------
+// Shapes
+// ------------------------------------------------------------------------------------------------------------
 
 double foot(const Vec3d& p, const Vec3d& ankle) {
   double d = ellipsoid(p, ankle + Vec3d(0.07, -0.055, 0), {0.135, 0.068, 0.1});
@@ -112,13 +117,13 @@ double foot(const Vec3d& p, const Vec3d& ankle) {
 double creatureHead(const Vec3d& p, const Vec3d& mirrored) {
   double d = ellipsoid(p, {0.98, 1.60, 0}, {0.225, 0.195, 0.19});
   d = smoothUnion(d, limb(p, {1.06, 1.56, 0}, 0.135, {1.335, 1.47, 0}, 0.075), 0.12);
-  d = smoothUnion(d, limb(mirrored, {0.99, 1.53, 0.09}, 0.10, {1.1, 1.5, 0.07}, 0.085), 0.08);  // cheeks
-  d = smoothUnion(d, ellipsoid(p, {1.405, 1.5, 0}, {0.042, 0.034, 0.05}), 0.025);               // nose
-  d = smoothUnion(d, limb(p, {1.08, 1.43, 0}, 0.07, {1.29, 1.395, 0}, 0.042), 0.05);            // jaw
-  d = smoothCut(d, limb(mirrored, {1.16, 1.44, 0.13}, 0.014, {1.335, 1.425, 0.055}, 0.01), 0.02); // mouth
+  d = smoothUnion(d, limb(mirrored, {0.99, 1.53, 0.09}, 0.10, {1.1, 1.5, 0.07}, 0.085), 0.08);     // cheeks
+  d = smoothUnion(d, ellipsoid(p, {1.405, 1.5, 0}, {0.042, 0.034, 0.05}), 0.025);                  // nose
+  d = smoothUnion(d, limb(p, {1.08, 1.43, 0}, 0.07, {1.29, 1.395, 0}, 0.042), 0.05);               // jaw
+  d = smoothCut(d, limb(mirrored, {1.16, 1.44, 0.13}, 0.014, {1.335, 1.425, 0.055}, 0.01), 0.02);  // mouth
   d = smoothUnion(d, limb(mirrored, {1.07, 1.70, 0.11}, 0.05, {1.16, 1.675, 0.075}, 0.03), 0.05);  // brow
-  d = smoothCut(d, sphere(mirrored, {1.157, 1.633, 0.135}, 0.036), 0.025);                         // eye socket
-  return smoothUnion(d, sphere(mirrored, {1.130, 1.632, 0.118}, 0.042), 0.006);                    // eye
+  d = smoothCut(d, sphere(mirrored, {1.157, 1.633, 0.135}, 0.036), 0.025);       // eye socket
+  return smoothUnion(d, sphere(mirrored, {1.130, 1.632, 0.118}, 0.042), 0.006);  // eye
 }
 
 /// A leaf of an ear, hollow in front.
@@ -134,30 +139,41 @@ double creatureBody(const Vec3d& p, const Vec3d& mirrored) {
   double d = ellipsoid(p, {0.32, 1.00, 0}, {0.42, 0.345, 0.285});
   d = smoothUnion(d, ellipsoid(p, {-0.12, 1.0, 0}, {0.42, 0.26, 0.225}), 0.16);
   d = smoothUnion(d, ellipsoid(p, {-0.45, 1.0, 0}, {0.31, 0.285, 0.255}), 0.16);
-  static const std::vector<Joint> neck = curve({{{0.42, 1.12, 0}, 0.26}, {{0.66, 1.30, 0}, 0.185}, {{0.86, 1.56, 0}, 0.14}});
+  static const std::vector<Joint> neck =
+      curve({{{0.42, 1.12, 0}, 0.26}, {{0.66, 1.30, 0}, 0.185}, {{0.86, 1.56, 0}, 0.14}});
   d = smoothUnion(d, chain(p, neck), 0.12);
-  return smoothUnion(d, limb(mirrored, {0.40, 1.04, 0.17}, 0.17, {0.46, 0.80, 0.2}, 0.125), 0.08);  // shoulder
+  return smoothUnion(d, limb(mirrored, {0.40, 1.04, 0.17}, 0.17, {0.46, 0.80, 0.2}, 0.125),
+                     0.08);  // shoulder
 }
 
 double creature(const Vec3d& p) {
   const Vec3d mirrored(p.x(), p.y(), std::abs(p.z()));
-  static const std::vector<Joint> foreLeg = curve(
-      {{{0.44, 0.90, 0.20}, 0.15}, {{0.38, 0.56, 0.225}, 0.09}, {{0.43, 0.32, 0.23}, 0.068}, {{0.42, 0.115, 0.23}, 0.066}});
-  static const std::vector<Joint> hindLeg = curve(
-      {{{-0.47, 0.98, 0.17}, 0.21}, {{-0.33, 0.60, 0.225}, 0.125}, {{-0.57, 0.34, 0.225}, 0.066}, {{-0.51, 0.115, 0.225}, 0.066}});
-  static const std::vector<Joint> tail =
-      curve({{{-0.62, 1.08, 0}, 0.12}, {{-0.93, 1.07, 0.02}, 0.085}, {{-1.22, 1.22, 0.07}, 0.10}, {{-1.37, 1.52, 0.10}, 0.125},
-             {{-1.30, 1.80, 0.05}, 0.075}, {{-1.16, 1.95, 0.0}, 0.018}});
+  static const std::vector<Joint> foreLeg = curve({{{0.44, 0.90, 0.20}, 0.15},
+                                                   {{0.38, 0.56, 0.225}, 0.09},
+                                                   {{0.43, 0.32, 0.23}, 0.068},
+                                                   {{0.42, 0.115, 0.23}, 0.066}});
+  static const std::vector<Joint> hindLeg = curve({{{-0.47, 0.98, 0.17}, 0.21},
+                                                   {{-0.33, 0.60, 0.225}, 0.125},
+                                                   {{-0.57, 0.34, 0.225}, 0.066},
+                                                   {{-0.51, 0.115, 0.225}, 0.066}});
+  static const std::vector<Joint> tail = curve({{{-0.62, 1.08, 0}, 0.12},
+                                                {{-0.93, 1.07, 0.02}, 0.085},
+                                                {{-1.22, 1.22, 0.07}, 0.10},
+                                                {{-1.37, 1.52, 0.10}, 0.125},
+                                                {{-1.30, 1.80, 0.05}, 0.075},
+                                                {{-1.16, 1.95, 0.0}, 0.018}});
   double d = creatureBody(p, mirrored);
   d = smoothUnion(d, creatureHead(p, mirrored), 0.07);
   d = smoothUnion(d, ear(mirrored), 0.045);
   d = smoothUnion(d, smoothUnion(chain(mirrored, foreLeg), foot(mirrored, {0.42, 0.125, 0.23}), 0.06), 0.07);
-  d = smoothUnion(d, smoothUnion(chain(mirrored, hindLeg), foot(mirrored, {-0.51, 0.125, 0.225}), 0.06), 0.09);
+  d = smoothUnion(d, smoothUnion(chain(mirrored, hindLeg), foot(mirrored, {-0.51, 0.125, 0.225}), 0.06),
+                  0.09);
   d = smoothUnion(d, chain(p, tail), 0.08);
   for (int n = 0; n < 6; ++n) {  // a mane of small plates down the neck
     const double t = n / 5.0, size = 0.085 - 0.04 * std::abs(t - 0.35);
     const Vec3d at(0.78 - 0.60 * t, 1.71 - 0.37 * t - 0.10 * std::sin(kPi * t), 0);
-    d = smoothUnion(d, limb(p, at - Vec3d(0.02, 0.07, 0), size * 0.62, at + Vec3d(-0.08, size, 0), 0.014), 0.03);
+    d = smoothUnion(d, limb(p, at - Vec3d(0.02, 0.07, 0), size * 0.62, at + Vec3d(-0.08, size, 0), 0.014),
+                    0.03);
   }
   return d;
 }
@@ -167,7 +183,8 @@ double ring(const Vec3d& p) {
   const double around = std::atan2(p.y(), p.x()), flat = std::hypot(p.x(), p.y());
   const double out = flat - 1.0, tube = std::hypot(out, p.z()), lobe = std::atan2(p.z(), out);
   const double fromHead = std::abs(std::remainder(around - kPi / 2, 2 * kPi));
-  const double thickness = 0.165 + 0.075 * (1 - smoothStep(0.2, 1.35, fromHead)) + 0.018 * std::cos(6 * around);
+  const double thickness =
+      0.165 + 0.075 * (1 - smoothStep(0.2, 1.35, fromHead)) + 0.018 * std::cos(6 * around);
   const double rope = 0.19 * smoothStep(0.30, 0.75, fromHead);
   double d = (tube - thickness * (1 + rope * std::cos(3 * lobe - 7 * around))) * 0.72;
   for (const double side : {-1.0, 1.0}) {  // beads where the rope begins
@@ -197,7 +214,8 @@ double valueAt(const Profile& profile, double x) {
   };
   const auto &a = profile[n - 1], &b = profile[n];
   const double h = b.first - a.first, t = std::clamp((x - a.first) / h, 0.0, 1.0), t2 = t * t, t3 = t2 * t;
-  return a.second * (2 * t3 - 3 * t2 + 1) + b.second * (3 * t2 - 2 * t3) + h * (slope(n - 1) * (t3 - 2 * t2 + t) + slope(n) * (t3 - t2));
+  return a.second * (2 * t3 - 3 * t2 + 1) + b.second * (3 * t2 - 2 * t3) +
+         h * (slope(n - 1) * (t3 - 2 * t2 + t) + slope(n) * (t3 - t2));
 }
 
 /// What a slope of the profile adds to the gradient: a distance to it is that much shorter.
@@ -209,18 +227,24 @@ double steepness(const Profile& profile, double x) {
 /// Leaf-shaped blade with a fuller, drawn towards a point at y = 2.
 double bladeOnly(const Vec3d& p) {
   constexpr double kRound = 0.017;  // of the edges: they must survive being voxelised
-  static const Profile width = {{-0.1, 0.165}, {0.1, 0.150}, {0.6, 0.128}, {1.15, 0.185}, {1.45, 0.180}, {1.72, 0.112}, {1.9, 0.045}, {1.99, 0.006}};
-  const double y = std::clamp(p.y(), -0.1, 1.99), wide = valueAt(width, y), thick = std::min(0.05 - 0.012 * y, wide);
+  static const Profile width = {{-0.1, 0.165}, {0.1, 0.150},  {0.6, 0.128}, {1.15, 0.185},
+                                {1.45, 0.180}, {1.72, 0.112}, {1.9, 0.045}, {1.99, 0.006}};
+  const double y = std::clamp(p.y(), -0.1, 1.99), wide = valueAt(width, y),
+               thick = std::min(0.05 - 0.012 * y, wide);
   const double across = std::abs(p.x()), deep = std::abs(p.z());
-  const double lens = (across / wide + deep / thick - 1) / std::hypot(1 / wide, 1 / thick) * steepness(width, y);
-  const double d = smoothCut(lens - kRound, limb({p.x(), p.y(), deep}, {0, -0.1, 0.098}, 0.058, {0, 1.3, 0.105}, 0.03), 0.03);
+  const double lens =
+      (across / wide + deep / thick - 1) / std::hypot(1 / wide, 1 / thick) * steepness(width, y);
+  const double d = smoothCut(
+      lens - kRound, limb({p.x(), p.y(), deep}, {0, -0.1, 0.098}, 0.058, {0, 1.3, 0.105}, 0.03), 0.03);
   return -smoothUnion(-d, -std::max(p.y() - 2.0, -0.1 - p.y()), 0.02);
 }
 
 double blade(const Vec3d& p) {
   const Vec3d mirrored(std::abs(p.x()), p.y(), p.z());
-  static const std::vector<Joint> guard =
-      curve({{{0, -0.07, 0}, 0.092}, {{0.20, -0.055, 0}, 0.068}, {{0.40, 0.03, 0}, 0.052}, {{0.50, 0.145, 0}, 0.04}});
+  static const std::vector<Joint> guard = curve({{{0, -0.07, 0}, 0.092},
+                                                 {{0.20, -0.055, 0}, 0.068},
+                                                 {{0.40, 0.03, 0}, 0.052},
+                                                 {{0.50, 0.145, 0}, 0.04}});
   double d = bladeOnly(p);
   d = smoothUnion(d, chain(mirrored, guard), 0.05);
   d = smoothUnion(d, sphere(mirrored, {0.515, 0.165, 0}, 0.072), 0.03);
@@ -228,33 +252,40 @@ double blade(const Vec3d& p) {
   const double turn = std::atan2(p.z(), p.x());
   const double swell = 0.068 + 0.014 * std::sin(kPi * std::clamp((-0.12 - p.y()) / 0.58, 0.0, 1.0));
   const double wrap = 0.009 * std::cos(2 * turn + 42 * p.y());
-  const double grip = std::max((std::hypot(p.x(), p.z() * 1.12) - swell - wrap) * 0.85, std::abs(p.y() + 0.41) - 0.33);
+  const double grip =
+      std::max((std::hypot(p.x(), p.z() * 1.12) - swell - wrap) * 0.85, std::abs(p.y() + 0.41) - 0.33);
   d = smoothUnion(d, grip, 0.03);
   d = smoothUnion(d, std::hypot(std::hypot(p.x(), p.z()) - 0.075, p.y() + 0.71) - 0.035, 0.03);
   d = smoothUnion(d, ellipsoid(p, {0, -0.85, 0}, {0.15, 0.135, 0.105}), 0.03);
   return smoothUnion(d, ellipsoid(p, {0, -0.995, 0}, {0.055, 0.04, 0.05}), 0.02);
 }
 
-/// An amphora: fluted, with two handles; hollow down to the shoulder only, which leaves more triangles for the outside.
+/// An amphora: fluted, with two handles; hollow down to the shoulder only, which leaves more triangles for
+/// the outside.
 double amphora(const Vec3d& p) {
   static const Profile profile = {{-1.0, 0.30}, {-0.9, 0.22}, {-0.75, 0.26}, {-0.3, 0.60}, {0.1, 0.68},
-                                  {0.42, 0.52}, {0.65, 0.26}, {0.9, 0.225}, {1.1, 0.33}};
+                                  {0.42, 0.52}, {0.65, 0.26}, {0.9, 0.225},  {1.1, 0.33}};
   const double r = std::hypot(p.x(), p.z()), y = std::clamp(p.y(), -1.0, 1.1), radius = valueAt(profile, y);
   const double scale = steepness(profile, y);
   const double belly = smoothStep(-0.85, -0.45, y) * (1 - smoothStep(0.12, 0.38, y));
   const double flutes = 0.02 * belly * std::cos(16 * std::atan2(p.z(), p.x()) + 5 * y);
   double d = std::max((r - radius - flutes) * scale, std::abs(p.y() - 0.05) - 1.05);
-  for (const auto& [height, at, thick] : {std::tuple{1.09, 0.345, 0.05}, {0.66, 0.262, 0.03}, {-0.985, 0.30, 0.05}, {0.40, 0.53, 0.03}}) {
+  for (const auto& [height, at, thick] :
+       {std::tuple{1.09, 0.345, 0.05}, {0.66, 0.262, 0.03}, {-0.985, 0.30, 0.05}, {0.40, 0.53, 0.03}}) {
     d = smoothUnion(d, std::hypot(r - at, p.y() - height) - thick, 0.07);
   }
-  static const std::vector<Joint> handle = curve(
-      {{{0.22, 0.92, 0}, 0.05}, {{0.46, 0.99, 0}, 0.052}, {{0.70, 0.86, 0}, 0.055}, {{0.72, 0.55, 0}, 0.052}, {{0.52, 0.25, 0}, 0.065}});
+  static const std::vector<Joint> handle = curve({{{0.22, 0.92, 0}, 0.05},
+                                                  {{0.46, 0.99, 0}, 0.052},
+                                                  {{0.70, 0.86, 0}, 0.055},
+                                                  {{0.72, 0.55, 0}, 0.052},
+                                                  {{0.52, 0.25, 0}, 0.065}});
   d = smoothUnion(d, chain({std::abs(p.x()), p.y(), p.z()}, handle), 0.08);
   const double hollow = std::max((r - radius + 0.085) * scale, 0.3 - p.y());
   return smoothCut(d, hollow, 0.03);
 }
 
-// Meshing -----------------------------------------------------------------------------------------------------------
+// Meshing
+// -----------------------------------------------------------------------------------------------------------
 
 /// Samples the field on every grid point of the box; values far from the surface are clamped.
 FloatGrid::Ptr sampleField(const Shape& shape, double spacing) {
@@ -320,7 +351,8 @@ void relax(Mesh& mesh, const Shape& shape, double spacing) {
 double areaOf(const Mesh& mesh) {
   double area = 0;
   for (const auto& t : mesh.triangles) {
-    area += 0.5 * (mesh.points[t[1]] - mesh.points[t[0]]).cross(mesh.points[t[2]] - mesh.points[t[0]]).length();
+    area +=
+        0.5 * (mesh.points[t[1]] - mesh.points[t[0]]).cross(mesh.points[t[2]] - mesh.points[t[0]]).length();
   }
   return area;
 }
@@ -384,8 +416,9 @@ int main(int argc, char** argv) {
     const Mesh mesh = meshOf(shape, 12000);
     const Topology topology = topologyOf(mesh);
     writeMesh(std::string(argv[1]) + "/" + shape.name + ".ply", mesh);
-    std::cout << shape.name << ": " << mesh.points.size() << " vertices, " << mesh.triangles.size() << " triangles, "
-              << topology.pieces << " piece(s), genus " << topology.genus << (topology.closed ? "" : ", NOT CLOSED") << '\n';
+    std::cout << shape.name << ": " << mesh.points.size() << " vertices, " << mesh.triangles.size()
+              << " triangles, " << topology.pieces << " piece(s), genus " << topology.genus
+              << (topology.closed ? "" : ", NOT CLOSED") << '\n';
     fine = fine && topology.closed && topology.pieces == 1 && topology.genus == shape.genus;
   }
   if (!fine) std::cerr << "a shape is not what it should be\n";

@@ -64,6 +64,13 @@ std::vector<double> frameTimes(const std::string& at, bool atGiven, int frames) 
   return times;
 }
 
+/// The choices are in the option's type already; the help need not list them twice.
+CLI::Validator oneOf(std::vector<std::string> choices) {
+  CLI::Validator validator = CLI::IsMember(std::move(choices));
+  validator.description("");
+  return validator;
+}
+
 Method methodOf(const std::string& name) {
   return name == "sdf" ? Method::kSdf : name == "levelset" ? Method::kLevelSet : Method::kSlices;
 }
@@ -103,13 +110,13 @@ MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Val
   add("samples", v.plan.samples, JobType::kInteger, "Points per contour, 16 to 4096 (128)", "N");
   add("axis", v.axis, JobType::kText, "Slicing direction of the first input (auto)", "auto|x|y|z|DX,DY,DZ");
   add("spine", v.spine, JobType::kText, "Line that the slices follow (auto)", "auto|straight|curved")
-      ->check(CLI::IsMember({"auto", "straight", "curved"}));
+      ->check(oneOf({"auto", "straight", "curved"}));
   add("align", v.align, JobType::kText, "none keeps world positions and directions (auto)", "auto|none")
-      ->check(CLI::IsMember({"auto", "none"}));
+      ->check(oneOf({"auto", "none"}));
   add("method", v.method, JobType::kText,
       "slices; or a classic: sdf blends distances point by point, levelset moves the surface to the nearest (slices)",
       "slices|sdf|levelset")
-      ->check(CLI::IsMember({"slices", "sdf", "levelset"}));
+      ->check(oneOf({"slices", "sdf", "levelset"}));
   v.gridsGiven = add("grids", v.grids, JobType::kText, "Not built yet: carry other grids of the file", "a,b,...");
   add("fps", v.framesPerSecond, JobType::kNumber, "Frames per second, for the metadata (24)", "F");
   v.threadsGiven = remember("threads", JobType::kInteger, addThreadsOption(command, v.threads));

@@ -14,53 +14,63 @@ namespace slicemorph {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-/// Overlap that a turn of 90 degrees must win to be worth it.
-constexpr double kPricePerRightAngle = 0.02;
-/// What leaving the world's own directions must win at all: near-degenerate axes must not turn by noise.
-constexpr double kTurnMargin = 0.01;
+/// Overlap that a turn of 90 degrees must win to be looked at.
+constexpr double kSmallPrice = 0.02;
+/// Overlap that a turn of 90 degrees must win, once the shapes are warped onto each other, to be made; and what
+/// leaving the world's own directions must win at all, for near-degenerate axes must not turn by noise.
+constexpr double kPricePerRightAngle = 0.12, kTurnMargin = 0.01;
+/// An alignment so good, and so much better than none, needs no second look.
+constexpr double kDecisive = 0.8, kDecisiveGain = 0.1;
 /// Scores closer than this are a tie (a symmetric object has several equally good turns).
 constexpr double kTie = 0.004;
+constexpr size_t kTurnsWorthTrying = 3;
 
 /// One object without its place and size: n -> centroid + size * n.
 struct Normalised {
   const DistanceField* field;
   Moments moments;
   double size;
-  float inside(const Vec3d& n) const {
+  std::vector<Vec3d> points;  ///< spread evenly through the inside
+  double self = 1;            ///< mean of inside() over its own points
+
+  /// 1 inside, 0 outside, soft over a tenth of the size.
+  double inside(const Vec3d& n) const {
     const double d = field->coarse(moments.centroid + size * n) / size;
-    return float(std::min(std::max(0.5 - d / 0.1, 0.0), 1.0));
+    return std::min(std::max(0.5 - d / 0.1, 0.0), 1.0);
   }
 };
 
-Normalised normalise(const DistanceField& field) {
-  const Moments m = insideMoments(field);
-  return {&field, m, std::cbrt(m.volume)};
+/// Mean of b's inside over a's points when `rotation` turns a's directions.
+double shareInside(const Normalised& a, const Normalised& b, const Mat3d& rotation) {
+  double sum = 0;
+  for (const Vec3d& n : a.points) sum += b.inside(rotation * n);
+  return sum / double(a.points.size());
 }
 
-double reach(const Normalised& o) {
-  double r = 0;
-  for (int corner = 0; corner < 3; ++corner) {
-    const Vec3d lo = o.field->box().min() - o.moments.centroid, hi = o.field->box().max() - o.moments.centroid;
-    r = std::max({r, std::abs(lo[corner]), std::abs(hi[corner])});
-  }
-  return r / o.size;
+Normalised normalise(const DistanceField& field) {
+  Normalised o{&field, insideMoments(field), 1, {}, 1};
+  o.size = std::cbrt(o.moments.volume);
+  constexpr double kPoints = 3000;
+  const double cells = o.moments.volume / std::pow(field.spacing(), 3);
+  const int stride = std::max(1, int(std::cbrt(cells / kPoints)));
+  const auto& n = field.size();
+  for (int z = 0; z < n[2]; z += stride)
+    for (int y = 0; y < n[1]; y += stride)
+      for (int x = 0; x < n[0]; x += stride)
+        if (field.nodeDistance(x, y, z) < 0)
+          o.points.push_back((field.nodePosition(x, y, z) - o.moments.centroid) / o.size);
+  if (o.points.empty()) o.points.push_back(Vec3d(0.0));
+  o.self = std::max(shareInside(o, o, Mat3d::identity()), 1e-3);
+  return o;
 }
 
 Mat3d halfOf(const Mat3d& rotation) { return rotationFromVector(0.5 * rotationVector(rotation)); }
 
-/// Soft intersection over union of a and b when `rotation` carries a onto b; sampled in the frame half way between.
-double overlapOf(const Normalised& a, const Normalised& b, const Mat3d& rotation, int steps) {
-  const Mat3d half = halfOf(rotation), back = half.transpose();
-  const double r = std::min(std::max(reach(a), reach(b)), 4.0) * 1.05;
-  double both = 0, either = 0;
-  for (int k = 0; k < steps; ++k)
-    for (int j = 0; j < steps; ++j)
-      for (int i = 0; i < steps; ++i) {
-        const Vec3d n = (Vec3d(i, j, k) * (2.0 / (steps - 1)) - Vec3d(1.0)) * r;
-        const float fa = a.inside(back * n), fb = b.inside(half * n);
-        both += std::min(fa, fb), either += std::max(fa, fb);
-      }
-  return either > 0 ? both / either : 0;
+/// Intersection over union of a and b when `rotation` carries a's directions onto b's; the same both ways.
+double overlapOf(const Normalised& a, const Normalised& b, const Mat3d& rotation) {
+  const double dice =
+      0.5 * (shareInside(a, b, rotation) / a.self + shareInside(b, a, rotation.transpose()) / b.self);
+  return dice / std::max(2 - dice, 1e-3);
 }
 
 double angleOf(const Mat3d& rotation) { return rotationVector(rotation).length(); }
@@ -92,79 +102,59 @@ Mat3d smallestTurn(const Vec3d& from, const Vec3d& to) {
   return rotationFromVector(axis / s * std::atan2(s, c));
 }
 
-struct Candidate {
-  Mat3d rotation = Mat3d::identity();
-  double overlap = 0;
-  bool world = false;  ///< started from the world's own directions
-  double score() const {
-    return overlap - kPricePerRightAngle * angleOf(rotation) / (kPi / 2) + (world ? kTurnMargin : 0);
-  }
-};
+double smallPrice(const Turn& t) { return kSmallPrice * t.angle / (kPi / 2); }
+double score(const Turn& t) { return t.overlap - smallPrice(t); }
+
+Turn measured(const Normalised& a, const Normalised& b, const Mat3d& rotation) {
+  return {rotation, angleOf(rotation), overlapOf(a, b, rotation)};
+}
 
 /// Coordinate ascent over small turns about three axes; kept only where it wins clearly.
-Candidate refine(const Normalised& a, const Normalised& b, Candidate c, double step, int steps) {
-  Candidate best = c;
-  best.overlap = overlapOf(a, b, c.rotation, steps);
-  const double start = best.score();
-  const Candidate unrefined = best;
+Turn refined(const Normalised& a, const Normalised& b, const Turn& start, double step) {
+  Turn best = start;
   for (; step > 0.008; step *= 0.5)
     for (bool moved = true; moved;) {
       moved = false;
       for (int axis = 0; axis < 6; ++axis) {
         Vec3d v(0.0);
         v[axis / 2] = axis % 2 ? -step : step;
-        Candidate next = best;
         const Mat3d half = halfOf(best.rotation);
-        next.rotation = half * rotationFromVector(v) * half;
-        next.overlap = overlapOf(a, b, next.rotation, steps);
-        if (next.score() > best.score() + 1e-4) best = next, moved = true;
+        const Turn next = measured(a, b, half * rotationFromVector(v) * half);
+        if (score(next) > score(best) + 1e-4) best = next, moved = true;
       }
     }
-  return best.score() > start + kTurnMargin ? best : unrefined;
+  return score(best) > score(start) + kTurnMargin ? best : start;
 }
 
-/// The rotation that carries a's directions to b's.
-Candidate bestTurn(const Normalised& a, const Normalised& b) {
+/// Every turn that the principal axes suggest, measured; the world's own directions come first.
+std::vector<Turn> suggestedTurns(const Normalised& a, const Normalised& b) {
   const PrincipalAxes pa = principalAxes(a.moments.covariance), pb = principalAxes(b.moments.covariance);
-  std::vector<Candidate> candidates(1);
-  candidates[0].world = true;
-  for (const Mat3d& p : properAxisAssignments()) candidates.push_back({pb.axes * p * pa.axes.transpose()});
+  std::vector<Mat3d> rotations{Mat3d::identity()};
+  for (const Mat3d& p : properAxisAssignments()) rotations.push_back(pb.axes * p * pa.axes.transpose());
   for (double sign : {1.0, -1.0})
-    candidates.push_back({smallestTurn(column(pa.axes, 0), sign * column(pb.axes, 0))});
-  tbb::parallel_for(size_t(0), candidates.size(), [&](size_t i) {
-    candidates[i].overlap = overlapOf(a, b, candidates[i].rotation, 28);
-  });
-  // The world's own directions are always looked at closely, with the best few of the others.
-  std::stable_sort(candidates.begin() + 1, candidates.end(),
-                   [](const Candidate& x, const Candidate& y) { return x.score() > y.score(); });
-  candidates.resize(std::min<size_t>(candidates.size(), 9));
-  tbb::parallel_for(size_t(0), candidates.size(), [&](size_t i) {
-    const bool loose = i > 0 && candidates[i].overlap < 0.9;
-    candidates[i] = refine(a, b, candidates[i], loose ? 0.3 : 0.08, 32);
-  });
-  const Vec3d spine = column(pa.axes, 0);
-  const auto leaning = [&](const Candidate& c) {
-    const Vec3d m = halfOf(c.rotation) * spine;
-    return std::abs(m[0] + m[1] + m[2]);
-  };
-  const Candidate* best = &candidates[0];
-  for (const Candidate& c : candidates)
-    if (c.score() > best->score() + kTie || (c.score() > best->score() - kTie && leaning(c) > leaning(*best) + 1e-3))
-      best = &c;
-  return *best;
+    rotations.push_back(smallestTurn(column(pa.axes, 0), sign * column(pb.axes, 0)));
+  std::vector<Turn> turns(rotations.size());
+  tbb::parallel_for(size_t(0), turns.size(), [&](size_t i) { turns[i] = measured(a, b, rotations[i]); });
+  std::stable_sort(turns.begin() + 1, turns.end(), [](const Turn& x, const Turn& y) { return score(x) > score(y); });
+  return turns;
 }
 
 struct Extent {
   double low, high;
 };
 
-/// Extent of the surface along a direction, from the coarse closest points' source: the band's own points.
-Extent extentAlong(const std::vector<SurfaceSample>& samples, const Vec3d& direction) {
+/// Extent of the inside along a direction, from the coarse nodes and their distances.
+Extent extentAlong(const DistanceField& field, const Vec3d& direction) {
   Extent e{1e300, -1e300};
-  for (const SurfaceSample& s : samples) {
-    const double d = s.position.dot(direction);
-    e.low = std::min(e.low, d), e.high = std::max(e.high, d);
-  }
+  const auto& n = field.size();
+  for (int z = 0; z < n[2]; ++z)
+    for (int y = 0; y < n[1]; ++y)
+      for (int x = 0; x < n[0]; ++x) {
+        const double inside = -field.nodeDistance(x, y, z);
+        if (inside < 0) continue;
+        const double d = field.nodePosition(x, y, z).dot(direction);
+        e.low = std::min(e.low, d - inside), e.high = std::max(e.high, d + inside);
+      }
   return e;
 }
 
@@ -201,12 +191,6 @@ Mat3d sharedAxes(const std::vector<Normalised>& objects, const std::vector<Mat3d
   return Mat3d(e0[0], e1[0], e2[0], e0[1], e1[1], e2[1], e0[2], e1[2], e2[2]);
 }
 
-std::string describe(const Mat3d& rotation) {
-  char text[96];
-  std::snprintf(text, sizeof text, "turned by %.1f degrees", angleOf(rotation) * 180 / kPi);
-  return angleOf(rotation) < 1e-9 ? "kept in its own directions" : text;
-}
-
 /// All objects in one chart: world positions and directions are kept.
 Frames worldFrames(const std::vector<Normalised>& objects, const Vec3d& axis) {
   const std::vector<Mat3d> none(objects.size(), Mat3d::identity());
@@ -227,34 +211,63 @@ Frames worldFrames(const std::vector<Normalised>& objects, const Vec3d& axis) {
 
 }  // namespace
 
-Frames alignFrames(const Fields& fields, const MorphOptions& options) {
+std::vector<Turn> proposeTurns(const DistanceField& fieldA, const DistanceField& fieldB) {
+  const Normalised a = normalise(fieldA), b = normalise(fieldB);
+  std::vector<Turn> turns = suggestedTurns(a, b);
+  turns.resize(std::min<size_t>(turns.size(), 9));
+  const Turn world = turns[0];
+  tbb::parallel_for(size_t(1), turns.size(), [&](size_t i) {
+    turns[i] = refined(a, b, turns[i], turns[i].overlap < 0.9 ? 0.3 : 0.08);
+  });
+  // Among equals the one whose spine leans towards positive directions half way: any rule will do that is the same
+  // when the objects change places.
+  const Vec3d spine = column(principalAxes(a.moments.covariance).axes, 0);
+  const auto leaning = [&](const Turn& t) {
+    const Vec3d m = halfOf(t.rotation) * spine;
+    return std::abs(m[0] + m[1] + m[2]);
+  };
+  const Turn* best = &turns[0];
+  for (const Turn& t : turns)
+    if (score(t) > score(*best) + kTie || (score(t) > score(*best) - kTie && leaning(t) > leaning(*best) + 1e-3))
+      best = &t;
+  const bool worldIsAsGood = score(*best) < world.overlap + kTurnMargin;
+  if (worldIsAsGood) return {world};
+  if (best->overlap > kDecisive && best->overlap > world.overlap + kDecisiveGain) return {*best};
+  std::vector<Turn> worthTrying{world, *best};
+  std::stable_sort(turns.begin() + 1, turns.end(), [](const Turn& x, const Turn& y) { return score(x) > score(y); });
+  for (size_t i = 1; i < turns.size() && worthTrying.size() <= kTurnsWorthTrying; ++i) {
+    bool fresh = turns[i].overlap > 0.75 * best->overlap;
+    for (const Turn& t : worthTrying) fresh &= angleOf(turns[i].rotation * t.rotation.transpose()) > 0.35;
+    if (fresh) worthTrying.push_back(turns[i]);
+  }
+  return worthTrying;
+}
+
+double priceOf(const Turn& turn) {
+  return turn.angle > 1e-9 ? kTurnMargin + kPricePerRightAngle * turn.angle / (kPi / 2) : 0;
+}
+
+Frames frameObjects(const Fields& fields, const std::vector<Mat3d>& turns, const MorphOptions& options) {
   std::vector<Normalised> objects(fields.size());
   tbb::parallel_for(size_t(0), fields.size(), [&](size_t k) { objects[k] = normalise(*fields[k]); });
   if (options.align == Align::kNone) return worldFrames(objects, options.axis);
 
-  Frames frames;
-  std::vector<Mat3d> rotations(fields.size(), Mat3d::identity());
-  for (size_t k = 1; k < fields.size(); ++k) {
-    const Candidate turn = bestTurn(objects[0], objects[k]);
-    rotations[k] = turn.rotation;
-    char text[64];
-    std::snprintf(text, sizeof text, ", overlap %.2f before warping", turn.overlap);
-    frames.notes.push_back("object " + std::to_string(k + 1) + " " + describe(turn.rotation) + text);
-  }
-  // From here on seen from half way between all objects, so that no object is special.
+  // Seen from half way between all objects, so that no object is special.
   std::vector<Chart> turned(fields.size());
-  for (size_t k = 0; k < fields.size(); ++k) turned[k].axes = rotations[k];
+  for (size_t k = 0; k < fields.size(); ++k) turned[k].axes = turns[k];
   const Mat3d middle = blendCharts(turned, Weights(fields.size(), 1.0 / double(fields.size()))).axes;
-  for (Mat3d& rotation : rotations) rotation = rotation * middle.transpose();
+  std::vector<Mat3d> rotations;
+  for (const Mat3d& turn : turns) rotations.push_back(turn * middle.transpose());
   const Mat3d shared = sharedAxes(objects, rotations, rotations[0].transpose() * options.axis);
   std::vector<double> lengths(fields.size()), radii(fields.size());
   double aspect = 0;
+  Frames frames;
   frames.charts.resize(fields.size());
   for (size_t k = 0; k < fields.size(); ++k) {
     Chart& chart = frames.charts[k];
     chart.axes = rotations[k] * shared;
     const Vec3d spine = column(chart.axes, 0);
-    const Extent e = extentAlong(sampleSurface(*fields[k], 20000), spine);
+    const Extent e = extentAlong(*fields[k], spine);
     lengths[k] = 0.5 * (e.high - e.low);
     radii[k] = std::sqrt(objects[k].moments.volume / (2 * lengths[k]));
     aspect += lengths[k] / radii[k] / double(fields.size());

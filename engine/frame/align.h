@@ -14,9 +14,23 @@ struct Frames {
   std::vector<std::string> notes;  ///< what was decided
 };
 
-/// Gives every object its chart so that like lies on like: oriented bounding boxes from the moments of the inside, the
-/// 24 proper axis assignments, the world's own axes and small turns, scored by the overlap of the aligned shapes less
-/// a small price on the turning angle. Symmetric in the objects' order for two of them.
-Frames alignFrames(const Fields& fields, const MorphOptions& options);
+/// A rotation that may carry one object's directions to another's.
+struct Turn {
+  Mat3d rotation = Mat3d::identity();
+  double angle = 0;    ///< radians
+  double overlap = 0;  ///< intersection over union of the two objects so turned, without place and size
+};
+
+/// The turns worth trying from object a to object b, the most likely first: the 24 proper axis assignments of the
+/// oriented bounding boxes, the world's own directions and small turns away from these, scored by overlap less a small
+/// price on the angle. One only where overlap alone decides. The same the other way round.
+std::vector<Turn> proposeTurns(const DistanceField& a, const DistanceField& b);
+
+/// Price of a turn in overlap: what a morph must gain to be worth turning the object.
+double priceOf(const Turn& turn);
+
+/// Gives every object its chart, in the shared axes of all. `rotations`: from the first object's directions to each
+/// object's; ignored where the options keep the world's. Symmetric in the objects' order.
+Frames frameObjects(const Fields& fields, const std::vector<Mat3d>& rotations, const MorphOptions& options);
 
 }  // namespace slicemorph

@@ -80,41 +80,51 @@ void smooth(const Lattice& lattice, VectorField& field, const std::vector<float>
   });
 }
 
-}  // namespace
-
-std::vector<float> smallestRatios(const Displacements& map, const Weights& weights) {
+/// Smallest volume of a cell's tetrahedra after the map s -> s + sum_k w_k D_k(s), over their volume before.
+double smallestRatio(const Displacements& map, const Weights& weights, int x, int y, int z) {
   const Lattice& lattice = map.lattice;
-  std::vector<float> ratios(lattice.count(), 1.f);
-  forEachCell(lattice, [&](int x, int y, int z) {
-    Vec3d p[8];
-    for (int c = 0; c < 8; ++c) {
-      const int dx = c & 1, dy = c >> 1 & 1, dz = c >> 2;
-      const size_t i = lattice.index(x + dx, y + dy, z + dz);
-      p[c] = lattice.spacing * Vec3d(dx, dy, dz);
-      for (size_t k = 0; k < weights.size(); ++k) p[c] += weights[k] * Vec3d(map.of[k][i]);
-    }
-    double smallest = 1e30;
-    for (const auto& t : kKuhnTetrahedra)
-      smallest = std::min(smallest, (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]).dot(p[t[3]] - p[t[0]]));
-    ratios[lattice.index(x, y, z)] = float(smallest / (lattice.spacing * lattice.spacing * lattice.spacing));
-  });
-  return ratios;
+  Vec3d p[8];
+  for (int c = 0; c < 8; ++c) {
+    const int dx = c & 1, dy = c >> 1 & 1, dz = c >> 2;
+    const size_t i = lattice.index(x + dx, y + dy, z + dz);
+    p[c] = lattice.spacing * Vec3d(dx, dy, dz);
+    for (size_t k = 0; k < weights.size(); ++k) p[c] += weights[k] * Vec3d(map.of[k][i]);
+  }
+  double smallest = 1e30;
+  for (const auto& t : kKuhnTetrahedra)
+    smallest = std::min(smallest, (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]).dot(p[t[3]] - p[t[0]]));
+  return smallest / (lattice.spacing * lattice.spacing * lattice.spacing);
 }
+
+/// Cells with a suspect corner that some guarded map squeezes below the floor.
+std::vector<char> foldedCells(const Displacements& map, const std::vector<Weights>& guarded, double floor,
+                              const std::vector<char>& suspect) {
+  const Lattice& lattice = map.lattice;
+  std::vector<char> folded(lattice.count(), 0);
+  forEachCell(lattice, [&](int x, int y, int z) {
+    bool any = false;
+    for (int c = 0; c < 8 && !any; ++c) any = suspect[lattice.index(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2))];
+    if (!any) return;
+    char& result = folded[lattice.index(x, y, z)];
+    for (size_t w = 0; w < guarded.size() && !result; ++w)
+      result = smallestRatio(map, guarded[w], x, y, z) < floor;
+  });
+  return folded;
+}
+
+}  // namespace
 
 int removeFolds(Displacements& map, double floor) {
   const std::vector<Weights> guarded = guardedWeights(map.of.size());
+  std::vector<char> suspect(map.lattice.count(), 1);
   for (int round = 0; round < kMaxRounds; ++round) {
-    std::vector<char> folded(map.lattice.count(), 0);
-    bool any = false;
-    for (const Weights& w : guarded) {
-      const std::vector<float> ratios = smallestRatios(map, w);
-      for (size_t i = 0; i < ratios.size(); ++i)
-        if (ratios[i] < floor) folded[i] = 1, any = true;
-    }
-    if (!any) return round;
+    const std::vector<char> folded = foldedCells(map, guarded, floor, suspect);
+    if (std::find(folded.begin(), folded.end(), 1) == folded.end()) return round;
     const std::vector<float> mask = smoothingMask(map.lattice, folded);
     for (int i = 0; i < 2 + round / 8; ++i)
       for (VectorField& field : map.of) smooth(map.lattice, field, mask);
+    // Only what was moved can fold anew.
+    for (size_t i = 0; i < suspect.size(); ++i) suspect[i] = mask[i] > 0;
   }
   // What smoothing cannot cure shrinks towards the middle space, which has no folds.
   for (VectorField& field : map.of)

@@ -7,9 +7,6 @@ namespace slicemorph {
 /// The corners of the six tetrahedra of a lattice cell (Kuhn's subdivision, the same across faces), as bits x, y, z.
 extern const int kKuhnTetrahedra[6][4];
 
-/// Smallest ratio of a tetrahedron's volume after the map s -> s + sum_k w_k D_k(s) to its volume before, per cell.
-std::vector<float> smallestRatios(const Displacements& map, const Weights& weights);
-
 /// Smooths the displacements where the map to some object, or to a blend of objects, would squeeze a tetrahedron
 /// below `floor` of its volume, until none is left: piecewise linear maps without a fold are then one to one.
 /// Returns how many rounds were needed.

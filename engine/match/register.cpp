@@ -36,6 +36,9 @@ const Round kRounds[] = {
     {false, 0.06, 0.04, 1, 8000},
 };
 
+/// A look at how well two objects can be matched at all.
+const Round kQuickRounds[] = {{false, 0.25, 0.14, 3, 1500}, {false, 0.15, 0.10, 2, 1500}};
+
 class Registrar {
  public:
   Registrar(const Fields& fields, const Frames& frames, const MorphOptions& options, Progress& progress)
@@ -53,6 +56,14 @@ class Registrar {
     }
     finish();
     return std::move(result_);
+  }
+
+  double quickOverlap() {
+    measureObjects();
+    sliceObjects();
+    startFromContours();
+    for (const Round& round : kQuickRounds) refine(round);
+    return overlap_;
   }
 
  private:
@@ -327,7 +338,38 @@ class Registrar {
   Registration result_;
 };
 
+/// The turn from the first object to another one.
+Turn chooseTurn(const Fields& pair, const MorphOptions& options, Progress& progress) {
+  const std::vector<Turn> turns = proposeTurns(*pair[0], *pair[1]);
+  if (turns.size() == 1) return turns[0];
+  MorphOptions coarse = options;
+  coarse.slices = 32;
+  const Turn* best = nullptr;
+  double most = -1e30;
+  for (const Turn& turn : turns) {
+    const Frames frames = frameObjects(pair, {Mat3d::identity(), turn.rotation}, coarse);
+    const double value = Registrar(pair, frames, coarse, progress).quickOverlap() - priceOf(turn);
+    if (getenv("DBG")) fprintf(stderr, "turn %.1f before %.3f value %.3f price %.3f\n", turn.angle * 57.3, turn.overlap, value, priceOf(turn));
+    if (value > most) most = value, best = &turn;
+  }
+  return *best;
+}
+
 }  // namespace
+
+TurnChoice chooseTurns(const Fields& fields, const MorphOptions& options, Progress& progress) {
+  TurnChoice choice{std::vector<Mat3d>(fields.size(), Mat3d::identity()), {}};
+  if (options.align == Align::kNone) return choice;
+  for (size_t k = 1; k < fields.size(); ++k) {
+    const Turn turn = chooseTurn({fields[0], fields[k]}, options, progress);
+    choice.rotations[k] = turn.rotation;
+    char text[128];
+    std::snprintf(text, sizeof text, "shape %zu %s %.1f degrees against the first, overlap %.2f before warping", k + 1,
+                  "turned by", turn.angle * 180 / 3.14159265358979323846, turn.overlap);
+    choice.notes.push_back(text);
+  }
+  return choice;
+}
 
 Registration registerObjects(const Fields& fields, const Frames& frames, const MorphOptions& options,
                              Progress& progress) {

@@ -28,7 +28,8 @@ struct LevelSetMorphResult {
   int steps = 0;                       ///< of a third of a time unit, one to two voxels far from the target
 };
 
-/// Runs until the surface is within half a voxel of the target everywhere, it stops moving, or `maxSteps` are used up.
+/// Runs until the surface is within half a voxel of the target everywhere (as the voxels next to it see it; the exact
+/// `restDistance` may come out a little larger), it stops moving, or `maxSteps` are used up.
 /// Both by the conventions; the frames have the source's transform. They are spread evenly over the steps, to within
 /// a half of the distance between two of them. Throws InputError for `count` below 2, Cancelled.
 LevelSetMorphResult levelSetMorph(const FloatGrid& source, const FloatGrid& target, int count, int maxSteps = 2000,

@@ -2,7 +2,9 @@
 #include "engine/peers/peers.h"
 #include "engine/volume/distance_field.h"
 
+#include <openvdb/tools/ChangeBackground.h>
 #include <openvdb/tools/FastSweeping.h>
+#include <openvdb/tools/Prune.h>
 #include <openvdb/tools/SignedFloodFill.h>
 #include <tbb/parallel_for.h>
 
@@ -85,6 +87,8 @@ FloatGrid::Ptr redistance(const FloatGrid& blend, float band) {
     result = FloatGrid::create(band);
     result->setTransform(blend.transform().copy());
   }
+  // The sweep has made the largest distance that it met the background.
+  openvdb::tools::changeLevelSetBackground(result->tree(), band);
   std::vector<Leaf*> leaves;
   result->tree().getNodes(leaves);
   tbb::parallel_for(tbb::blocked_range<size_t>(0, leaves.size()), [&](const auto& range) {

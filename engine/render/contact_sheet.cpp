@@ -78,15 +78,16 @@ void drawText(Image& image, const Window& area, const std::string& text, int sca
 void copyTile(const Image& tile, const Window& to, Image& sheet) {
   for (int y = 0; y < tile.height; ++y) {
     const float* row = &tile.rgba[size_t(4) * y * tile.width];
-    std::copy(row, row + size_t(4) * tile.width, &sheet.rgba[4 * (size_t(to.top + y) * sheet.width + to.left)]);
+    std::copy(row, row + size_t(4) * tile.width,
+              &sheet.rgba[4 * (size_t(to.top + y) * sheet.width + to.left)]);
   }
 }
 
 void drawCaption(Image& sheet, const Window& tile, const std::string& caption) {
   const int scale = std::max(1, (tile.height + 80) / 160);
   const int inset = 3 * scale;
-  const Window text{tile.left + inset, tile.top + tile.height - inset - kGlyphHeight * scale, tile.width - 2 * inset,
-                    kGlyphHeight * scale};
+  const Window text{tile.left + inset, tile.top + tile.height - inset - kGlyphHeight * scale,
+                    tile.width - 2 * inset, kGlyphHeight * scale};
   if (text.width < kGlyphWidth * scale || text.top < tile.top) return;
   // A shadow below right keeps the letters readable on light ground.
   const int offset = std::max(1, scale / 2);
@@ -102,10 +103,12 @@ void drawCaption(Image& sheet, const Window& tile, const std::string& caption) {
 
 Image contactSheet(const std::vector<Tile>& tiles, int columns) {
   if (tiles.empty()) throw InputError("contact sheet: no pictures");
-  if (columns < 0) throw InputError("contact sheet: columns " + std::to_string(columns) + ": must be 0 or more");
+  if (columns < 0)
+    throw InputError("contact sheet: columns " + std::to_string(columns) + ": must be 0 or more");
   const int width = tiles[0].image.width, height = tiles[0].image.height;
   for (const Tile& tile : tiles) {
-    if (tile.image.width != width || tile.image.height != height || tile.image.rgba.size() != size_t(4) * width * height) {
+    if (tile.image.width != width || tile.image.height != height ||
+        tile.image.rgba.size() != size_t(4) * width * height) {
       throw InputError("contact sheet: picture \"" + tile.caption + "\" has another size than the first");
     }
   }

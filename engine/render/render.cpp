@@ -22,7 +22,8 @@ using Ray = openvdb::math::Ray<double>;
 // Two refinements of the crossing: with none, the silhouette of one voxel shows as terraces.
 using Search = openvdb::tools::LinearSearchImpl<FloatGrid, 2, double>;
 using Intersector =
-    openvdb::tools::LevelSetRayIntersector<FloatGrid, Search, FloatGrid::TreeType::RootNodeType::ChildNodeType::LEVEL, Ray>;
+    openvdb::tools::LevelSetRayIntersector<FloatGrid, Search,
+                                           FloatGrid::TreeType::RootNodeType::ChildNodeType::LEVEL, Ray>;
 
 /// Right, up and backwards (towards the viewer): a right-handed orthonormal set.
 struct Basis {
@@ -48,7 +49,8 @@ class RayMaker {
   RayMaker(const Camera& camera, double aspect, double depth)
       : basis_(basisOf(camera.target - camera.position, camera.up, "camera")), eye_(camera.position) {
     orthographic_ = camera.orthographicHeight > 0;
-    const double half = orthographic_ ? camera.orthographicHeight / 2 : std::tan(camera.verticalFov * kPi / 360);
+    const double half =
+        orthographic_ ? camera.orthographicHeight / 2 : std::tan(camera.verticalFov * kPi / 360);
     across_ = basis_.right * (half * aspect);
     upwards_ = basis_.up * half;
     // An orthographic camera has no near side: start behind everything.
@@ -92,7 +94,11 @@ Colour backgroundAt(double x, double y) {
 class Shader {
  public:
   Shader(const FloatGrid& grid, const Basis& basis, const Intersector& intersector, Shading shading)
-      : grid_(grid), basis_(basis), intersector_(intersector), accessor_(grid.getConstAccessor()), shading_(shading) {
+      : grid_(grid),
+        basis_(basis),
+        intersector_(intersector),
+        accessor_(grid.getConstAccessor()),
+        shading_(shading) {
     voxelSize_ = grid.voxelSize()[0];
   }
 
@@ -138,7 +144,8 @@ class Shader {
     static const Colour albedo(0.53f, 0.435f, 0.355f);
     static const Vec3d fillLight = Vec3d(0.85, 0.1, 0.5).unit(), rimLight = Vec3d(0.45, 0.6, -0.75).unit();
     const double spread = 0.4;  // of the key light, for soft shadows
-    const Vec3d keyLight = Vec3d(-0.8 + spread * (lightSample.x() - 0.5), 0.75 + spread * (lightSample.y() - 0.5), 0.5).unit();
+    const Vec3d keyLight =
+        Vec3d(-0.8 + spread * (lightSample.x() - 0.5), 0.75 + spread * (lightSample.y() - 0.5), 0.5).unit();
     const Vec3d key = basis_.toWorld(keyLight);
     const float open = openness(world, normal);
 
@@ -152,7 +159,8 @@ class Shader {
     const float rim = std::max(0.0f, float(normal.dot(basis_.toWorld(rimLight)))) * (0.25f + 0.75f * grazing);
     const float sky = float(0.5 + 0.5 * normal.dot(basis_.up));
 
-    Colour light = mix(Colour(0.12f, 0.105f, 0.095f), Colour(0.18f, 0.20f, 0.235f), sky) * mix(0.45f, 1.0f, open);
+    Colour light =
+        mix(Colour(0.12f, 0.105f, 0.095f), Colour(0.18f, 0.20f, 0.235f), sky) * mix(0.45f, 1.0f, open);
     light += Colour(1.0f, 0.94f, 0.86f) * (1.12f * direct + 0.06f * wrapped) * mix(0.7f, 1.0f, open);
     light += Colour(0.55f, 0.66f, 0.85f) * (0.2f * fill) * mix(0.6f, 1.0f, open);
     light += Colour(0.9f, 0.95f, 1.0f) * (0.5f * rim);
@@ -172,15 +180,16 @@ class Shader {
 void check(const FloatGrid& levelSet, const RenderOptions& options) {
   for (const int side : {options.width, options.height}) {
     if (side < 1 || side > 16384) {
-      throw InputError("picture size " + std::to_string(options.width) + " x " + std::to_string(options.height) +
-                       ": width and height must be 1 to 16384 pixels");
+      throw InputError("picture size " + std::to_string(options.width) + " x " +
+                       std::to_string(options.height) + ": width and height must be 1 to 16384 pixels");
     }
   }
   if (options.samples < 1 || options.samples > 64) {
     throw InputError("samples " + std::to_string(options.samples) + ": must be 1 to 64 a pixel");
   }
   if (levelSet.getGridClass() != openvdb::GRID_LEVEL_SET || !levelSet.hasUniformVoxels()) {
-    throw InputError("grid \"" + levelSet.getName() + "\": only level sets with cubic voxels can be drawn; convert it first");
+    throw InputError("grid \"" + levelSet.getName() +
+                     "\": only level sets with cubic voxels can be drawn; convert it first");
   }
 }
 
@@ -203,7 +212,8 @@ class RowPainter {
     int hits = 0;
     for (int n = 0; intersector && n < options_.samples; ++n) {
       const openvdb::Vec2d at = samplePosition(n);
-      const Ray ray = rays_(2 * (column + at.x()) / options_.width - 1, 1 - 2 * (row + at.y()) / options_.height);
+      const Ray ray =
+          rays_(2 * (column + at.x()) / options_.width - 1, 1 - 2 * (row + at.y()) / options_.height);
       Vec3d world;
       if (!intersector->intersectsWS(ray, world)) continue;
       ++hits;
@@ -212,7 +222,8 @@ class RowPainter {
     const float cover = float(hits) / float(options_.samples);
     Colour colour = sum / float(options_.samples);
     if (!options_.background) return {colour[0], colour[1], colour[2], cover};
-    colour += backgroundAt(2 * (column + 0.5) / options_.width - 1, 1 - 2 * (row + 0.5) / options_.height) * (1 - cover);
+    colour += backgroundAt(2 * (column + 0.5) / options_.width - 1, 1 - 2 * (row + 0.5) / options_.height) *
+              (1 - cover);
     return {colour[0], colour[1], colour[2], 1.0f};
   }
 
@@ -260,7 +271,8 @@ openvdb::BBoxd surfaceBox(const FloatGrid& levelSet) {
       box.expand(it.getBoundingBox());
     }
   }
-  if (box.empty()) throw GeometryError("grid \"" + levelSet.getName() + "\" has no inside: there is nothing to see");
+  if (box.empty())
+    throw GeometryError("grid \"" + levelSet.getName() + "\" has no inside: there is nothing to see");
   const openvdb::BBoxd index(box.min().asVec3d() - Vec3d(1.0), box.max().asVec3d() + Vec3d(1.0));
   return levelSet.transform().indexToWorld(index);
 }
@@ -317,7 +329,8 @@ Image renderSurface(const FloatGrid& levelSet, const Camera& camera, const Rende
       [&](const tbb::blocked_range<int>& range) {
         const Intersector intersector(original);
         Shader shader(levelSet, rays.basis(), original, options.shading);
-        for (int row = range.begin(); row < range.end(); ++row) painter.paint(image, row, &intersector, &shader);
+        for (int row = range.begin(); row < range.end(); ++row)
+          painter.paint(image, row, &intersector, &shader);
       },
       tbb::simple_partitioner());
   return image;

@@ -25,7 +25,8 @@ Mat3d jacobianOf(const FloatGrid& grid) {
   for (int a = 0; a < 3; ++a) {
     Vec3d unit(0.0);
     unit[a] = 1;
-    jacobian.setCol(a, grid.transform().baseMap()->applyMap(unit) - grid.transform().baseMap()->applyMap(Vec3d(0.0)));
+    jacobian.setCol(
+        a, grid.transform().baseMap()->applyMap(unit) - grid.transform().baseMap()->applyMap(Vec3d(0.0)));
   }
   return jacobian;
 }
@@ -50,7 +51,8 @@ void add(VoxelSums& sum, const openvdb::CoordBBox& box) {
   }
 }
 
-/// A level set's inside, in the band or not; else the active voxels. In the tree's order: the sums are the same always.
+/// A level set's inside, in the band or not; else the active voxels. In the tree's order: the sums are the
+/// same always.
 VoxelSums sumsOf(const FloatGrid& grid) {
   VoxelSums sum;
   if (isLevelSet(grid)) {
@@ -113,7 +115,8 @@ struct Extents {
 };
 
 Extents extentsAlong(const FloatGrid& grid, const Mat3d& frame) {
-  // Each extent is a linear function of the index position; a voxel reaches half of |coefficients| to both sides.
+  // Each extent is a linear function of the index position; a voxel reaches half of |coefficients| to both
+  // sides.
   const Mat3d linear = frame.transpose() * jacobianOf(grid);
   const Vec3d offset = frame.transpose() * grid.indexToWorld(Vec3d(0.0));
   const bool levelSet = isLevelSet(grid);
@@ -138,9 +141,11 @@ void check(const FloatGrid& grid, const SectionOptions& options) {
   if (!(options.pixelSize >= 0) || !std::isfinite(options.pixelSize)) {
     throw InputError("pixel size " + std::to_string(options.pixelSize) + ": must be above 0");
   }
-  if (!std::isfinite(options.axis.lengthSqr())) throw InputError("slicing axis: must be three finite numbers");
+  if (!std::isfinite(options.axis.lengthSqr()))
+    throw InputError("slicing axis: must be three finite numbers");
   if (!grid.transform().isLinear()) {
-    throw InputError("grid \"" + grid.getName() + "\" has a frustum transform; only linear ones can be sliced");
+    throw InputError("grid \"" + grid.getName() +
+                     "\" has a frustum transform; only linear ones can be sliced");
   }
 }
 
@@ -149,18 +154,23 @@ void check(const FloatGrid& grid, const SectionOptions& options) {
 std::vector<SectionPlane> sectionPlanes(const FloatGrid& grid, const SectionOptions& options) {
   check(grid, options);
   const VoxelSums sums = sumsOf(grid);
-  if (!(sums.weight > 0)) throw GeometryError("grid \"" + grid.getName() + "\" is empty: there is nothing to slice");
+  if (!(sums.weight > 0))
+    throw GeometryError("grid \"" + grid.getName() + "\" is empty: there is nothing to slice");
   const Mat3d frame = planeAxes(grid, options.axis, sums);
   const Extents extents = extentsAlong(grid, frame);
   if (extents.lo.x() > extents.hi.x()) {
-    throw GeometryError("grid \"" + grid.getName() + "\" has no active voxels inside its surface: there is nothing to slice");
+    throw GeometryError("grid \"" + grid.getName() +
+                        "\" has no active voxels inside its surface: there is nothing to slice");
   }
   const Vec3d voxel = grid.voxelSize();
-  const double pixel = options.pixelSize > 0 ? options.pixelSize : std::min({voxel.x(), voxel.y(), voxel.z()});
+  const double pixel =
+      options.pixelSize > 0 ? options.pixelSize : std::min({voxel.x(), voxel.y(), voxel.z()});
   const Vec3d middle = (extents.lo + extents.hi) / 2, size = extents.hi - extents.lo;
-  const double across = std::ceil(size.x() / pixel) + 2 * kMarginPixels, down = std::ceil(size.y() / pixel) + 2 * kMarginPixels;
+  const double across = std::ceil(size.x() / pixel) + 2 * kMarginPixels,
+               down = std::ceil(size.y() / pixel) + 2 * kMarginPixels;
   if (across * down > double(1 << 28)) {
-    throw InputError("pixel size " + std::to_string(pixel) + ": a slice would have more than 2^28 pixels; choose a larger one");
+    throw InputError("pixel size " + std::to_string(pixel) +
+                     ": a slice would have more than 2^28 pixels; choose a larger one");
   }
 
   std::vector<SectionPlane> planes(options.count);

@@ -258,25 +258,27 @@ std::vector<Index> coincidentPoints(const std::vector<Vec3s>& points) {
   return found;
 }
 
-void separatePoints(Mesh& mesh) {
+/// Returns how many points still have the coordinates of another.
+size_t separatePoints(Mesh& mesh) {
   std::vector<Index> coincident = coincidentPoints(mesh.points);
-  if (coincident.empty()) return;
+  if (coincident.empty()) return 0;
   const Corners corners = cornersByPoint(mesh);
-  // Each round moves points a little further; a surface that has shrunk to a point cannot be pulled apart.
+  // Each round moves points a little further; a surface that has shrunk to a point or line cannot be pulled apart.
   for (int round = 0; round < 8 && !coincident.empty(); ++round) {
     for (Index point : coincident) mesh.points[point] = towards(mesh, sidesAround(mesh, corners, point), point);
     coincident = coincidentPoints(mesh.points);
   }
+  return coincident.size();
 }
 
 }  // namespace
 
-Mesh makeManifold(Mesh mesh) {
+ManifoldMesh makeManifold(Mesh mesh) {
   while (splitEdges(mesh)) {
   }
   splitPoints(mesh);
-  separatePoints(mesh);
-  return mesh;
+  const size_t coincident = separatePoints(mesh);
+  return {std::move(mesh), coincident};
 }
 
 }  // namespace slicemorph

@@ -131,6 +131,34 @@ bool windsInwards(const FloatGrid& grid) {
   return fog == mirrored;
 }
 
+Mesh rawSurface(const FloatGrid& grid, double iso) {
+  Mesh mesh;
+  std::vector<Vec4I> quads;
+  openvdb::tools::volumeToMesh(grid, mesh.points, quads, iso);
+  if (windsInwards(grid)) {
+    for (Vec4I& q : quads) std::swap(q[1], q[3]);
+  }
+  mesh.triangles = splitQuads(mesh.points, quads);
+  return mesh;
+}
+
+/// A copy whose values keep clear of `iso` by a thousandth of the smaller step to either side. Voxels that lie exactly
+/// on the surface can shrink parts of it to a point, where faces have no extent.
+FloatGrid::Ptr awayFrom(const FloatGrid& grid, double iso) {
+  double below = 0, above = 0;
+  for (auto value = grid.cbeginValueOn(); value; ++value) {
+    below = std::max(below, iso - *value);
+    above = std::max(above, *value - iso);
+  }
+  const double step = below > 0 && above > 0 ? std::min(below, above) : std::max(below, above);
+  const float low = float(iso - 1e-3 * step), high = float(iso + 1e-3 * step);
+  FloatGrid::Ptr copy = grid.deepCopy();
+  for (auto value = copy->beginValueAll(); value; ++value) {
+    if (*value > low && *value < high) value.setValue(*value < iso ? low : high);
+  }
+  return copy;
+}
+
 }  // namespace
 
 FloatGrid::Ptr voxelise(const Mesh& mesh, double voxelSize) {
@@ -148,14 +176,9 @@ FloatGrid::Ptr voxelise(const Mesh& mesh, double voxelSize) {
 }
 
 Mesh surfaceOf(const FloatGrid& grid, double iso) {
-  Mesh mesh;
-  std::vector<Vec4I> quads;
-  openvdb::tools::volumeToMesh(grid, mesh.points, quads, iso);
-  if (windsInwards(grid)) {
-    for (Vec4I& q : quads) std::swap(q[1], q[3]);
-  }
-  mesh.triangles = splitQuads(mesh.points, quads);
-  return makeManifold(std::move(mesh));
+  ManifoldMesh result = makeManifold(rawSurface(grid, iso));
+  if (result.coincident > 0) result = makeManifold(rawSurface(*awayFrom(grid, iso), iso));
+  return std::move(result.mesh);
 }
 
 }  // namespace slicemorph

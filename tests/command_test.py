@@ -1,0 +1,385 @@
+#!/usr/bin/env python3
+"""Command-line cases of slicemorph, one table line each.
+
+usage: command_test.py PATH/TO/slicemorph [NAME...]     (NAME: only the cases whose name contains it)
+
+A case is (name, arguments, exit code, text on stderr, text on stdout); a text may be a list of texts. `{d}` in an
+argument is the folder of the inputs, `{o}` a fresh folder for outputs. A case that fails must leave `{o}` empty; no
+case may be ended by a signal or take longer than two minutes. Cases that need a file system of their own are skipped,
+with a message, where mounting is not allowed.
+"""
+import json
+import math
+import os
+import re
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+
+PROGRAM = os.path.abspath(sys.argv[1]) if len(sys.argv) > 1 else "slicemorph"
+ONLY = sys.argv[2:]
+
+USAGE = [
+    ("no command", "", 2, "subcommand", ""),
+    ("unknown command", "melt", 2, "slicemorph:", ""),
+    ("version", "--version", 0, "", "slicemorph "),
+    ("help", "--help", 0, "", ["morph", "convert", "compare", "info", "render", "slice"]),
+    ("morph help", "morph --help", 0, "",
+     ["--frames", "--at", "--weights", "--voxel-size", "--resolution", "--slices", "--samples", "--axis", "--spine",
+      "--align", "--iso", "--method", "--fps", "--threads", "--report", "--config", "--quiet", "--resume",
+      "--dump-slices"]),
+    ("unknown option", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frmes 3", 2, "--frmes", ""),
+    ("one input", "morph {d}/a.obj -o {o}/m.####.vdb", 2, "at least two inputs", ""),
+    ("no output", "morph {d}/a.obj {d}/b.obj", 2, "needs an output", ""),
+    ("frames negative", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frames -3", 2, ["--frames -3", "1 to"], ""),
+    ("frames zero", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frames 0", 2, "--frames 0", ""),
+    ("frames text", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frames many", 2, "--frames", ""),
+    ("frames huge", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frames 99999999999999", 2, "--frames", ""),
+    ("resolution 100000", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --resolution 100000", 2,
+     ["--resolution 100000", "8 to 4096"], ""),
+    ("resolution 0", "convert {d}/a.obj -o {o}/m.vdb --resolution 0", 2, "--resolution 0", ""),
+    ("voxel size 0", "convert {d}/a.obj -o {o}/m.vdb --voxel-size 0", 2, "--voxel-size 0", ""),
+    ("voxel size nan", "convert {d}/a.obj -o {o}/m.vdb --voxel-size nan", 2, "--voxel-size", ""),
+    ("voxel size tiny", "convert {d}/a.obj -o {o}/m.vdb --voxel-size 1e-9", 2, ["a.obj", "voxel"], ""),
+    ("voxel size and resolution", "convert {d}/a.obj -o {o}/m.vdb --voxel-size 0.1 --resolution 64", 2, "exclude", ""),
+    ("frames without ####", "morph {d}/a.obj {d}/b.obj -o {o}/m.vdb", 2, "####", ""),
+    ("at outside", "morph {d}/a.obj {d}/b.obj -o {o}/m.vdb --at 1.5", 2, ["1.5", "0 to 1"], ""),
+    ("at text", "morph {d}/a.obj {d}/b.obj -o {o}/m.vdb --at half", 2, "half", ""),
+    ("at twice without ####", "morph {d}/a.obj {d}/b.obj -o {o}/m.vdb --at 0.2,0.4", 2, "####", ""),
+    ("at and frames", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --at 0.2 --frames 3", 2, "exclude", ""),
+    ("weights count", "morph {d}/a.obj {d}/b.obj -o {o}/m.vdb --weights 0.2,0.3,0.5", 2, "3 numbers for 2 inputs", ""),
+    ("weights sum", "morph {d}/a.obj {d}/b.obj -o {o}/m.vdb --weights 1,3", 2, ["sum to 4", "0.25,0.75"], ""),
+    ("weights negative", "morph {d}/a.obj {d}/b.obj -o {o}/m.vdb --weights -1,2", 2, "negative", ""),
+    ("slices few", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --slices 2", 2, "--slices 2", ""),
+    ("samples many", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --samples 100000", 2, "--samples 100000", ""),
+    ("axis letter", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --axis w", 2, "--axis w", ""),
+    ("axis zero", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --axis 0,0,0", 2, "no length", ""),
+    ("spine unknown", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --spine bent", 2, "--spine", ""),
+    ("spine curved", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --spine curved", 2, "not built yet", ""),
+    ("grids", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --grids density", 2, "not built yet", ""),
+    ("method unknown", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --method dissolve", 2, "--method", ""),
+    ("levelset at", "morph {d}/a.obj {d}/b.obj -o {o}/m.vdb --method levelset --at 0.5", 2, "--frames", ""),
+    ("fps zero", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --fps 0", 2, "--fps 0", ""),
+    ("threads zero", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --threads 0", 2, "--threads 0", ""),
+    ("report extension", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --report {o}/r.txt", 2, ".json", ""),
+    ("report folder", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --report {o}/no/r.json", 1, "does not exist", ""),
+]
+
+BAD_INPUT = [
+    ("missing file", "convert {d}/no.obj -o {o}/m.vdb", 1, "no.obj", ""),
+    ("missing second file", "morph {d}/a.obj {d}/no.obj -o {o}/m.####.vdb", 1, "no.obj", ""),
+    ("input a folder", "convert {d} -o {o}/m.vdb", (1, 2), "slicemorph: ", ""),
+    ("input extension", "convert {d}/text.txt -o {o}/m.vdb", 2, "text.txt", ""),
+    ("output extension", "convert {d}/a.obj -o {o}/m.xyz", 2, ".xyz", ""),
+    ("output without extension", "convert {d}/a.obj -o {o}/m", 2, "{o}/m", ""),
+    ("empty obj", "convert {d}/empty.obj -o {o}/m.vdb", 1, "empty.obj", ""),
+    ("empty vdb", "convert {d}/empty.vdb -o {o}/m.obj", 1, "empty.vdb", ""),
+    ("no triangles", "convert {d}/points.obj -o {o}/m.vdb", 1, "points.obj", ""),
+    ("truncated obj", "convert {d}/cut.obj -o {o}/m.vdb", 1, "cut.obj", ""),
+    ("truncated ply", "convert {d}/cut.ply -o {o}/m.vdb", 1, "cut.ply", ""),
+    ("truncated stl", "convert {d}/cut.stl -o {o}/m.vdb", 1, "cut.stl", ""),
+    ("truncated vdb", "convert {d}/cut.vdb -o {o}/m.obj", 1, "cut.vdb", ""),
+    ("text as vdb", "convert {d}/text.vdb -o {o}/m.obj", 1, "text.vdb", ""),
+    ("nan vertices", "convert {d}/nan.obj -o {o}/m.vdb", 1, "nan.obj", ""),
+    ("index out of range", "convert {d}/index.obj -o {o}/m.vdb", 1, "index.obj", ""),
+    ("grid not there", "convert {d}/a.vdb:density -o {o}/m.obj", 2, ["density", "surface"], ""),
+    ("iso outside", "convert {d}/a.vdb --iso 1000 -o {o}/m.obj", (1, 2), "a.vdb", ""),
+    ("output folder missing", "convert {d}/a.obj -o {o}/no/m.vdb", 1, "{o}/no", ""),
+    ("output is a folder", "convert {d}/a.obj -o {o}", (1, 2), "{o}", ""),
+    ("info missing", "info {d}/no.vdb", 1, "no.vdb", ""),
+    ("info truncated", "info {d}/cut.stl", 1, "cut.stl", ""),
+    ("compare missing", "compare {d}/a.obj {d}/no.obj", 1, "no.obj", ""),
+    ("render missing sequence", "render {d}/no.####.vdb -o {o}/r.####.png", 1, "no.####.vdb", ""),
+    ("render size", "render {d}/a.vdb -o {o}/r.png --size big", 2, "--size big", ""),
+    ("render extension", "render {d}/a.vdb -o {o}/r.gif", 2, ".gif", ""),
+    ("slice without ####", "slice {d}/a.vdb -o {o}/s.exr --slices 4", 2, "####", ""),
+]
+
+CONFIG = [
+    ("config missing", "morph --config {d}/no.toml", 1, "no.toml", ""),
+    ("config syntax", "morph --config {d}/syntax.toml", 2, "syntax.toml:2:", ""),
+    ("config unknown key", "morph --config {d}/unknown.toml", 2, ["unknown.toml:2:1", "sices", "slices"], ""),
+    ("config wrong type", "morph --config {d}/type.toml", 2, ["type.toml:1:10", "whole number"], ""),
+    ("config wrong choice", "morph --config {d}/choice.toml", 2, ["choice.toml:3:", "method"], ""),
+    ("config runs", "morph --config {d}/job.toml -o {o}/c.####.obj", 0, "", ["c.0001.obj", "c.0002.obj"]),
+    ("command line wins", "morph --config {d}/job.toml --at 0.5 -o {o}/c.ply", 0, "", "c.ply"),
+]
+
+WORKS = [
+    ("convert to vdb", "convert {d}/a.obj -o {o}/m.vdb --resolution 32", 0, "", "m.vdb"),
+    ("convert to stl", "convert {d}/a.vdb -o {o}/m.stl", 0, "", "m.stl"),
+    ("morph", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frames 3 --resolution 24", 0, "",
+     ["m.0001.vdb", "m.0002.vdb", "m.0003.vdb"]),
+    ("morph quiet", "morph {d}/a.obj {d}/b.obj -o {o}/m.vdb --at 0.5 --resolution 24 --quiet", 0, "^$", "^$"),
+    ("morph of three", "morph {d}/a.obj {d}/b.obj {d}/a.vdb -o {o}/m.obj --weights 0.2,0.3,0.5 --resolution 24", 0, "",
+     "m.obj"),
+    ("sdf", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.stl --frames 2 --resolution 24 --method sdf", 0, "", "m.0002.stl"),
+    ("levelset", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.ply --frames 3 --resolution 24 --method levelset", 0, "",
+     "m.0003.ply"),
+    ("compare", "compare {d}/a.obj {d}/b.obj --resolution 24", 0, "", ["distance", "volume", "dice"]),
+    ("info mesh", "info {d}/a.obj", 0, "", ["points", "closed"]),
+    ("info vdb", "info {d}/a.vdb", 0, "", ["surface", "level set"]),
+    ("render", "render {d}/a.vdb {d}/b.obj --resolution 24 -o {o}/r.####.png --contact-sheet {o}/all.png --size 40x30",
+     0, "", ["r.0001.png", "r.0002.png", "all.png"]),
+    ("slice", "slice {d}/a.vdb -o {o}/s.####.exr --slices 3 --axis y", 0, "", ["s.0001.exr", "s.0003.exr"]),
+    ("dump slices", "morph {d}/a.obj {d}/b.obj -o {o}/m.vdb --at 0.5 --resolution 24 --dump-slices {o}/svg", 0, "", ""),
+]
+
+
+def ellipsoid(rx, ry, rz, n=16):
+    """Points and triangles, wound outwards."""
+    points = [(0, 0, rz), (0, 0, -rz)]
+    for i in range(1, n):
+        for j in range(2 * n):
+            a, b = math.pi * i / n, math.pi * j / n
+            points.append((rx * math.sin(a) * math.cos(b), ry * math.sin(a) * math.sin(b), rz * math.cos(a)))
+    ring = lambda i, j: 2 + (i - 1) * 2 * n + j % (2 * n)
+    faces = []
+    for j in range(2 * n):
+        faces += [(0, ring(1, j), ring(1, j + 1)), (1, ring(n - 1, j + 1), ring(n - 1, j))]
+        for i in range(1, n - 1):
+            faces += [(ring(i, j), ring(i + 1, j), ring(i + 1, j + 1)), (ring(i, j), ring(i + 1, j + 1), ring(i, j + 1))]
+    return points, faces
+
+
+def volume_of(points, faces):
+    total = 0
+    for f in faces:
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = (points[i] for i in f)
+        total += ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
+    return total / 6
+
+
+def obj_text(points, faces):
+    return "".join("v %.6f %.6f %.6f\n" % p for p in points) + "".join("f %d %d %d\n" % tuple(i + 1 for i in f) for f in faces)
+
+
+def write(path, data):
+    with open(path, "wb") as f:
+        f.write(data if isinstance(data, bytes) else data.encode())
+
+
+def make_inputs(d):
+    points, faces = ellipsoid(1, 0.8, 0.6)
+    a = obj_text(points, faces)
+    write(d + "/a.obj", a)
+    write(d + "/b.obj", obj_text(*ellipsoid(0.5, 0.7, 1.1)))
+    write(d + "/empty.obj", "")
+    write(d + "/empty.vdb", "")
+    write(d + "/text.txt", "not a shape\n")
+    write(d + "/text.vdb", "not a volume, but long enough to hold a header of one\n" * 20)
+    write(d + "/points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n")
+    # Cut within the faces' list, in the middle of a line: half the surface is missing.
+    write(d + "/cut.obj", a[: a.index("f ") + (len(a) - a.index("f ")) // 2])
+    write(d + "/nan.obj", re.sub(r"v \S+", "v nan", a, count=5))
+    write(d + "/index.obj", a + "f 1 2 999999\n")
+    ply = b"ply\nformat binary_little_endian 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\n" \
+          b"element face %d\nproperty list uchar int vertex_indices\nend_header\n" % (len(points), len(faces))
+    ply += b"".join(struct.pack("<3f", *p) for p in points) + b"".join(struct.pack("<B3i", 3, *f) for f in faces)
+    write(d + "/cut.ply", ply[: len(ply) * 2 // 3])
+    stl = bytes(80) + struct.pack("<I", len(faces))
+    for f in faces:
+        stl += struct.pack("<12fH", 0, 0, 0, *[c for i in f for c in points[i]], 0)
+    write(d + "/cut.stl", stl[: len(stl) // 2])
+    subprocess.run([PROGRAM, "convert", d + "/a.obj", "-o", d + "/a.vdb", "--resolution", "24", "--quiet"], check=True)
+    with open(d + "/a.vdb", "rb") as f:
+        vdb = f.read()
+    write(d + "/cut.vdb", vdb[: len(vdb) // 2])
+    write(d + "/syntax.toml", "frames = 3\nresolution = = 24\n")
+    write(d + "/unknown.toml", "frames = 3\nsices = 24\n")
+    write(d + "/type.toml", 'frames = "three"\n')
+    write(d + "/choice.toml", 'inputs = ["a.obj", "b.obj"]\noutput = "m.####.vdb"\nmethod = "magic"\n')
+    write(d + "/job.toml", 'inputs = ["%s/a.obj", "%s/b.obj"]\nframes = 2\nresolution = 24\nquiet = false\n' % (d, d))
+
+
+def run(arguments, folders, **more):
+    words = [w.format(**folders) for w in arguments.split()]
+    return subprocess.run([PROGRAM] + words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=120,
+                          universal_newlines=True, errors="replace", **more)
+
+
+def problems_of(result, code, err, out, folders):
+    problems = []
+    if result.returncode not in (code if isinstance(code, tuple) else (code,)):
+        problems.append("exit code %s, expected %s" % (result.returncode, code))
+    for stream, name, texts in ((result.stderr, "stderr", err), (result.stdout, "stdout", out)):
+        for text in texts if isinstance(texts, list) else [texts]:
+            text = text.format(**folders)
+            if (text == "^$" and stream) or (text != "^$" and text not in stream):
+                problems.append("%s lacks '%s'" % (name, text))
+    if result.returncode and not result.stderr.startswith("slicemorph: ") and "note: " not in result.stderr:
+        problems.append("stderr does not start with 'slicemorph: '")
+    if result.returncode and os.listdir(folders["o"]):
+        problems.append("left behind: %s" % os.listdir(folders["o"]))
+    if problems:
+        problems.append("stderr: %s" % result.stderr.strip()[:500])
+    return problems
+
+
+def table_case(case, d, o):
+    name, arguments, code, err, out = case
+    folders = {"d": d, "o": o}
+    try:
+        return problems_of(run(arguments, folders), code, err, out, folders)
+    except subprocess.TimeoutExpired:
+        return ["took longer than two minutes"]
+
+
+class Skip(Exception):
+    pass
+
+
+def mount_small(folder, options):
+    if os.geteuid() != 0 or subprocess.run(["mount", "-t", "tmpfs", "-o", options, "tmpfs", folder],
+                                           stderr=subprocess.DEVNULL).returncode:
+        raise Skip("mounting is not allowed here")
+
+
+def read_only_folder(d, o):
+    """A folder that cannot be written to; root needs a read-only file system for that."""
+    mounted = os.geteuid() == 0
+    if mounted:
+        mount_small(o, "ro,size=64k")
+    else:
+        os.chmod(o, 0o555)
+    try:
+        folders = {"d": d, "o": o}
+        return problems_of(run("morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb", folders), 1, "{o}", "", folders)
+    finally:
+        subprocess.run(["umount", o]) if mounted else os.chmod(o, 0o755)
+
+
+def disk_full(d, o):
+    """Both a single file and a sequence, whose finished frames stay."""
+    mount_small(o, "size=48k")
+    try:
+        folders = {"d": d, "o": o}
+        problems = problems_of(run("convert {d}/a.obj --resolution 64 -o {o}/m.vdb", folders), 1, ["m.vdb", "space"], "",
+                               folders)
+        result = run("convert {d}/a.obj --resolution 64 -o {o}/m.obj", folders)
+        return problems + problems_of(result, 1, "m.obj", "", folders)
+    finally:
+        subprocess.run(["umount", o])
+
+
+def empty_grid(d, o):
+    """A VDB file whose only grid has no active voxel."""
+    script = "import pyopenvdb as v, sys; v.write(sys.argv[1], grids=[v.FloatGrid(1.0)])"
+    if subprocess.run(["/usr/bin/python3", "-c", script, d + "/hollow.vdb"], stderr=subprocess.DEVNULL).returncode:
+        raise Skip("python3-openvdb is not there to write the file")
+    folders = {"d": d, "o": o}
+    return problems_of(run("convert {d}/hollow.vdb -o {o}/m.obj", folders), 1, "hollow.vdb", "", folders)
+
+
+def report_holds(d, o):
+    """The report's figures of a morph whose end frames are the inputs."""
+    folders = {"d": d, "o": o}
+    result = run("morph {d}/a.obj {d}/b.obj -o {o}/m.####.obj --frames 3 --resolution 32 --report {o}/r.json", folders)
+    problems = problems_of(result, 0, "", "", folders)
+    if problems:
+        return problems
+    with open(o + "/r.json") as f:
+        report = json.load(f)
+    for key in ("settings", "inputs", "notes", "frames", "summary", "seconds", "peakMemoryBytes"):
+        if key not in report:
+            problems.append("report lacks " + key)
+    for i, frame in enumerate(report["frames"]):
+        if frame["frame"] != i + 1 or frame["t"] != i / 2 or frame["pieces"] != 1 or frame["genus"] != 0:
+            problems.append("frame %d: %s" % (i + 1, frame))
+    # Vertices lie at most h^2 / 4 R below a surface of curvature radius R, facets h^2 / 6 R more in the mean.
+    for index, axes in ((0, (1, 0.8, 0.6)), (2, (0.5, 0.7, 1.1))):
+        frame, exact = report["frames"][index], volume_of(*ellipsoid(*axes))
+        depth = 5 / 12 * frame["voxelSize"] ** 2 / (min(axes) ** 2 / max(axes))
+        if abs(frame["volume"] - exact) > frame["area"] * depth:
+            problems.append("volume %g of a polyhedron of %g" % (frame["volume"], exact))
+    return problems
+
+
+def resume_keeps_frames(d, o):
+    """An interrupted sequence is continued: only what is missing is made, and the log goes away."""
+    folders = {"d": d, "o": o}
+    words = "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frames 60 --resolution 48"
+    process = subprocess.Popen([PROGRAM] + [w.format(**folders) for w in words.split()], stdout=subprocess.DEVNULL,
+                               stderr=subprocess.PIPE, universal_newlines=True)
+    deadline = time.time() + 100
+    while process.poll() is None and not os.path.exists(o + "/m.0003.vdb") and time.time() < deadline:
+        time.sleep(0.005)
+    process.send_signal(signal.SIGINT)
+    err = process.communicate(timeout=100)[1]
+    if process.returncode == 0:
+        raise Skip("the morph was over before it could be interrupted")
+    problems = []
+    if process.returncode != 1 or "slicemorph: cancelled" not in err:
+        problems.append("interrupted: exit code %s, stderr %s" % (process.returncode, err))
+    if [n for n in os.listdir(o) if ".tmp" in n]:
+        problems.append("interrupted, left behind: %s" % os.listdir(o))
+    first = os.stat(o + "/m.0001.vdb").st_mtime_ns
+    result = run(words + " --resume", folders)
+    problems += problems_of(result, 0, "", ["m.0001.vdb (kept)", "m.0060.vdb\n"], folders)
+    if os.stat(o + "/m.0001.vdb").st_mtime_ns != first:
+        problems.append("frame 1 was made again")
+    if len(os.listdir(o)) != 60:
+        problems.append("expected 60 files: %s" % sorted(os.listdir(o)))
+    result = run(words.replace("48", "40") + " --resume", folders)
+    if "(kept)" in result.stdout:
+        problems.append("frames of other settings were kept")
+    return problems
+
+
+def threads_do_not_matter(d, o):
+    """The same bytes for one and for two threads."""
+    for threads in (1, 2):
+        os.mkdir("%s/%d" % (o, threads))
+        result = run("morph {d}/a.obj {d}/b.obj -o {o}/%d/m.####.vdb --frames 3 --resolution 32 --threads %d" % (threads, threads),
+                     {"d": d, "o": o})
+        if result.returncode:
+            return [result.stderr]
+    differing = []
+    for name in sorted(os.listdir(o + "/1")):
+        with open("%s/1/%s" % (o, name), "rb") as f, open("%s/2/%s" % (o, name), "rb") as g:
+            if f.read() != g.read():
+                differing.append(name)
+    return ["differ: %s" % differing] if differing else []
+
+
+SPECIAL = [read_only_folder, disk_full, empty_grid, report_holds, resume_keeps_frames, threads_do_not_matter]
+
+
+def main():
+    root = tempfile.mkdtemp(prefix="slicemorph-command-test-")
+    d = root + "/in"
+    os.mkdir(d)
+    failed = run_count = skipped = 0
+    try:
+        make_inputs(d)
+        cases = [(c[0], lambda o, c=c: table_case(c, d, o)) for c in USAGE + BAD_INPUT + CONFIG + WORKS]
+        cases += [(f.__name__.replace("_", " "), lambda o, f=f: f(d, o)) for f in SPECIAL]
+        for number, (name, check) in enumerate(cases):
+            if ONLY and not any(word in name for word in ONLY):
+                continue
+            o = "%s/out%d" % (root, number)
+            os.mkdir(o)
+            run_count += 1
+            try:
+                problems = check(o)
+            except Skip as reason:
+                skipped += 1
+                print("SKIPPED %s: %s" % (name, reason))
+                continue
+            if problems:
+                failed += 1
+                print("FAILED  %s" % name)
+                for problem in problems:
+                    print("        " + problem)
+    finally:
+        shutil.rmtree(root, ignore_errors=True)
+    print("%d cases, %d failed, %d skipped" % (run_count, failed, skipped))
+    return 1 if failed or not run_count else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
