@@ -3,10 +3,10 @@
 
 usage: command_test.py PATH/TO/slicemorph [NAME...]     (NAME: only the cases whose name contains it)
 
-A case is (name, arguments, exit code, text on stderr, text on stdout); a text may be a list of texts. `{d}` in an
-argument is the folder of the inputs, `{o}` a fresh folder for outputs. A case that fails must leave `{o}` empty; no
-case may be ended by a signal or take longer than two minutes. Cases that need a file system of their own are skipped,
-with a message, where mounting is not allowed.
+A case is (name, arguments, exit code, text on stderr, text on stdout); a text may be a list of texts. In an
+argument `{d}` is the folder of the inputs, `{o}` a fresh folder for outputs. A case that fails must leave `{o}`
+empty; no case may be ended by a signal or take longer than two minutes. Cases that need a file system of their
+own are skipped, with a message, where mounting is not allowed.
 """
 import json
 import math
@@ -20,7 +20,9 @@ import sys
 import tempfile
 import time
 
-PROGRAM = os.path.abspath(sys.argv[1]) if len(sys.argv) > 1 else "slicemorph"
+if len(sys.argv) < 2:
+    sys.exit(__doc__)
+PROGRAM = os.path.abspath(sys.argv[1])
 ONLY = sys.argv[2:]
 
 USAGE = [
@@ -142,7 +144,8 @@ def ellipsoid(rx, ry, rz, n=16):
     for j in range(2 * n):
         faces += [(0, ring(1, j), ring(1, j + 1)), (1, ring(n - 1, j + 1), ring(n - 1, j))]
         for i in range(1, n - 1):
-            faces += [(ring(i, j), ring(i + 1, j), ring(i + 1, j + 1)), (ring(i, j), ring(i + 1, j + 1), ring(i, j + 1))]
+            a, b, c, d = ring(i, j), ring(i + 1, j), ring(i + 1, j + 1), ring(i, j + 1)
+            faces += [(a, b, c), (a, c, d)]
     return points, faces
 
 
@@ -155,7 +158,8 @@ def volume_of(points, faces):
 
 
 def obj_text(points, faces):
-    return "".join("v %.6f %.6f %.6f\n" % p for p in points) + "".join("f %d %d %d\n" % tuple(i + 1 for i in f) for f in faces)
+    vertices = "".join("v %.6f %.6f %.6f\n" % p for p in points)
+    return vertices + "".join("f %d %d %d\n" % tuple(i + 1 for i in f) for f in faces)
 
 
 def write(path, data):
@@ -177,15 +181,17 @@ def make_inputs(d):
     write(d + "/cut.obj", a[: a.index("f ") + (len(a) - a.index("f ")) // 2])
     write(d + "/nan.obj", re.sub(r"v \S+", "v nan", a, count=5))
     write(d + "/index.obj", a + "f 1 2 999999\n")
-    ply = b"ply\nformat binary_little_endian 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\n" \
-          b"element face %d\nproperty list uchar int vertex_indices\nend_header\n" % (len(points), len(faces))
-    ply += b"".join(struct.pack("<3f", *p) for p in points) + b"".join(struct.pack("<B3i", 3, *f) for f in faces)
+    ply = b"ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % len(points)
+    ply += b"property float x\nproperty float y\nproperty float z\n"
+    ply += b"element face %d\nproperty list uchar int vertex_indices\nend_header\n" % len(faces)
+    ply += b"".join(struct.pack("<3f", *p) for p in points)
+    ply += b"".join(struct.pack("<B3i", 3, *f) for f in faces)
     write(d + "/cut.ply", ply[: len(ply) * 2 // 3])
     stl = bytes(80) + struct.pack("<I", len(faces))
     for f in faces:
         stl += struct.pack("<12fH", 0, 0, 0, *[c for i in f for c in points[i]], 0)
     write(d + "/cut.stl", stl[: len(stl) // 2])
-    subprocess.run([PROGRAM, "convert", d + "/a.obj", "-o", d + "/a.vdb", "--resolution", "24", "--quiet"], check=True)
+    run("convert {d}/a.obj -o {d}/a.vdb --resolution 24", {"d": d}).check_returncode()
     with open(d + "/a.vdb", "rb") as f:
         vdb = f.read()
     write(d + "/cut.vdb", vdb[: len(vdb) // 2])
@@ -193,7 +199,8 @@ def make_inputs(d):
     write(d + "/unknown.toml", "frames = 3\nsices = 24\n")
     write(d + "/type.toml", 'frames = "three"\n')
     write(d + "/choice.toml", 'inputs = ["a.obj", "b.obj"]\noutput = "m.####.vdb"\nmethod = "magic"\n')
-    write(d + "/job.toml", 'inputs = ["%s/a.obj", "%s/b.obj"]\nframes = 2\nresolution = 24\nquiet = false\n' % (d, d))
+    job = 'inputs = ["%s/a.obj", "%s/b.obj"]\nframes = 2\nresolution = 24\nquiet = false\n' % (d, d)
+    write(d + "/job.toml", job)
 
 
 def run(arguments, folders, **more):
@@ -254,12 +261,12 @@ def read_only_folder(d, o):
 
 
 def disk_full(d, o):
-    """Both a single file and a sequence, whose finished frames stay."""
+    """Neither a volume nor a mesh leaves a part of itself."""
     mount_small(o, "size=48k")
     try:
         folders = {"d": d, "o": o}
-        problems = problems_of(run("convert {d}/a.obj --resolution 64 -o {o}/m.vdb", folders), 1, ["m.vdb", "space"], "",
-                               folders)
+        result = run("convert {d}/a.obj --resolution 64 -o {o}/m.vdb", folders)
+        problems = problems_of(result, 1, ["m.vdb", "space"], "", folders)
         result = run("convert {d}/a.obj --resolution 64 -o {o}/m.obj", folders)
         return problems + problems_of(result, 1, "m.obj", "", folders)
     finally:
@@ -269,7 +276,9 @@ def disk_full(d, o):
 def empty_grid(d, o):
     """A VDB file whose only grid has no active voxel."""
     script = "import pyopenvdb as v, sys; v.write(sys.argv[1], grids=[v.FloatGrid(1.0)])"
-    if subprocess.run(["/usr/bin/python3", "-c", script, d + "/hollow.vdb"], stderr=subprocess.DEVNULL).returncode:
+    # Debian's module belongs to Debian's interpreter.
+    command = ["/usr/bin/python3", "-c", script, d + "/hollow.vdb"]
+    if subprocess.run(command, stderr=subprocess.DEVNULL).returncode:
         raise Skip("python3-openvdb is not there to write the file")
     folders = {"d": d, "o": o}
     return problems_of(run("convert {d}/hollow.vdb -o {o}/m.obj", folders), 1, "hollow.vdb", "", folders)
@@ -278,7 +287,8 @@ def empty_grid(d, o):
 def report_holds(d, o):
     """The report's figures of a morph whose end frames are the inputs."""
     folders = {"d": d, "o": o}
-    result = run("morph {d}/a.obj {d}/b.obj -o {o}/m.####.obj --frames 3 --resolution 32 --report {o}/r.json", folders)
+    words = "morph {d}/a.obj {d}/b.obj -o {o}/m.####.obj --frames 3 --resolution 32"
+    result = run(words + " --report {o}/r.json", folders)
     problems = problems_of(result, 0, "", "", folders)
     if problems:
         return problems
@@ -303,8 +313,9 @@ def resume_keeps_frames(d, o):
     """An interrupted sequence is continued: only what is missing is made, and the log goes away."""
     folders = {"d": d, "o": o}
     words = "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frames 60 --resolution 48"
-    process = subprocess.Popen([PROGRAM] + [w.format(**folders) for w in words.split()], stdout=subprocess.DEVNULL,
-                               stderr=subprocess.PIPE, universal_newlines=True)
+    command = [PROGRAM] + [w.format(**folders) for w in words.split()]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                               universal_newlines=True)
     deadline = time.time() + 100
     while process.poll() is None and not os.path.exists(o + "/m.0003.vdb") and time.time() < deadline:
         time.sleep(0.005)
@@ -334,8 +345,8 @@ def threads_do_not_matter(d, o):
     """The same bytes for one and for two threads."""
     for threads in (1, 2):
         os.mkdir("%s/%d" % (o, threads))
-        result = run("morph {d}/a.obj {d}/b.obj -o {o}/%d/m.####.vdb --frames 3 --resolution 32 --threads %d" % (threads, threads),
-                     {"d": d, "o": o})
+        words = "morph {d}/a.obj {d}/b.obj -o {o}/%d/m.####.vdb --frames 3 --resolution 32 --threads %d"
+        result = run(words % (threads, threads), {"d": d, "o": o})
         if result.returncode:
             return [result.stderr]
     differing = []

@@ -1,7 +1,7 @@
-// Measures against closed forms. A surface of curvature radius R on a grid of spacing h is wrong by a share of h^2 / R;
-// the tolerances follow from that.
-#include "engine/errors.h"
+// Measures against closed forms. A surface of curvature radius R on a grid of spacing h is wrong by a share
+// of h^2 / R; the tolerances follow from that.
 #include "engine/measure/measure.h"
+#include "engine/errors.h"
 #include "engine/volume/voxelise.h"
 
 #include <gtest/gtest.h>
@@ -59,7 +59,8 @@ void addBox(Mesh& mesh, const Vec3d& low, const Vec3d& high, bool outwards = tru
   const auto base = openvdb::Index32(mesh.points.size());
   for (int i = 0; i < 8; ++i)
     mesh.points.emplace_back(i & 1 ? high[0] : low[0], i & 2 ? high[1] : low[1], i & 4 ? high[2] : low[2]);
-  const openvdb::Index32 quads[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+  const openvdb::Index32 quads[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                                        {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
   for (const auto& q : quads)
     for (int half = 0; half < 2; ++half) {
       openvdb::Vec3I t(base + q[0], base + q[1 + half], base + q[2 + half]);
@@ -111,8 +112,9 @@ TEST(MeasureMesh, EmptyIsNothing) {
 TEST(MeasureShape, SphereAndTorus) {
   const double h = 1.0 / 32;
   const ShapeMeasures s = measureShape(*levelSet(sphere({0.1, 0, 0}, 1), h, 1.3));
-  // Vertices are means of points on the edges of a cell, at most h / sqrt 2 away along the surface: h^2 / 4 R too deep.
-  // Facets of side h lie h^2 / 6 R deeper in the mean. Being wrong by e changes the volume by area times e.
+  // Vertices are means of points on the edges of a cell, at most h / sqrt 2 away along the surface: h^2 / 4 R
+  // too deep. Facets of side h lie h^2 / 6 R deeper in the mean. Being wrong by e changes the volume by area
+  // times e.
   const double e = h * h * 5 / 12;
   EXPECT_NEAR(s.volume, 4 * kPi / 3, 4 * kPi * e);
   EXPECT_NEAR(s.area, 4 * kPi, 4 * kPi * 4 * e);
@@ -162,7 +164,8 @@ TEST(SurfaceDistance, AgreesWithBruteForce) {
   std::uniform_real_distribution<float> unit(-1, 1);
   const auto soup = [&](int triangles) {
     Mesh mesh;
-    for (int i = 0; i < 3 * triangles; ++i) mesh.points.emplace_back(unit(random), unit(random), unit(random));
+    for (int i = 0; i < 3 * triangles; ++i)
+      mesh.points.emplace_back(unit(random), unit(random), unit(random));
     for (int i = 0; i < triangles; ++i) mesh.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
     return mesh;
   };
@@ -173,7 +176,8 @@ TEST(SurfaceDistance, AgreesWithBruteForce) {
       const Vec3d a(mesh.points[t[0]]), b(mesh.points[t[1]]), c(mesh.points[t[2]]);
       for (int i = 0; i <= steps; ++i)
         for (int j = 0; i + j <= steps; ++j)
-          best = std::min(best, (a + (b - a) * (double(i) / steps) + (c - a) * (double(j) / steps) - p).length());
+          best = std::min(best,
+                          (a + (b - a) * (double(i) / steps) + (c - a) * (double(j) / steps) - p).length());
     }
     return best;
   };
@@ -195,7 +199,8 @@ TEST(Overlap, ShiftedSpheresAgreeWithTheLens) {
   const auto a = levelSet(sphere({0, 0, 0}, 1), h, 1.8);
   const auto b = levelSet(sphere({shift, 0, 0}, 1), h, 1.8);
   const auto coarse = levelSet(sphere({shift, 0, 0}, 1), 2 * h, 1.8);
-  // The ramp across a voxel is exact for planes; curvature leaves h^2 / 24 R or so, trilinear sampling (2 h)^2 / 8 R.
+  // The ramp across a voxel is exact for planes; curvature leaves h^2 / 24 R or so, trilinear sampling (2
+  // h)^2 / 8 R.
   const double fine = 4 * kPi * h * h / 4, mixed = 4 * kPi * 4 * h * h / 4;
   const Overlap same = overlap(*a, *b), other = overlap(*a, *coarse);
   EXPECT_NEAR(same.intersection, lens, fine);

@@ -25,13 +25,16 @@ std::string formatNumber(double value, int digits) {
 
 SamplingOptions addSamplingOptions(CLI::App& command, LoadOptions& options) {
   SamplingOptions given;
-  given.voxelSize = command.add_option("--voxel-size", options.voxelSize, "Edge of a voxel, world units")->type_name("H");
-  given.resolution = command
-                         .add_option("--resolution", options.resolution,
-                                     "Voxels along the longest side of each object, 8 to 4096 (256 for meshes; VDB "
-                                     "inputs keep their voxel size)")
-                         ->type_name("N");
-  given.iso = command.add_option("--iso", options.iso, "Value of the surface in a VDB grid (0)")->type_name("V");
+  given.voxelSize =
+      command.add_option("--voxel-size", options.voxelSize, "Edge of a voxel, world units")->type_name("H");
+  given.resolution =
+      command
+          .add_option("--resolution", options.resolution,
+                      "Voxels along the longest side of each object, 8 to 4096 (256 for meshes; VDB "
+                      "inputs keep their voxel size)")
+          ->type_name("N");
+  given.iso =
+      command.add_option("--iso", options.iso, "Value of the surface in a VDB grid (0)")->type_name("V");
   return given;
 }
 
@@ -67,7 +70,8 @@ std::vector<double> parseNumbers(const std::string& option, const std::string& t
     } catch (const std::exception&) {
     }
     if (used != part.size() || !std::isfinite(number))
-      throw InputError(option + " " + text + ": '" + part + "' is not a number; expected numbers separated by commas");
+      throw InputError(option + " " + text + ": '" + part +
+                       "' is not a number; expected numbers separated by commas");
     numbers.push_back(number);
     start = comma + 1;
   }
@@ -96,8 +100,8 @@ Vec3d parseDirection(const std::string& option, const std::string& text) {
 
 void checkRange(const std::string& option, long value, long low, long high) {
   if (value < low || value > high)
-    throw InputError(option + " " + std::to_string(value) + " is out of range; it must be " + std::to_string(low) +
-                     " to " + std::to_string(high));
+    throw InputError(option + " " + std::to_string(value) + " is out of range; it must be " +
+                     std::to_string(low) + " to " + std::to_string(high));
 }
 
 void checkPositive(const std::string& option, double value) {
@@ -130,7 +134,8 @@ void checkExtension(const std::string& path, const std::vector<std::string>& ext
   if (std::find(extensions.begin(), extensions.end(), extension) != extensions.end()) return;
   std::string known;
   for (const std::string& e : extensions) known += (known.empty() ? "" : " ") + e;
-  throw InputError(path + ": cannot write " + (extension.empty() ? "a file without extension" : extension + " files") +
+  throw InputError(path + ": cannot write " +
+                   (extension.empty() ? "a file without extension" : extension + " files") +
                    " here; expected " + known);
 }
 

@@ -9,9 +9,8 @@
 #include <string>
 #include <vector>
 
-
-/// What several commands share. The functions that check throw InputError naming the option, its value and what would
-/// be right.
+/// What several commands share. The functions that check throw InputError naming the option, its value and
+/// what would be right.
 namespace slicemorph {
 
 /// A number with at most `digits` significant digits, without trailing zeros.
@@ -39,11 +38,13 @@ Vec3d parseDirection(const std::string& option, const std::string& text);
 void checkRange(const std::string& option, long value, long low, long high);
 void checkPositive(const std::string& option, double value);
 
-/// Throws IoError where an input (`file.vdb:grid` too) is missing or empty, so that a long job does not find out late.
+/// Throws IoError where an input (`file.vdb:grid` too) is missing or empty, so that a long job does not find
+/// out late.
 void checkInputExists(const std::string& input);
 /// Writes a file whole or not at all. Throws IoError.
 void writeTextFile(const std::string& path, const std::string& text);
-/// Throws IoError where the folder of an output is not there or cannot be written to, or the path is a folder.
+/// Throws IoError where the folder of an output is not there or cannot be written to, or the path is a
+/// folder.
 void checkOutputPath(const std::string& path);
 /// Throws InputError where the path's extension is none of those listed (lower case, with the dot).
 void checkExtension(const std::string& path, const std::vector<std::string>& extensions);

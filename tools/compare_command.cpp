@@ -52,8 +52,8 @@ void printJson(const CompareSettings& s, const Comparison& c) {
   nlohmann::ordered_json json;
   for (int i = 0; i < 2; ++i) {
     const ShapeMeasures& shape = c.shapes[i];
-    json[i ? "b" : "a"] = {{"file", s.inputs[i]},      {"voxelSize", c.voxelSizes[i]}, {"volume", shape.volume},
-                           {"area", shape.area},       {"pieces", shape.pieces},       {"genus", shape.genus}};
+    json[i ? "b" : "a"] = {{"file", s.inputs[i]}, {"voxelSize", c.voxelSizes[i]}, {"volume", shape.volume},
+                           {"area", shape.area},  {"pieces", shape.pieces},       {"genus", shape.genus}};
   }
   json["distance"] = distance(1);
   json["distanceVoxels"] = distance(c.voxelSizes[0]);
@@ -65,8 +65,8 @@ void printJson(const CompareSettings& s, const Comparison& c) {
 
 void printText(const Comparison& c) {
   const auto distance = [&](const char* name, double unit, const std::string& what) {
-    std::printf("%-14s mean %-12.6g 99%% %-12.6g max %-12.6g %s\n", name, c.distance.mean / unit, c.distance.p99 / unit,
-                c.distance.max / unit, what.c_str());
+    std::printf("%-14s mean %-12.6g 99%% %-12.6g max %-12.6g %s\n", name, c.distance.mean / unit,
+                c.distance.p99 / unit, c.distance.max / unit, what.c_str());
   };
   const ShapeMeasures &a = c.shapes[0], &b = c.shapes[1];
   distance("distance", 1, "world units");
@@ -92,10 +92,12 @@ void runCompare(const CompareSettings& s) {
 }  // namespace
 
 void addCompareCommand(CLI::App& program) {
-  CLI::App* command = program.add_subcommand(
-      "compare", "Distance between two surfaces (both ways), volumes, areas, topology and overlap; meshes are voxelised");
+  CLI::App* command = program.add_subcommand("compare",
+                                             "Distance between two surfaces (both ways), volumes, areas, "
+                                             "topology and overlap; meshes are voxelised");
   const auto s = std::make_shared<CompareSettings>();
-  command->add_option("A", s->inputs[0], "Shape: .vdb (file.vdb:grid picks a grid) .obj .ply .stl .off .glb")->required();
+  command->add_option("A", s->inputs[0], "Shape: .vdb (file.vdb:grid picks a grid) .obj .ply .stl .off .glb")
+      ->required();
   command->add_option("B", s->inputs[1], "Shape to compare with A")->required();
   s->sampling = addSamplingOptions(*command, s->load);
   s->threadsGiven = addThreadsOption(*command, s->threads);

@@ -38,7 +38,8 @@ void runConvert(const ConvertSettings& s) {
 void addConvertCommand(CLI::App& program) {
   CLI::App* command = program.add_subcommand("convert", "Voxelise, mesh or resample a shape");
   const auto s = std::make_shared<ConvertSettings>();
-  command->add_option("INPUT", s->input, "Shape: .vdb (file.vdb:grid picks a grid) .obj .ply .stl .off .glb")->required();
+  command->add_option("INPUT", s->input, "Shape: .vdb (file.vdb:grid picks a grid) .obj .ply .stl .off .glb")
+      ->required();
   command->add_option("-o,--output", s->output, "Result: .vdb (a level set) .obj .ply .stl (its surface)")
       ->required()
       ->type_name("OUTPUT");

@@ -16,11 +16,13 @@ using Contour = SlicePicture::Contour;
 
 constexpr double kPanel = 360, kMargin = 20, kHeader = 28;  // pixels
 constexpr const char* kGrey = "#999999";
-constexpr const char* kColours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7b4ab8", "#8c6d31"};
+constexpr const char* kColours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                    "#e69f00", "#56b4e9", "#7b4ab8", "#8c6d31"};
 
 std::string escape(const std::string& text) {
   std::string escaped;
-  for (char c : text) escaped += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
+  for (char c : text)
+    escaped += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
   return escaped;
 }
 
@@ -68,15 +70,16 @@ std::vector<std::vector<std::string>> chooseColours(const SlicePicture& slice) {
   return colours;
 }
 
-void drawContour(std::ostream& svg, const Contour& contour, const std::string& colour, const View& view, size_t panel) {
+void drawContour(std::ostream& svg, const Contour& contour, const std::string& colour, const View& view,
+                 size_t panel) {
   svg << "<polygon points=\"";
   for (const Vec2d& p : contour.points) {
     const Vec2d pixel = view(p, panel);
     svg << pixel[0] << ',' << pixel[1] << ' ';
   }
-  svg << "\" fill=\"" << (contour.hole ? "#ffffff" : colour) << "\" fill-opacity=\"" << (contour.hole ? 0.7 : 0.15)
-      << "\" stroke=\"" << colour << "\" stroke-width=\"" << (contour.hole ? 1 : 2) << "\""
-      << (colour == kGrey ? " stroke-dasharray=\"5 4\"" : "") << "/>\n";
+  svg << "\" fill=\"" << (contour.hole ? "#ffffff" : colour) << "\" fill-opacity=\""
+      << (contour.hole ? 0.7 : 0.15) << "\" stroke=\"" << colour << "\" stroke-width=\""
+      << (contour.hole ? 1 : 2) << "\"" << (colour == kGrey ? " stroke-dasharray=\"5 4\"" : "") << "/>\n";
 }
 
 std::string drawSlice(const SlicePicture& slice, size_t number, size_t count, const View& view,
@@ -90,7 +93,8 @@ std::string drawSlice(const SlicePicture& slice, size_t number, size_t count, co
       << kPanel + kHeader << "\" font-family=\"sans-serif\" font-size=\"13\">\n"
       << "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
   for (size_t k = 0; k < panels; ++k) {
-    svg << "<text x=\"" << kPanel * double(k) + 8 << "\" y=\"18\">" << escape(k < names.size() ? names[k] : "");
+    svg << "<text x=\"" << kPanel * double(k) + 8 << "\" y=\"18\">"
+        << escape(k < names.size() ? names[k] : "");
     if (k == 0) svg << " - slice " << number << " of " << count << ", u = " << slice.u;
     svg << "</text>\n";
     // Outer contours first: a hole lies on top of what it is a hole in.
@@ -116,13 +120,14 @@ void dumpSlices(const std::string& folder, const std::vector<SlicePicture>& slic
                 const std::vector<std::string>& objectNames) {
   std::error_code error;
   std::filesystem::create_directory(folder, error);
-  if (!std::filesystem::is_directory(folder)) throw IoError(folder + ": cannot make the folder: " + error.message());
+  if (!std::filesystem::is_directory(folder))
+    throw IoError(folder + ": cannot make the folder: " + error.message());
   const View view = fitView(slices);
   for (size_t i = 0; i < slices.size(); ++i) {
     char name[32];
     std::snprintf(name, sizeof name, "slice.%04zu.svg", i + 1);
     writeTextFile((std::filesystem::path(folder) / name).string(),
-                        drawSlice(slices[i], i + 1, slices.size(), view, objectNames));
+                  drawSlice(slices[i], i + 1, slices.size(), view, objectNames));
   }
 }
 

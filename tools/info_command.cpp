@@ -13,7 +13,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json toJson(const Vec3d& v) { return {v[0], v[1], v[2]}; }
-std::string toText(const Vec3d& v) { return formatNumber(v[0]) + " " + formatNumber(v[1]) + " " + formatNumber(v[2]); }
+std::string toText(const Vec3d& v) {
+  return formatNumber(v[0]) + " " + formatNumber(v[1]) + " " + formatNumber(v[2]);
+}
 
 Json describeMesh(const MeshInfo& m) {
   return {{"points", m.points},
@@ -63,7 +65,9 @@ void printJson(const FileInfo& info) {
   std::printf("%s\n", json.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
 }
 
-void printLine(const char* name, const std::string& value) { std::printf("  %-13s %s\n", name, value.c_str()); }
+void printLine(const char* name, const std::string& value) {
+  std::printf("  %-13s %s\n", name, value.c_str());
+}
 
 void printMesh(const MeshInfo& m) {
   printLine("points", std::to_string(m.points));
@@ -83,7 +87,8 @@ void printGrid(const GridInfo& g, bool chosen) {
   std::printf("grid %s%s\n", g.name.c_str(), chosen ? " (read when none is named)" : "");
   printLine("type", g.type + ", " + g.gridClass + (g.halfFloat ? ", half float" : ""));
   printLine("active voxels", std::to_string(g.activeVoxels));
-  printLine("voxel size", toText(g.voxelSize) + (g.rotated ? ", rotated" : "") + (g.uniform ? "" : ", not uniform"));
+  printLine("voxel size",
+            toText(g.voxelSize) + (g.rotated ? ", rotated" : "") + (g.uniform ? "" : ", not uniform"));
   printLine("box", toText(g.boxMin) + " .. " + toText(g.boxMax));
   if (g.scalar)
     printLine("values", formatNumber(g.minimum) + " .. " + formatNumber(g.maximum) + ", background " +
@@ -93,13 +98,15 @@ void printGrid(const GridInfo& g, bool chosen) {
 }
 
 void printText(const FileInfo& info) {
-  std::printf("%s: %s, %llu bytes", info.path.c_str(), info.format.c_str(), static_cast<unsigned long long>(info.bytes));
+  std::printf("%s: %s, %llu bytes", info.path.c_str(), info.format.c_str(),
+              static_cast<unsigned long long>(info.bytes));
   if (info.kind == FileInfo::Kind::kMesh) {
     std::printf("\n");
     printMesh(info.mesh);
     return;
   }
-  std::printf(", file version %u, written by OpenVDB %s\n", info.vdb.fileVersion, info.vdb.libraryVersion.c_str());
+  std::printf(", file version %u, written by OpenVDB %s\n", info.vdb.fileVersion,
+              info.vdb.libraryVersion.c_str());
   for (const GridInfo& grid : info.vdb.grids) printGrid(grid, grid.name == info.vdb.chosen);
 }
 
@@ -112,7 +119,8 @@ void addInfoCommand(CLI::App& program) {
   };
   CLI::App* command = program.add_subcommand("info", "What a file holds, and how it will be read");
   const auto s = std::make_shared<InfoSettings>();
-  command->add_option("INPUT", s->input, "File: .vdb (file.vdb:grid for one grid) .obj .ply .stl .off .glb")->required();
+  command->add_option("INPUT", s->input, "File: .vdb (file.vdb:grid for one grid) .obj .ply .stl .off .glb")
+      ->required();
   command->add_flag("--json", s->json, "Print JSON");
   command->callback([s] {
     const FileInfo info = describeFile(s->input);

@@ -15,12 +15,18 @@ namespace {
 
 const char* describe(JobType type) {
   switch (type) {
-    case JobType::kInteger: return "a whole number";
-    case JobType::kNumber: return "a number";
-    case JobType::kText: return "a text in quotes";
-    case JobType::kFlag: return "true or false";
-    case JobType::kNumbers: return "a number or a list of numbers";
-    case JobType::kTexts: return "a list of texts in quotes";
+    case JobType::kInteger:
+      return "a whole number";
+    case JobType::kNumber:
+      return "a number";
+    case JobType::kText:
+      return "a text in quotes";
+    case JobType::kFlag:
+      return "true or false";
+    case JobType::kNumbers:
+      return "a number or a list of numbers";
+    case JobType::kTexts:
+      return "a list of texts in quotes";
   }
   return "";
 }
@@ -94,10 +100,12 @@ toml::table parse(const std::string& path) {
   }
 }
 
-[[noreturn]] void throwUnknown(const std::string& path, const toml::key& key, const std::vector<JobOption>& options) {
+[[noreturn]] void throwUnknown(const std::string& path, const toml::key& key,
+                               const std::vector<JobOption>& options) {
   std::string known;
   for (const JobOption& option : options) known += (known.empty() ? "" : ", ") + option.key;
-  throw InputError(position(path, key.source()) + "unknown key '" + std::string(key.str()) + "'; known are " + known);
+  throw InputError(position(path, key.source()) + "unknown key '" + std::string(key.str()) + "'; known are " +
+                   known);
 }
 
 }  // namespace
@@ -111,8 +119,8 @@ void applyJobFile(const std::string& path, const std::vector<JobOption>& options
   const toml::table table = parse(path);
   for (const auto& [key, node] : table) {
     const std::string name(key.str());
-    const auto known =
-        std::find_if(options.begin(), options.end(), [&](const JobOption& option) { return option.key == name; });
+    const auto known = std::find_if(options.begin(), options.end(),
+                                    [&](const JobOption& option) { return option.key == name; });
     if (known == options.end()) throwUnknown(path, key, options);
     const std::vector<std::string> values = spell(node, known->type);
     if (values.empty())

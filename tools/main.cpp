@@ -28,7 +28,8 @@ int failUsage(const CLI::App& program, const CLI::ParseError& error) {
 }
 
 int run(int argc, char** argv) {
-  CLI::App program("Morphs volumes through oriented slices.\nExit code: 0 done, 1 failed, 2 wrong usage.", "slicemorph");
+  CLI::App program("Morphs volumes through oriented slices.\nExit code: 0 done, 1 failed, 2 wrong usage.",
+                   "slicemorph");
   program.set_version_flag("--version", "slicemorph " SLICEMORPH_VERSION);
   program.require_subcommand(1);
   program.get_formatter()->column_width(34);

@@ -33,9 +33,6 @@ struct Shape {
   int genus = 0;
 };
 
-// Pieces
-// ------------------------------------------------------------------------------------------------------------
-
 double smoothUnion(double a, double b, double k) {
   const double h = std::max(k - std::abs(a - b), 0.0) / k;
   return std::min(a, b) - h * h * k / 4;
@@ -101,9 +98,6 @@ double smoothStep(double lo, double hi, double x) {
   const double t = std::clamp((x - lo) / (hi - lo), 0.0, 1.0);
   return t * t * (3 - 2 * t);
 }
-
-// Shapes
-// ------------------------------------------------------------------------------------------------------------
 
 double foot(const Vec3d& p, const Vec3d& ankle) {
   double d = ellipsoid(p, ankle + Vec3d(0.07, -0.055, 0), {0.135, 0.068, 0.1});
@@ -283,9 +277,6 @@ double amphora(const Vec3d& p) {
   const double hollow = std::max((r - radius + 0.085) * scale, 0.3 - p.y());
   return smoothCut(d, hollow, 0.03);
 }
-
-// Meshing
-// -----------------------------------------------------------------------------------------------------------
 
 /// Samples the field on every grid point of the box; values far from the surface are clamped.
 FloatGrid::Ptr sampleField(const Shape& shape, double spacing) {

@@ -76,15 +76,22 @@ Plan planSdf(const MorphSettings& settings, const std::vector<LoadedObject>& loa
     grids.push_back(input.object.levelSet);
     finest = std::min(finest, grids.back()->voxelSize()[0]);
   }
-  const auto blend = std::make_shared<SdfBlend>(grids, settings.plan.voxelSize > 0 ? settings.plan.voxelSize : finest);
-  return {[blend, &settings](size_t i) { return InBetween{blend->frame(settings.frames[i].weights), 0}; }, {}, {}};
+  const auto blend =
+      std::make_shared<SdfBlend>(grids, settings.plan.voxelSize > 0 ? settings.plan.voxelSize : finest);
+  return {[blend, &settings](size_t i) {
+            return InBetween{blend->frame(settings.frames[i].weights), 0};
+          },
+          {},
+          {}};
 }
 
-Plan planLevelSet(const MorphSettings& settings, const std::vector<LoadedObject>& loaded, Progress& progress) {
-  const auto result = std::make_shared<LevelSetMorphResult>(
-      levelSetMorph(*loaded[0].object.levelSet, *loaded[1].object.levelSet, int(settings.frames.size()), 2000, &progress));
-  const std::string rest = "the level set came to rest after " + std::to_string(result->steps) + " steps, at most " +
-                           formatNumber(result->restDistance, 3) + " voxels from " + settings.inputs[1];
+Plan planLevelSet(const MorphSettings& settings, const std::vector<LoadedObject>& loaded,
+                  Progress& progress) {
+  const auto result = std::make_shared<LevelSetMorphResult>(levelSetMorph(
+      *loaded[0].object.levelSet, *loaded[1].object.levelSet, int(settings.frames.size()), 2000, &progress));
+  const std::string rest = "the level set came to rest after " + std::to_string(result->steps) +
+                           " steps, at most " + formatNumber(result->restDistance, 3) + " voxels from " +
+                           settings.inputs[1];
   return {[result](size_t i) { return InBetween{result->frames[i], 0}; }, {rest}, result->restDistance};
 }
 
@@ -94,10 +101,12 @@ Plan makePlan(const MorphSettings& settings, const std::vector<LoadedObject>& lo
   return planSlices(settings, loaded, progress);
 }
 
-/// Makes, measures and writes the frames one after another: each uses all threads, and one at a time bounds the memory.
+/// Makes, measures and writes the frames one after another: each uses all threads, and one at a time bounds
+/// the memory.
 class FrameRun {
  public:
-  FrameRun(const MorphSettings& settings, const Plan& plan, bool halfFloat, const std::vector<ShapeMeasures>& inputs)
+  FrameRun(const MorphSettings& settings, const Plan& plan, bool halfFloat,
+           const std::vector<ShapeMeasures>& inputs)
       : settings_(settings), plan_(plan), halfFloat_(halfFloat), inputs_(inputs), log_(settings) {}
 
   /// Returns the rows of the report, none where none is asked for.
@@ -190,7 +199,8 @@ void runMorph(const MorphSettings& settings) {
 }  // namespace
 
 void addMorphCommand(CLI::App& program) {
-  CLI::App* command = program.add_subcommand("morph", "Morph shapes into each other: a sequence, or one blend");
+  CLI::App* command =
+      program.add_subcommand("morph", "Morph shapes into each other: a sequence, or one blend");
   const auto options = std::make_shared<MorphOptionSet>(*command);
   command->callback([options] { runMorph(options->settings()); });
 }

@@ -65,7 +65,8 @@ Json describeJob(const MorphSettings& s) {
   return job;
 }
 
-Json describeFrame(const FrameJob& job, const FrameFigures& figures, const std::vector<ShapeMeasures>& inputs) {
+Json describeFrame(const FrameJob& job, const FrameFigures& figures,
+                   const std::vector<ShapeMeasures>& inputs) {
   double linear = 0, size = 0;
   for (size_t k = 0; k < inputs.size(); ++k) {
     linear += job.weights[k] * inputs[k].volume;

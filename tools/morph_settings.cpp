@@ -12,8 +12,8 @@ namespace slicemorph {
 
 struct MorphOptionSet::Values {
   std::vector<std::string> inputs;
-  std::string output, at, weights, axis = "auto", spine = "auto", align = "auto", method = "slices", grids, report,
-                                   config, sliceFolder;
+  std::string output, at, weights, axis = "auto", spine = "auto", align = "auto", method = "slices", grids,
+                                   report, config, sliceFolder;
   int frames = 24, threads = 0;
   LoadOptions load;
   MorphOptions plan;
@@ -27,7 +27,8 @@ struct MorphOptionSet::Values {
 
 namespace {
 
-/// Weights at time t along the chain of inputs: between neighbours, each pair getting the same share of the time.
+/// Weights at time t along the chain of inputs: between neighbours, each pair getting the same share of the
+/// time.
 Weights weightsAt(double t, size_t objects) {
   const double place = t * double(objects - 1);
   const size_t first = std::min(size_t(place), objects - 2);
@@ -42,7 +43,8 @@ void checkWeights(const Weights& weights, const std::string& text, size_t object
     throw InputError("--weights " + text + " has " + std::to_string(weights.size()) + " numbers for " +
                      std::to_string(objects) + " inputs; give one weight per input");
   for (double w : weights)
-    if (w < 0) throw InputError("--weights " + text + ": " + formatNumber(w) + " is negative; weights are 0 or more");
+    if (w < 0)
+      throw InputError("--weights " + text + ": " + formatNumber(w) + " is negative; weights are 0 or more");
   const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
   if (std::abs(sum - 1) <= 1e-6) return;
   std::string right;
@@ -60,7 +62,8 @@ std::vector<double> frameTimes(const std::string& at, bool atGiven, int frames) 
   }
   const std::vector<double> times = parseNumbers("--at", at);
   for (double t : times)
-    if (t < 0 || t > 1) throw InputError("--at " + at + ": " + formatNumber(t) + " is not a time; times are 0 to 1");
+    if (t < 0 || t > 1)
+      throw InputError("--at " + at + ": " + formatNumber(t) + " is not a time; times are 0 to 1");
   return times;
 }
 
@@ -85,17 +88,20 @@ MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Val
     v.jobOptions.push_back({name, type, option, group});
     return option;
   };
-  const auto remember = [&](const std::string& key, JobType type, CLI::Option* option, const std::string& group = "") {
+  const auto remember = [&](const std::string& key, JobType type, CLI::Option* option,
+                            const std::string& group = "") {
     v.jobOptions.push_back({key, type, option, group});
     return option;
   };
-  v.inputsGiven = remember("inputs", JobType::kTexts,
-                           command.add_option("INPUT", v.inputs,
-                                              "Two or more shapes: .vdb (file.vdb:grid picks a grid) .obj .ply .stl "
-                                              ".off .glb; more than two follow each other in time"));
+  v.inputsGiven =
+      remember("inputs", JobType::kTexts,
+               command.add_option("INPUT", v.inputs,
+                                  "Two or more shapes: .vdb (file.vdb:grid picks a grid) .obj .ply .stl "
+                                  ".off .glb; more than two follow each other in time"));
   v.outputGiven = remember("output", JobType::kText,
-                           command.add_option("-o,--output", v.output,
-                                              "Result: .vdb .obj .ply or .stl; #### stands for the frame number")
+                           command
+                               .add_option("-o,--output", v.output,
+                                           "Result: .vdb .obj .ply or .stl; #### stands for the frame number")
                                ->type_name("OUTPUT"));
   v.framesGiven = add("frames", v.frames, JobType::kInteger,
                       "Frames 1 to N, the first input at 1, the last at N (24)", "N", "time");
@@ -114,19 +120,24 @@ MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Val
   add("align", v.align, JobType::kText, "none keeps world positions and directions (auto)", "auto|none")
       ->check(oneOf({"auto", "none"}));
   add("method", v.method, JobType::kText,
-      "slices; or a classic: sdf blends distances point by point, levelset moves the surface to the nearest (slices)",
+      "slices; or a classic: sdf blends distances point by point, levelset moves the surface to the nearest "
+      "(slices)",
       "slices|sdf|levelset")
       ->check(oneOf({"slices", "sdf", "levelset"}));
-  v.gridsGiven = add("grids", v.grids, JobType::kText, "Not built yet: carry other grids of the file", "a,b,...");
+  v.gridsGiven =
+      add("grids", v.grids, JobType::kText, "Not built yet: carry other grids of the file", "a,b,...");
   add("fps", v.framesPerSecond, JobType::kNumber, "Frames per second, for the metadata (24)", "F");
   v.threadsGiven = remember("threads", JobType::kInteger, addThreadsOption(command, v.threads));
   add("report", v.report, JobType::kText, "Measure every frame and write the figures", "FILE.json");
-  add("dump-slices", v.sliceFolder, JobType::kText, "Draw the slices with their contours and pairs, one SVG each", "DIR");
+  add("dump-slices", v.sliceFolder, JobType::kText,
+      "Draw the slices with their contours and pairs, one SVG each", "DIR");
   remember("resume", JobType::kFlag,
            command.add_flag("--resume", v.resume, "Go on with an interrupted sequence of the same settings"));
   remember("quiet", JobType::kFlag, command.add_flag("--quiet", v.quiet, "Print nothing but errors"));
-  command.add_option("--config", v.config, "Take options from a file (key = value, keys as the long options, inputs, "
-                                           "output); the command line wins")
+  command
+      .add_option("--config", v.config,
+                  "Take options from a file (key = value, keys as the long options, inputs, "
+                  "output); the command line wins")
       ->type_name("FILE.toml");
 }
 
@@ -166,14 +177,16 @@ MorphSettings MorphOptionSet::settings() {
       s.frames.push_back({int(i) + 1, times[i], weightsAt(times[i], s.inputs.size()), name.path(int(i) + 1)});
   }
   if (s.frames.size() > 1 && !name.isSequence())
-    throw InputError("-o " + s.output + " is one file for " + std::to_string(s.frames.size()) +
-                     " frames; put #### where the frame number belongs (name.####.vdb), or ask for one frame by --at "
-                     "T or --weights");
+    throw InputError(
+        "-o " + s.output + " is one file for " + std::to_string(s.frames.size()) +
+        " frames; put #### where the frame number belongs (name.####.vdb), or ask for one frame by --at "
+        "T or --weights");
   if (s.method == Method::kLevelSet) {
     if (s.inputs.size() != 2)
       throw InputError("--method levelset takes two inputs, not " + std::to_string(s.inputs.size()));
     if (v.atGiven->count() || v.weightsGiven->count() || s.frames.size() < 2)
-      throw InputError("--method levelset has no times or weights, only steps; ask for --frames N of at least 2");
+      throw InputError(
+          "--method levelset has no times or weights, only steps; ask for --frames N of at least 2");
   }
   if (s.method != Method::kSlices && !s.sliceFolder.empty())
     throw InputError("--dump-slices draws the slices of --method slices; the other methods have none");

@@ -41,8 +41,8 @@ struct MorphSettings {
 class MorphOptionSet {
  public:
   explicit MorphOptionSet(CLI::App& command);
-  /// Reads the job file, if one is given, and checks everything that can be checked without reading the inputs.
-  /// Throws InputError, IoError.
+  /// Reads the job file, if one is given, and checks everything that can be checked without reading the
+  /// inputs. Throws InputError, IoError.
   MorphSettings settings();
 
  private:

@@ -151,7 +151,8 @@ void parseSize(RenderSettings& s) {
 }
 
 void runRender(RenderSettings& s) {
-  if (s.inputs.empty()) throw InputError("render needs an input; for example: slicemorph render a.vdb -o a.png");
+  if (s.inputs.empty())
+    throw InputError("render needs an input; for example: slicemorph render a.vdb -o a.png");
   if (s.output.empty() && s.sheet.empty())
     throw InputError("render needs an output: -o name.png, or --contact-sheet sheet.png");
   checkSampling(s.load, s.sampling);
@@ -180,16 +181,20 @@ void runRender(RenderSettings& s) {
 }  // namespace
 
 void addRenderCommand(CLI::App& program) {
-  CLI::App* command = program.add_subcommand("render", "Pictures of shapes and sequences, seen by one camera");
+  CLI::App* command =
+      program.add_subcommand("render", "Pictures of shapes and sequences, seen by one camera");
   const auto s = std::make_shared<RenderSettings>();
   command->add_option("INPUT", s->inputs,
                       "Shapes; name.####.vdb stands for all files of that name that are there");
-  command->add_option("-o,--output", s->output, "Pictures: .png or .exr; #### stands for the number")->type_name("OUTPUT");
+  command->add_option("-o,--output", s->output, "Pictures: .png or .exr; #### stands for the number")
+      ->type_name("OUTPUT");
   command->add_option("--contact-sheet", s->sheet, "All pictures on one sheet, with captions: .png or .exr")
       ->type_name("FILE");
-  command->add_option("--columns", s->columns, "Columns of the contact sheet (0: about as wide as high)")->type_name("N");
+  command->add_option("--columns", s->columns, "Columns of the contact sheet (0: about as wide as high)")
+      ->type_name("N");
   command->add_option("--size", s->size, "Pixels of a picture (640x480)")->type_name("WxH");
-  command->add_option("--view", s->view, "Direction from the camera into the scene (-0.55,-0.3,-1)")->type_name("DX,DY,DZ");
+  command->add_option("--view", s->view, "Direction from the camera into the scene (-0.55,-0.3,-1)")
+      ->type_name("DX,DY,DZ");
   command->add_option("--samples", s->render.samples, "Rays per pixel, 1 to 64 (4)")->type_name("N");
   command->add_flag("--transparent", s->transparent, "No background");
   s->sampling = addSamplingOptions(*command, s->load);

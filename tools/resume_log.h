@@ -9,9 +9,10 @@
 
 namespace slicemorph {
 
-/// What is done of a sequence, kept beside it as the hidden file `.NAME.slicemorph` (NAME as given, with its ####)
-/// while frames are being made, and removed when all are. It lets --resume tell the frames of this very job (same
-/// settings, inputs of the same size and time) from older files of the same names. Single frames have none.
+/// What is done of a sequence, kept beside it as the hidden file `.NAME.slicemorph` (NAME as given, with its
+/// ####) while frames are being made, and removed when all are. It lets --resume tell the frames of this very
+/// job (same settings, inputs of the same size and time) from older files of the same names. Single frames
+/// have none.
 class ResumeLog {
  public:
   /// Reads the log of an earlier run where `settings.resume` is set and the log is of the same job.

@@ -64,14 +64,17 @@ void runSlice(SliceSettings& s) {
 void addSliceCommand(CLI::App& program) {
   CLI::App* command = program.add_subcommand("slice", "Oriented slices of a shape as float EXR images");
   const auto s = std::make_shared<SliceSettings>();
-  command->add_option("INPUT", s->input, "Shape: .vdb (file.vdb:grid picks a grid) .obj .ply .stl .off .glb")->required();
+  command->add_option("INPUT", s->input, "Shape: .vdb (file.vdb:grid picks a grid) .obj .ply .stl .off .glb")
+      ->required();
   command->add_option("-o,--output", s->output, "Images: .exr; #### stands for the slice number, from 1")
       ->required()
       ->type_name("OUTPUT");
   command->add_option("--slices", s->section.count, "Slices, 1 to 100000 (64)")->type_name("N");
-  command->add_option("--axis", s->axis, "Slicing direction; auto: the shape's longest")->type_name("auto|x|y|z|DX,DY,DZ");
-  s->pixelGiven = command->add_option("--pixel-size", s->section.pixelSize, "Edge of a pixel, world units (one voxel)")
-                      ->type_name("H");
+  command->add_option("--axis", s->axis, "Slicing direction; auto: the shape's longest")
+      ->type_name("auto|x|y|z|DX,DY,DZ");
+  s->pixelGiven =
+      command->add_option("--pixel-size", s->section.pixelSize, "Edge of a pixel, world units (one voxel)")
+          ->type_name("H");
   s->sampling = addSamplingOptions(*command, s->load);
   s->threadsGiven = addThreadsOption(*command, s->threads);
   command->add_flag("--quiet", s->quiet, "Print nothing but errors");

@@ -52,7 +52,8 @@ void TerminalProgress::report(const char* stage, double fraction) {
     return;
   }
   lastDrawn_ = now;
-  std::string line = stage_ + " " + std::to_string(int(100 * std::clamp(fraction, 0.0, 1.0))) + "%" + timeLeft(now, fraction);
+  std::string line = stage_ + " " + std::to_string(int(100 * std::clamp(fraction, 0.0, 1.0))) + "%" +
+                     timeLeft(now, fraction);
   const size_t width = line.size();
   if (width < width_) line.append(width_ - width, ' ');
   width_ = width;

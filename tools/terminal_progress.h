@@ -8,7 +8,8 @@
 
 namespace slicemorph {
 
-/// From now on the first Ctrl-C asks for a clean end (TerminalProgress::cancelled); a second one ends at once.
+/// From now on the first Ctrl-C asks for a clean end (TerminalProgress::cancelled); a second one ends at
+/// once.
 void cancelOnInterrupt();
 
 /// One line on stderr, redrawn in place: stage, share done, time left. Silent unless stderr is a terminal.
@@ -38,7 +39,9 @@ class TerminalProgress : public Progress {
 class PartProgress : public Progress {
  public:
   PartProgress(Progress& whole, double from, double to) : whole_(whole), from_(from), to_(to) {}
-  void report(const char* stage, double fraction) override { whole_.report(stage, from_ + (to_ - from_) * fraction); }
+  void report(const char* stage, double fraction) override {
+    whole_.report(stage, from_ + (to_ - from_) * fraction);
+  }
   bool cancelled() const override { return whole_.cancelled(); }
 
  private:

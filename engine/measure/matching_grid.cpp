@@ -36,8 +36,7 @@ void sampleLeaf(Leaf& leaf, const Transform& transform, const FloatGrid& source,
   auto accessor = source.getConstAccessor();
   for (openvdb::Index i = 0; i < Leaf::SIZE; ++i) {
     const Vec3d world = transform.indexToWorld(leaf.offsetToGlobalCoord(i));
-    const float value =
-        openvdb::tools::BoxSampler::sample(accessor, source.transform().worldToIndex(world));
+    const float value = openvdb::tools::BoxSampler::sample(accessor, source.transform().worldToIndex(world));
     if (std::abs(value) < background)
       leaf.setValueOn(i, value);
     else
@@ -57,7 +56,8 @@ FloatGrid::Ptr sampleOnto(const FloatGrid& levelSet, const Transform& transform)
   std::vector<Leaf*> leaves;
   result->tree().getNodes(leaves);
   tbb::parallel_for(tbb::blocked_range<size_t>(0, leaves.size()), [&](const auto& range) {
-    for (size_t i = range.begin(); i != range.end(); ++i) sampleLeaf(*leaves[i], transform, levelSet, background);
+    for (size_t i = range.begin(); i != range.end(); ++i)
+      sampleLeaf(*leaves[i], transform, levelSet, background);
   });
   openvdb::tools::signedFloodFill(result->tree());
   return result;

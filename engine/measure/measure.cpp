@@ -14,7 +14,9 @@ using Index = std::uint32_t;
 
 class DisjointSets {
  public:
-  explicit DisjointSets(size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), Index(0)); }
+  explicit DisjointSets(size_t count) : parent_(count) {
+    std::iota(parent_.begin(), parent_.end(), Index(0));
+  }
   Index find(Index i) {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
@@ -34,9 +36,9 @@ class DisjointSets {
 Index nextCorner(Index corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
 
 struct HalfEdge {
-  Index high;     ///< the larger of its two points; the smaller one is the bucket
+  Index high;  ///< the larger of its two points; the smaller one is the bucket
   Index corner;
-  bool forward;   ///< from the smaller to the larger point
+  bool forward;  ///< from the smaller to the larger point
 };
 
 /// Half edges in buckets by their smaller point: `first[p]` to `first[p + 1]`.
@@ -62,7 +64,8 @@ HalfEdgeTable sortHalfEdges(const Mesh& mesh) {
   return table;
 }
 
-/// Joins half edges of opposite direction: their triangles belong to one shell, their corners to one fan about a point.
+/// Joins half edges of opposite direction: their triangles belong to one shell, their corners to one fan
+/// about a point.
 class Shells {
  public:
   explicit Shells(const Mesh& mesh)
@@ -87,7 +90,8 @@ class Shells {
       begin = last;
     }
   }
-  /// Pairs each forward half edge with a backward one; where more than two triangles share the edge, in their order.
+  /// Pairs each forward half edge with a backward one; where more than two triangles share the edge, in their
+  /// order.
   void joinEdge(const HalfEdge* begin, const HalfEdge* end) {
     const HalfEdge *forward = begin, *backward = begin;
     const auto seek = [end](const HalfEdge* e, bool direction) {

@@ -25,7 +25,9 @@ struct Sums {
 };
 
 /// Share of a voxel that is inside, for a plane at the given distance from its centre.
-double insideShare(float distance, double voxelSize) { return std::clamp(0.5 - distance / voxelSize, 0.0, 1.0); }
+double insideShare(float distance, double voxelSize) {
+  return std::clamp(0.5 - distance / voxelSize, 0.0, 1.0);
+}
 
 /// Blocks of 8^3 voxels where at least one of the trees has a leaf.
 std::vector<Coord> bandBlocks(const FloatTree& a, const FloatTree& b) {
@@ -65,7 +67,8 @@ Sums sumBands(const FloatTree& a, const FloatTree& b, double voxelSize) {
   return total;
 }
 
-/// Blocks inside `tree` by its tiles, where `other` has no leaf either; split by whether they are inside `other` too.
+/// Blocks inside `tree` by its tiles, where `other` has no leaf either; split by whether they are inside
+/// `other` too.
 struct TileCount {
   std::int64_t both = 0, only = 0;
 };

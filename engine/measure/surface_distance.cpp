@@ -40,7 +40,8 @@ double squaredDistanceToSegment(const Vec3d& p, const Vec3d& a, const Vec3d& b) 
   return (p - a - t * ab).lengthSqr();
 }
 
-/// Ericson, Real-Time Collision Detection, 5.1.5: inside the prism the distance to the plane, else to an edge.
+/// Ericson, Real-Time Collision Detection, 5.1.5: inside the prism the distance to the plane, else to an
+/// edge.
 double squaredDistance(const Vec3d& p, const Triangle& triangle) {
   const Vec3d a(triangle.a), b(triangle.b), c(triangle.c);
   const Vec3d normal = (b - a).cross(c - a);
@@ -55,8 +56,8 @@ double squaredDistance(const Vec3d& p, const Triangle& triangle) {
                    squaredDistanceToSegment(p, c, a)});
 }
 
-/// Balanced tree of boxes over the triangles of a mesh: halves by count, along the longest side of the centres' box.
-/// Node i has the children 2 i + 1 and 2 i + 2.
+/// Balanced tree of boxes over the triangles of a mesh: halves by count, along the longest side of the
+/// centres' box. Node i has the children 2 i + 1 and 2 i + 2.
 class TriangleTree {
  public:
   explicit TriangleTree(const Mesh& mesh) {
@@ -95,9 +96,10 @@ class TriangleTree {
     const size_t axis = openvdb::math::MaxIndex(size);
     const size_t middle = (first + last) / 2;
     const auto begin = triangles_.begin();
-    std::nth_element(begin + first, begin + middle, begin + last, [axis](const Triangle& s, const Triangle& t) {
-      return s.a[axis] + s.b[axis] + s.c[axis] < t.a[axis] + t.b[axis] + t.c[axis];
-    });
+    std::nth_element(begin + first, begin + middle, begin + last,
+                     [axis](const Triangle& s, const Triangle& t) {
+                       return s.a[axis] + s.b[axis] + s.c[axis] < t.a[axis] + t.b[axis] + t.c[axis];
+                     });
     const auto left = [&] { build(2 * node + 1, first, middle); };
     const auto right = [&] { build(2 * node + 2, middle, last); };
     if (last - first > 8192)

@@ -19,11 +19,12 @@ using openvdb::FloatTree;
 
 /// Time of one step: the front's speed is the difference of the two distances, at most two half widths.
 constexpr float kTimeStep = 1.0f / 3;
-/// It is at rest when this many steps have brought it no nearer, neither at its farthest point nor in the mean.
+/// It is at rest when this many steps have brought it no nearer, neither at its farthest point nor in the
+/// mean.
 constexpr int kPatience = 20;
 
-/// How far one surface is from another, in voxels, seen from the voxels next to the first. Beyond the band the
-/// distance is clamped: good enough to tell whether the front has arrived or moves.
+/// How far one surface is from another, in voxels, seen from the voxels next to the first. Beyond the band
+/// the distance is clamped: good enough to tell whether the front has arrived or moves.
 struct Gap {
   double max = 0, sum = 0;
   size_t voxels = 0;
@@ -54,8 +55,8 @@ Gap gapBetween(const FloatGrid& a, const FloatGrid& b) {
   return {std::max(there.max, back.max), there.sum + back.sum, there.voxels + back.voxels};
 }
 
-/// Keeps grids of a run whose length is not known: every `stride`-th step, and every other one of those is dropped
-/// when there are too many.
+/// Keeps grids of a run whose length is not known: every `stride`-th step, and every other one of those is
+/// dropped when there are too many.
 class Film {
  public:
   explicit Film(int count) : count_(count) {}

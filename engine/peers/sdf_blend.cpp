@@ -41,7 +41,8 @@ std::vector<Coord> leafOrigins(const CoordBBox& box) {
 }
 
 /// The distance to a level set's surface at every voxel of the leaves given.
-FloatGrid::Ptr fullField(FloatGrid::ConstPtr levelSet, const Transform& transform, const std::vector<Coord>& origins) {
+FloatGrid::Ptr fullField(FloatGrid::ConstPtr levelSet, const Transform& transform,
+                         const std::vector<Coord>& origins) {
   const DistanceField distance(levelSet);
   std::vector<Leaf*> leaves(origins.size());
   tbb::parallel_for(tbb::blocked_range<size_t>(0, origins.size()), [&](const auto& range) {
@@ -68,8 +69,9 @@ void blendLeaf(const std::vector<const Leaf*>& sources, const Weights& weights, 
   }
 }
 
-/// Activates the voxels whose blend is within the band and clamps the others. Blends of distances change by at most a
-/// voxel per voxel, so the surface's neighbourhood of that width is among them. Returns whether any is.
+/// Activates the voxels whose blend is within the band and clamps the others. Blends of distances change by
+/// at most a voxel per voxel, so the surface's neighbourhood of that width is among them. Returns whether any
+/// is.
 bool clampToBand(Leaf& leaf, float band) {
   float* values = leaf.buffer().data();
   for (openvdb::Index i = 0; i < Leaf::SIZE; ++i) {
@@ -107,7 +109,8 @@ SdfBlend::SdfBlend(const std::vector<FloatGrid::ConstPtr>& levelSets, double vox
   const CoordBBox box = commonBox(levelSets, *transform);
   if (box.volume() > (openvdb::Index64(1) << 31))
     throw InputError("--method sdf needs every voxel of the box about all inputs, which are " +
-                     std::to_string(box.volume()) + " here; 2147483648 at most: choose a larger --voxel-size or a "
+                     std::to_string(box.volume()) +
+                     " here; 2147483648 at most: choose a larger --voxel-size or a "
                      "smaller --resolution");
   const std::vector<Coord> origins = leafOrigins(box);
   for (const auto& levelSet : levelSets) fields_.push_back(fullField(levelSet, *transform, origins));
@@ -115,12 +118,14 @@ SdfBlend::SdfBlend(const std::vector<FloatGrid::ConstPtr>& levelSets, double vox
 
 FloatGrid::Ptr SdfBlend::frame(const Weights& weights) const {
   if (weights.size() != fields_.size())
-    throw InputError(std::to_string(weights.size()) + " weights for " + std::to_string(fields_.size()) + " objects");
+    throw InputError(std::to_string(weights.size()) + " weights for " + std::to_string(fields_.size()) +
+                     " objects");
   const float band = float(kHalfWidth * fields_[0]->voxelSize()[0]);
   std::vector<std::vector<const Leaf*>> leaves(fields_.size());
   for (size_t k = 0; k < fields_.size(); ++k) fields_[k]->tree().getNodes(leaves[k]);
 
-  // Only the leaves that hold a part of the band are kept; the sign of the others follows from the flood fill.
+  // Only the leaves that hold a part of the band are kept; the sign of the others follows from the flood
+  // fill.
   std::vector<std::unique_ptr<Leaf>> blended(leaves[0].size());
   tbb::parallel_for(tbb::blocked_range<size_t>(0, blended.size()), [&](const auto& range) {
     std::vector<const Leaf*> sources(fields_.size());

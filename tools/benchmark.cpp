@@ -1,0 +1,137 @@
+// Benchmarks as ratios against peers of the same run. Usage: slicemorph_benchmark [MESH MESH] [--quick]
+// Without meshes: the bundled creature and ring. --quick leaves out OpenVDB's LevelSetMorphing and 512 voxels.
+#include "engine/measure/measure.h"
+#include "engine/peers/peers.h"
+#include "engine/slicemorph.h"
+#include "engine/volume/voxelise.h"
+#include "io/input.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+
+namespace slicemorph {
+namespace {
+
+double seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// Best of three: what the machine does when nothing disturbs it.
+template <typename Work>
+double timeOf(const Work& work) {
+  double best = 1e30;
+  for (int i = 0; i < 3; ++i) {
+    const double start = seconds();
+    work();
+    best = std::min(best, seconds() - start);
+  }
+  return best;
+}
+
+Weights at(double t) { return {1 - t, t}; }
+
+std::vector<Object> load(const std::vector<std::string>& inputs, int resolution) {
+  std::vector<Object> objects;
+  for (const std::string& input : inputs) {
+    LoadOptions options;
+    options.resolution = resolution;
+    objects.push_back(loadObject(input, options).object);
+  }
+  return objects;
+}
+
+struct FrameCost {
+  double ours = 0, voxelising = 0;
+};
+
+/// Time per frame, and of meshToLevelSet on those frames' own meshes; means over some in-betweens.
+FrameCost frameCost(const MorphPlan& plan) {
+  FrameCost cost;
+  const double times[] = {0.2, 0.5, 0.8};
+  for (double t : times) {
+    FloatGrid::Ptr frame;
+    cost.ours += timeOf([&] { frame = plan.frame(at(t)).surface; }) / std::size(times);
+    const Mesh mesh = surfaceOf(*frame);
+    cost.voxelising += timeOf([&] { voxelise(mesh, frame->voxelSize()[0]); }) / std::size(times);
+  }
+  return cost;
+}
+
+double peakGiB() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return double(usage.ru_maxrss) / (1 << 20);
+}
+
+void againstSdf(const std::vector<Object>& objects, const FrameCost& cost) {
+  const std::vector<FloatGrid::ConstPtr> grids{objects[0].levelSet, objects[1].levelSet};
+  const SdfBlend blend(grids, std::min(grids[0]->voxelSize()[0], grids[1]->voxelSize()[0]));
+  const double peer = timeOf([&] { blend.frame(at(0.5)); });
+  std::printf("frame / --method sdf             %6.3f   goal <= 0.5    (%.3f s / %.3f s)\n", cost.ours / peer, cost.ours,
+              peer);
+}
+
+void againstLevelSet(const std::vector<Object>& objects) {
+  constexpr int kFrames = 25;
+  double start = seconds();
+  const MorphPlan plan(objects);
+  for (int i = 0; i < kFrames; ++i) plan.frame(at(i / double(kFrames - 1)));
+  const double ours = seconds() - start;
+  start = seconds();
+  const LevelSetMorphResult peer = levelSetMorph(*objects[0].levelSet, *objects[1].levelSet, kFrames);
+  const double theirs = seconds() - start;
+  std::printf("25 frames / --method levelset    %6.3f   goal <= 0.05   (%.1f s / %.1f s; it rests %.2f voxels away after %d steps)\n",
+              ours / theirs, ours, theirs, peer.restDistance, peer.steps);
+}
+
+void run(const std::vector<std::string>& inputs, bool quick) {
+  std::vector<double> costs;
+  for (int resolution : {128, 256, 512}) {
+    if (quick && resolution > 256) break;
+    const std::vector<Object> objects = load(inputs, resolution);
+    const double start = seconds();
+    const MorphPlan plan(objects);
+    const double planning = seconds() - start;
+    const FrameCost cost = frameCost(plan);
+    std::printf("%d voxels: plan %.2f s, frame %.3f s\n", resolution, planning, cost.ours);
+    std::printf("frame / meshToLevelSet           %6.3f   goal <= 1.5    (%.3f s / %.3f s)\n", cost.ours / cost.voxelising,
+                cost.ours, cost.voxelising);
+    if (!costs.empty())
+      std::printf("frame / frame at half as many    %6.3f   goal <= 4.5\n", cost.ours / costs.back());
+    costs.push_back(cost.ours);
+    if (resolution == 512) std::printf("peak memory                      %6.2f   goal <  4 GiB\n", peakGiB());
+    std::fflush(stdout);
+  }
+  const std::vector<Object> objects = load(inputs, 256);
+  againstSdf(objects, frameCost(MorphPlan(objects)));
+  std::fflush(stdout);
+  if (!quick) againstLevelSet(objects);
+}
+
+}  // namespace
+}  // namespace slicemorph
+
+int main(int argc, char** argv) {
+  std::vector<std::string> inputs;
+  bool quick = false;
+  for (int i = 1; i < argc; ++i) {
+    if (std::strcmp(argv[i], "--quick") == 0) quick = true;
+    else inputs.push_back(argv[i]);
+  }
+  if (inputs.empty()) inputs = {SLICEMORPH_ASSETS "/creature.ply", SLICEMORPH_ASSETS "/ring.ply"};
+  if (inputs.size() != 2) {
+    std::fprintf(stderr, "usage: slicemorph_benchmark [MESH MESH] [--quick]\n");
+    return 2;
+  }
+  openvdb::initialize();
+  try {
+    slicemorph::run(inputs, quick);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "slicemorph_benchmark: %s\n", e.what());
+    return 1;
+  }
+}
