@@ -3,6 +3,9 @@
 #include "engine/errors.h"
 #include "engine/frame/moments.h"
 
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <Eigen/SVD>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -139,6 +142,41 @@ std::vector<Turn> suggestedTurns(const Normalised& a, const Normalised& b) {
   return turns;
 }
 
+/// The rotation between nearly equal shapes to the last digit: closest points both ways, and the rotation that fits
+/// them best (Besl & McKay 1992; Kabsch 1976). A shape that can turn freely stays as it is.
+Mat3d polished(const Normalised& a, const Normalised& b, Mat3d rotation) {
+  const auto surface = [](const Normalised& o) {
+    std::vector<Vec3d> points;
+    for (const SurfaceSample& s : o.field->samples())
+      points.push_back((s.position - o.moments.centroid) / o.size);
+    return points;
+  };
+  const auto closest = [](const Normalised& o, const Vec3d& n) {
+    return (o.field->closest(o.moments.centroid + o.size * n) - o.moments.centroid) / o.size;
+  };
+  const std::vector<Vec3d> pa = surface(a), pb = surface(b);
+  for (int i = 0; i < 40; ++i) {
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    const auto add = [&](const Vec3d& onA, const Vec3d& onB) {
+      for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c) sum(r, c) += onB[r] * onA[c];
+    };
+    for (const Vec3d& p : pa) add(p, closest(b, rotation * p));
+    for (const Vec3d& p : pb) add(closest(a, rotation.transpose() * p), p);
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Eigen::Matrix3d flip = Eigen::Matrix3d::Identity();
+    flip(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
+    const Eigen::Matrix3d fit = svd.matrixU() * flip * svd.matrixV().transpose();
+    Mat3d next;
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) next(r, c) = fit(r, c);
+    const double moved = angleOf(next * rotation.transpose());
+    rotation = next;
+    if (moved < 1e-6) break;
+  }
+  return rotation;
+}
+
 struct Extent {
   double low, high;
 };
@@ -232,7 +270,8 @@ std::vector<Turn> proposeTurns(const DistanceField& fieldA, const DistanceField&
       best = &t;
   const bool worldIsAsGood = score(*best) < world.overlap + kTurnMargin;
   if (worldIsAsGood) return {world};
-  if (best->overlap > kDecisive && best->overlap > world.overlap + kDecisiveGain) return {*best};
+  if (best->overlap > kDecisive && best->overlap > world.overlap + kDecisiveGain)
+    return {measured(a, b, polished(a, b, best->rotation))};
   std::vector<Turn> worthTrying{world, *best};
   std::stable_sort(turns.begin() + 1, turns.end(), [](const Turn& x, const Turn& y) { return score(x) > score(y); });
   for (size_t i = 1; i < turns.size() && worthTrying.size() <= kTurnsWorthTrying; ++i) {

@@ -8,17 +8,14 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <map>
 
 namespace slicemorph {
 
 namespace {
-
-/// An object's surface in chart coordinates.
-struct ChartSamples {
-  OrientedPoints points;
-};
 
 /// One round of matching, from coarse to fine. Lengths are shares of the objects' size in chart space.
 struct Round {
@@ -38,6 +35,9 @@ const Round kRounds[] = {
 
 /// A look at how well two objects can be matched at all.
 const Round kQuickRounds[] = {{false, 0.25, 0.14, 3, 1500}, {false, 0.15, 0.10, 2, 1500}};
+
+/// A gain in overlap that is no accident.
+constexpr double kClearGain = 0.01;
 
 class Registrar {
  public:
@@ -59,6 +59,7 @@ class Registrar {
   }
 
   double quickOverlap() {
+    quick_ = true;
     measureObjects();
     sliceObjects();
     startFromContours();
@@ -69,9 +70,10 @@ class Registrar {
  private:
   void measureObjects() {
     samples_.resize(objects_);
+    area_.resize(objects_);
     std::vector<openvdb::BBoxd> boxes(objects_);
     tbb::parallel_for(size_t(0), objects_, [&](size_t k) {
-      samples_[k] = chartSamples(k, 8000);
+      samples_[k] = chartSamples(k);
       for (const Vec3d& p : samples_[k].position) boxes[k].expand(p);
     });
     chartBoxes_ = boxes;
@@ -81,16 +83,48 @@ class Registrar {
     margin_ = Vec3d(0.3 * size_);
   }
 
-  OrientedPoints chartSamples(size_t k, int count) const {
+  OrientedPoints chartSamples(size_t k) {
     OrientedPoints result;
     double total = 0;
-    for (const SurfaceSample& s : sampleSurface(*fields_[k], count)) {
+    for (const SurfaceSample& s : fields_[k]->samples()) {
       result.position.push_back(charts_[k].toChart(s.position));
       result.normal.push_back(charts_[k].normalToChart(s.normal));
       result.mass.push_back(s.area);
       total += s.area;
     }
     for (double& m : result.mass) m /= total;
+    area_[k] = total / (charts_[k].meanScale() * charts_[k].meanScale());
+    return result;
+  }
+
+  /// About `count` of an object's samples: means over equal cells, so that a sample more or less at one place does not
+  /// change the choice everywhere else.
+  OrientedPoints thinned(size_t k, int count) const {
+    const OrientedPoints& all = samples_[k];
+    if (int(all.position.size()) <= count) return all;
+    const double cell = 1.3 * std::sqrt(area_[k] / count);
+    using Key = std::array<int, 4>;
+    std::map<Key, size_t> cells;
+    OrientedPoints result;
+    std::vector<Vec3d> normal;
+    for (size_t i = 0; i < all.position.size(); ++i) {
+      const Vec3d& n = all.normal[i];
+      int side = 0;
+      for (int a = 1; a < 3; ++a)
+        if (std::abs(n[a]) > std::abs(n[side])) side = a;
+      const openvdb::Coord c = openvdb::Coord::floor((all.position[i] - box_.min()) / cell);
+      const auto [it, fresh] = cells.emplace(Key{c[0], c[1], c[2], 2 * side + (n[side] < 0)}, result.position.size());
+      if (fresh) {
+        result.position.push_back(all.position[i]), result.normal.push_back(n), result.mass.push_back(all.mass[i]);
+        continue;
+      }
+      // The sample nearest the cell's middle stands for the cell: a mean would leave the surface.
+      const Vec3d middle = box_.min() + cell * (c.asVec3d() + Vec3d(0.5));
+      const size_t at = it->second;
+      if ((all.position[i] - middle).lengthSqr() < (result.position[at] - middle).lengthSqr())
+        result.position[at] = all.position[i], result.normal[at] = n;
+      result.mass[at] += all.mass[i];
+    }
     return result;
   }
 
@@ -121,23 +155,37 @@ class Registrar {
     base_ = none;
     Displacements affine = baseDisplacements(base, lattice, box_);
     removeFolds(affine);
-    if (keepIfBetter(affine, "per-slice affine")) base_ = affine;
+    if (takeAsFarAsBetter(affine, 0, kClearGain, "per-slice affine") > 0) base_ = result_.map;
     result_.pairs = matchContours(result_.stacks, base);
     const std::vector<Correspondence> points =
         pairCorrespondences(result_.pairs, result_.stacks, base, std::max(16, options_.samples / 4));
     if (points.empty()) return;
-    keepIfBetter(fit(points, latticeOf(0.12), 4), "contour pairs");
+    takeAsFarAsBetter(fit(points, latticeOf(0.12), 4), 0, kClearGain, "contour pairs");
   }
 
-  /// Takes a map where the warped objects overlap at least as well as before.
-  bool keepIfBetter(const Displacements& map, const char* name) {
+  /// Takes a map to the degree to which the warped objects overlap better than before: not at all where they do not
+  /// gain more than `nothing`, wholly from a gain of `all`. A yes or no would let noise decide between two results.
+  double takeAsFarAsBetter(const Displacements& map, double nothing, double all, const char* name) {
     const double overlap = overlapOf(map);
-    const bool better = overlap > overlap_ + 1e-6;
-    char text[96];
-    std::snprintf(text, sizeof text, "%s: overlap %.3f, %s", name, overlap, better ? "kept" : "not kept");
+    const double x = std::min(std::max((overlap - overlap_ - nothing) / (all - nothing), 0.0), 1.0);
+    const double share = x * x * (3 - 2 * x);
+    char text[128];
+    std::snprintf(text, sizeof text, "%s: overlap %.3f, taken to %.0f %%", name, overlap, 100 * share);
     result_.notes.push_back(text);
-    if (better) result_.map = map, overlap_ = overlap;
-    return better;
+    if (share == 0) return 0;
+    if (share == 1) {
+      result_.map = map;
+      overlap_ = overlap;
+      return 1;
+    }
+    Displacements blended = resampled(result_.map, map.lattice);
+    for (size_t k = 0; k < objects_; ++k)
+      for (size_t i = 0; i < map.lattice.count(); ++i)
+        blended.of[k][i] += float(share) * (map.of[k][i] - blended.of[k][i]);
+    removeFolds(blended);
+    result_.map = std::move(blended);
+    overlap_ = overlapOf(result_.map);
+    return share;
   }
 
   /// The smooth fold-free map that meets the correspondences, as displacement on top of the base warp.
@@ -188,28 +236,27 @@ class Registrar {
     return (a - s - map.at(k, s)).length() < 0.2 * map.lattice.spacing;
   }
 
-  /// Every n-th sample of every object, in the middle space.
+  /// Samples of an object, in the middle space.
   struct MiddleSamples {
     OrientedPoints points;
     std::vector<Vec3d> own;  ///< chart coordinates
   };
 
   MiddleSamples middleSamples(size_t k, int count) const {
-    const OrientedPoints& all = samples_[k];
-    const size_t stride = std::max<size_t>(1, all.position.size() / size_t(count));
-    const size_t n = all.position.size() / stride;
+    const OrientedPoints all = thinned(k, count);
+    const size_t n = all.position.size();
     std::vector<Vec3d> middle(n);
     std::vector<char> found(n);
-    tbb::parallel_for(size_t(0), n, [&](size_t i) { found[i] = toMiddleSpace(k, all.position[i * stride], middle[i]); });
+    tbb::parallel_for(size_t(0), n, [&](size_t i) { found[i] = toMiddleSpace(k, all.position[i], middle[i]); });
     MiddleSamples result;
     double total = 0;
     for (size_t i = 0; i < n; ++i) {
       if (!found[i]) continue;
       result.points.position.push_back(middle[i]);
-      result.points.normal.push_back(all.normal[i * stride]);
-      result.points.mass.push_back(all.mass[i * stride]);
-      result.own.push_back(all.position[i * stride]);
-      total += all.mass[i * stride];
+      result.points.normal.push_back(all.normal[i]);
+      result.points.mass.push_back(all.mass[i]);
+      result.own.push_back(all.position[i]);
+      total += all.mass[i];
     }
     for (double& m : result.points.mass) m /= total;
     return result;
@@ -225,7 +272,10 @@ class Registrar {
     const double density = double(points.size()) / 2000;
     char name[64];
     std::snprintf(name, sizeof name, "%s %.3f (%zu points)", round.soft ? "soft match" : "closest points", round.reach, points.size());
-    keepIfBetter(fit(points, lattice, round.stiffness * density), name);
+    // Closest points nearly always help, and the last rounds by little each: they are only refused where they harm.
+    const Displacements map = fit(points, lattice, round.stiffness * density);
+    if (round.soft) takeAsFarAsBetter(map, 0, kClearGain, name);
+    else takeAsFarAsBetter(map, -2 * kClearGain, -kClearGain, name);
   }
 
   std::vector<Correspondence> softCorrespondences(const std::vector<MiddleSamples>& samples, const Round& round) const {
@@ -267,13 +317,12 @@ class Registrar {
       tbb::parallel_for(size_t(0), found.size(), [&](size_t i) {
         Correspondence& c = found[i];
         const Vec3d& s = samples[j].points.position[i];
-        bool any = false;
+        c.weight = 0;
         for (size_t k = 0; k < objects_; ++k) {
           Vec3d at = k == j ? samples[j].own[i] : s + result_.map.at(k, s);
-          if (k != j) any |= projectOnto(k, samples[j].points.normal[i], round.reach * size_, at);
+          if (k != j) c.weight = std::max(c.weight, projectOnto(k, samples[j].points.normal[i], round.reach * size_, at));
           c.at.push_back(at);
         }
-        c.weight = any ? 1.f : 0.f;
       });
       for (Correspondence& c : found)
         if (c.weight > 0) points.push_back(std::move(c));
@@ -281,29 +330,34 @@ class Registrar {
     return points;
   }
 
-  /// Moves a chart point onto object k's surface where that is near and faces the same way.
-  bool projectOnto(size_t k, const Vec3d& normal, double reach, Vec3d& at) const {
-    const Vec3d world = charts_[k].toWorld(at);
-    const Vec3d surface = fields_[k]->closest(world);
+  /// Moves a chart point onto object k's surface and returns how far that is to be trusted: wholly where the surface is
+  /// near and faces the same way, not at all where it is `reach` away or faces elsewhere.
+  float projectOnto(size_t k, const Vec3d& normal, double reach, Vec3d& at) const {
+    const Vec3d surface = fields_[k]->closest(charts_[k].toWorld(at));
     const Vec3d projected = charts_[k].toChart(surface);
-    if ((projected - at).length() > reach) return false;
-    if (charts_[k].normalToChart(fields_[k]->gradient(surface)).dot(normal) < 0.3) return false;
-    at = projected;
-    return true;
+    const double near = 1 - (projected - at).length() / reach;
+    const double facing = (charts_[k].normalToChart(fields_[k]->gradient(surface)).dot(normal) - 0.1) / 0.4;
+    const double trust = std::min(std::max(4 * near, 0.0), 1.0) * std::min(std::max(facing, 0.0), 1.0);
+    if (trust > 0) at = projected;
+    return float(trust);
   }
 
   /// Soft intersection over union of the warped objects in the middle space.
   double overlapOf(const Displacements& map) const {
-    const Lattice lattice = latticeOf(0.03);
+    const Lattice lattice = latticeOf(quick_ ? 0.05 : 0.035);
     std::vector<double> both(lattice.size[2], 0), either(lattice.size[2], 0);
+    std::vector<double> unit;
+    for (size_t k = 0; k < objects_; ++k) unit.push_back(1 / (charts_[k].meanScale() * lattice.spacing));
     tbb::parallel_for(0, int(lattice.size[2]), [&](int z) {
+      std::vector<DistanceField::Sampler> samplers;
+      for (size_t k = 0; k < objects_; ++k) samplers.emplace_back(*fields_[k], charts_[k].linear(), charts_[k].center);
       for (int y = 0; y < lattice.size[1]; ++y)
         for (int x = 0; x < lattice.size[0]; ++x) {
           const Vec3d s = lattice.position(x, y, z);
           double least = 1, most = 0;
           for (size_t k = 0; k < objects_; ++k) {
-            const double d = fields_[k]->coarse(charts_[k].toWorld(s + map.at(k, s))) / charts_[k].meanScale();
-            const double inside = std::min(std::max(0.5 - d / lattice.spacing, 0.0), 1.0);
+            const double d = samplers[k].coarse(openvdb::Vec3s(s + map.at(k, s))) * unit[k];
+            const double inside = std::min(std::max(0.5 - d, 0.0), 1.0);
             least = std::min(least, inside), most = std::max(most, inside);
           }
           both[z] += least, either[z] += most;
@@ -328,13 +382,15 @@ class Registrar {
   const MorphOptions& options_;
   Progress& progress_;
   size_t objects_;
-  std::vector<OrientedPoints> samples_;
+  std::vector<OrientedPoints> samples_;  ///< per object: its surface in chart coordinates
+  std::vector<double> area_;             ///< per object, chart units
   std::vector<openvdb::BBoxd> chartBoxes_;
   openvdb::BBoxd box_;   ///< of all objects, chart space
   Vec3d margin_;
   double size_ = 1;      ///< cube root of the box's volume
   Displacements base_;
   double overlap_ = 0;
+  bool quick_ = false;
   Registration result_;
 };
 
@@ -349,7 +405,6 @@ Turn chooseTurn(const Fields& pair, const MorphOptions& options, Progress& progr
   for (const Turn& turn : turns) {
     const Frames frames = frameObjects(pair, {Mat3d::identity(), turn.rotation}, coarse);
     const double value = Registrar(pair, frames, coarse, progress).quickOverlap() - priceOf(turn);
-    if (getenv("DBG")) fprintf(stderr, "turn %.1f before %.3f value %.3f price %.3f\n", turn.angle * 57.3, turn.overlap, value, priceOf(turn));
     if (value > most) most = value, best = &turn;
   }
   return *best;

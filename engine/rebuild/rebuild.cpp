@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kLeaf = 8;
 /// How much faster than a distance the blend may change: for deciding what is certainly outside the band.
-constexpr double kSteepest = 1.5;
+constexpr double kSteepest = 1.3;
 
 /// Catmull-Rom weights of nodes -1, 0, 1, 2 at the fractions 0, 1/step, ...
 std::vector<std::array<float, 4>> splineWeights(int step) {
@@ -52,13 +52,14 @@ class Rebuilder {
   void findNodeDistances() {
     distance_.assign(nodes_.known.size(), std::numeric_limits<float>::max());
     tbb::parallel_for(0, int(nodes_.size[2]), [&](int z) {
+      const std::vector<DistanceField::Sampler> samplers = makeSamplers();
       const size_t slab = size_t(nodes_.size[0]) * nodes_.size[1];
       for (size_t i = z * slab; i < (z + 1) * slab; ++i) {
         if (!nodes_.known[i]) continue;
         float d = 0;
         for (size_t n = 0; n < used_.size(); ++n) {
           const size_t k = used_[n];
-          d += factor_[n] * fields_[k]->coarse(charts_[k].toWorld(Vec3d(nodes_.at[i * nodes_.objects + k])));
+          d += factor_[n] * samplers[n].coarse(nodes_.at[i * nodes_.objects + k]);
         }
         distance_[i] = d;
       }
@@ -102,9 +103,9 @@ class Rebuilder {
   }
 
   void fillLeaf(const openvdb::Coord& origin, float* values) const {
-    std::vector<DistanceField::Sampler> samplers;
-    for (size_t k : used_) samplers.emplace_back(*fields_[k]);
-    std::vector<openvdb::Vec3s> places(size_t(step_) * step_ * step_);
+    std::vector<DistanceField::Sampler> samplers = makeSamplers();
+    std::vector<std::vector<openvdb::Vec3s>> places(
+        used_.size(), std::vector<openvdb::Vec3s>(size_t(step_) * step_ * step_));
     for (int z = 0; z < kLeaf; z += step_)
       for (int y = 0; y < kLeaf; y += step_)
         for (int x = 0; x < kLeaf; x += step_) {
@@ -113,21 +114,38 @@ class Rebuilder {
         }
   }
 
-  /// `values`: of the cell's first voxel, in OpenVDB's leaf order (x slowest).
+  std::vector<DistanceField::Sampler> makeSamplers() const {
+    std::vector<DistanceField::Sampler> samplers;
+    for (size_t k : used_) samplers.emplace_back(*fields_[k], charts_[k].linear(), charts_[k].center);
+    return samplers;
+  }
+
+  /// `values`: of the cell's first voxel, in OpenVDB's leaf order (x slowest). Voxels go by blocks of 2 x 2 x 2, and
+  /// only those blocks are sampled whose middle is near enough to the surface to hold a voxel of the band.
   void fillCell(int i, int j, int k, std::vector<DistanceField::Sampler>& samplers,
-                std::vector<openvdb::Vec3s>& places, float* values) const {
-    for (size_t n = 0; n < used_.size(); ++n) {
-      placeVoxels(i, j, k, used_[n], places);
-      const Chart& chart = charts_[used_[n]];
-      size_t v = 0;
-      for (int x = 0; x < step_; ++x)
-        for (int y = 0; y < step_; ++y)
-          for (int z = 0; z < step_; ++z) {
-            float& value = values[(x * kLeaf + y) * kLeaf + z];
-            const float f = factor_[n] * samplers[n](chart.toWorld(Vec3d(places[v++])));
-            value = n == 0 ? f : value + f;
+                std::vector<std::vector<openvdb::Vec3s>>& places, float* values) const {
+    for (size_t n = 0; n < used_.size(); ++n) placeVoxels(i, j, k, used_[n], places[n]);
+    const float far = float((kHalfWidth + 1 + kSteepest * 0.5 * std::sqrt(3.0)) * voxel_);
+    for (int x = 0; x < step_; x += 2)
+      for (int y = 0; y < step_; y += 2)
+        for (int z = 0; z < step_; z += 2) {
+          const size_t first = (size_t(x) * step_ + y) * step_ + z;
+          const size_t last = first + (size_t(step_) + 1) * step_ + 1;
+          float middle = 0;
+          for (size_t n = 0; n < used_.size(); ++n)
+            middle += factor_[n] * samplers[n].coarse((places[n][first] + places[n][last]) * 0.5f);
+          const bool near = std::abs(middle) < far;
+          for (int v = 0; v < 8; ++v) {
+            const int dx = v >> 2, dy = v >> 1 & 1, dz = v & 1;
+            float f = middle;
+            if (near) {
+              f = 0;
+              const size_t place = first + (size_t(dx) * step_ + dy) * step_ + dz;
+              for (size_t n = 0; n < used_.size(); ++n) f += factor_[n] * samplers[n](places[n][place]);
+            }
+            values[((x + dx) * kLeaf + y + dy) * kLeaf + z + dz] = f;
           }
-    }
+        }
   }
 
   /// Chart places of a cell's voxels (x slowest): splined where all 64 nodes around are known, else trilinear.

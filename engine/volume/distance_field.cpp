@@ -59,6 +59,7 @@ DistanceField::DistanceField(FloatGrid::ConstPtr levelSet, int nodes) : levelSet
   seedFromBand();
   sweep();
   signDistances();
+  sampleSurface(8000);
 }
 
 void DistanceField::seedFromBand() {
@@ -108,30 +109,30 @@ void DistanceField::signDistances() {
   for (int z = 0; z < size_[2]; ++z)
     for (int y = 0; y < size_[1]; ++y)
       for (int x = 0; x < size_[0]; ++x) {
-        const float f = sampler.fine((nodePosition(x, y, z) - fineOrigin_) / voxelSize_);
+        const float f = sampler.fine(openvdb::Vec3s((nodePosition(x, y, z) - fineOrigin_) / voxelSize_));
         float& d = distance_[index(x, y, z)];
         d = std::abs(f) < 1.8 * voxelSize_ ? f : std::copysign(d, f);
       }
 }
 
-float DistanceField::coarse(const Vec3d& world) const {
-  Vec3d q = (world - origin_) / spacing_;
-  double outside2 = 0;
+float DistanceField::coarseAt(const openvdb::Vec3s& q) const {
+  float outside2 = 0;
   int base[3];
   float w[3];
   for (int a = 0; a < 3; ++a) {
-    const double c = clampTo(q[a], 0.0, size_[a] - 1.0);
+    const float c = std::min(std::max(q[a], 0.f), float(size_[a] - 1));
     outside2 += (q[a] - c) * (q[a] - c);
     base[a] = std::min(int(c), size_[a] - 2);
-    w[a] = float(c - base[a]);
+    w[a] = c - float(base[a]);
   }
   const float* v = &distance_[index(base[0], base[1], base[2])];
   const size_t dy = size_[0], dz = size_t(size_[0]) * size_[1];
   const auto row = [&](size_t o) { return v[o] + w[0] * (v[o + 1] - v[o]); };
-  const float near = row(0) + w[1] * (row(dy) - row(0));
-  const float far = row(dz) + w[1] * (row(dz + dy) - row(dz));
+  const float n0 = row(0), f0 = row(dz);
+  const float near = n0 + w[1] * (row(dy) - n0);
+  const float far = f0 + w[1] * (row(dz + dy) - f0);
   const float inside = near + w[2] * (far - near);
-  return outside2 > 0 ? inside + float(std::sqrt(outside2) * spacing_) : inside;
+  return outside2 > 0 ? inside + std::sqrt(outside2) * float(spacing_) : inside;
 }
 
 Vec3d DistanceField::closest(const Vec3d& world) const {
@@ -161,9 +162,20 @@ Vec3d DistanceField::gradient(const Vec3d& world) const {
   return length > 0 ? g / length : Vec3d(0, 0, 1);
 }
 
-float DistanceField::Sampler::fine(const Vec3d& p) {
+DistanceField::Sampler::Affine::Affine(const Mat3d& linear, const Vec3d& origin) {
+  for (int i = 0; i < 9; ++i) m[i] = float(linear(i / 3, i % 3));
+  for (int i = 0; i < 3; ++i) o[i] = float(origin[i]);
+}
+
+DistanceField::Sampler::Sampler(const DistanceField& field, const Mat3d& linear, const Vec3d& origin)
+    : field_(&field),
+      toCoarse_(linear * (1 / field.spacing_), (origin - field.origin_) / field.spacing_),
+      toFine_(linear * (1 / field.voxelSize_), (origin - field.fineOrigin_) / field.voxelSize_),
+      accessor_(field.levelSet_->tree()) {}
+
+float DistanceField::Sampler::fine(const openvdb::Vec3s& p) {
   const openvdb::Coord c = openvdb::Coord::floor(p);
-  const float wx = float(p[0] - c[0]), wy = float(p[1] - c[1]), wz = float(p[2] - c[2]);
+  const float wx = p[0] - float(c[0]), wy = p[1] - float(c[1]), wz = p[2] - float(c[2]);
   float v[8];
   const auto* leaf = accessor_.probeConstLeaf(c);
   if (leaf && (c[0] & 7) != 7 && (c[1] & 7) != 7 && (c[2] & 7) != 7) {
@@ -179,11 +191,11 @@ float DistanceField::Sampler::fine(const Vec3d& p) {
   return near + wx * (far - near);
 }
 
-float DistanceField::Sampler::operator()(const Vec3d& world) {
-  const float coarse = field_->coarse(world);
+float DistanceField::Sampler::operator()(const openvdb::Vec3s& p) {
+  const float coarse = field_->coarseAt(toCoarse_(p));
   const float h = float(field_->voxelSize_);
   if (std::abs(coarse) > 4 * h + 0.2f * float(field_->spacing_)) return coarse;
-  const float fine = this->fine((world - field_->fineOrigin_) / field_->voxelSize_);
+  const float fine = this->fine(toFine_(p));
   const float depth = std::abs(fine) / h;
   if (depth < 1.8f) return fine;
   if (depth > 2.7f) return std::copysign(std::max(std::abs(coarse), 2.2f * h), fine);
@@ -191,22 +203,22 @@ float DistanceField::Sampler::operator()(const Vec3d& world) {
   return fine + w * w * (3 - 2 * w) * (std::copysign(std::max(std::abs(coarse), 1.6f * h), fine) - fine);
 }
 
-std::vector<SurfaceSample> sampleSurface(const DistanceField& field, int count) {
+void DistanceField::sampleSurface(int count) {
   struct Bin {
     Vec3d position{0, 0, 0}, normal{0, 0, 0};
     double weight = 0;
   };
   size_t voxels = 0;
-  visitSurfacePoints(field.levelSet(), [&](const Vec3d&, const Vec3d&, double) { ++voxels; });
-  const double h = field.voxelSize();
+  visitSurfacePoints(*levelSet_, [&](const Vec3d&, const Vec3d&, double) { ++voxels; });
+  const double h = voxelSize_;
   // The shell of voxels within 0.87 h of the surface is 1.74 voxels thick.
   const double area = double(voxels) * h * h / 1.74;
   double cell = std::sqrt(area / count) * 1.3;
   // Opposite sides of a thin part must not be averaged: a bin holds normals of one octant's main direction only.
   using Key = std::tuple<int, int, int, int>;
   std::map<Key, Bin> bins;
-  const Vec3d origin = field.box().min();
-  visitSurfacePoints(field.levelSet(), [&](const Vec3d& p, const Vec3d& n, double) {
+  const Vec3d origin = box_.min();
+  visitSurfacePoints(*levelSet_, [&](const Vec3d& p, const Vec3d& n, double) {
     const Vec3d q = (p - origin) / cell;
     int side = 0;
     for (int a = 1; a < 3; ++a)
@@ -214,17 +226,14 @@ std::vector<SurfaceSample> sampleSurface(const DistanceField& field, int count) 
     Bin& bin = bins[Key(int(std::floor(q[2])), int(std::floor(q[1])), int(std::floor(q[0])), 2 * side + (n[side] < 0))];
     bin.position += p, bin.normal += n, bin.weight += 1;
   });
-  std::vector<SurfaceSample> samples;
-  samples.reserve(bins.size());
   for (auto& [key, bin] : bins) {
     if (bin.weight < 3 || bin.normal.length() < 0.5 * bin.weight) continue;
     Vec3d p = bin.position / bin.weight;
     bin.normal.normalize();
-    const Vec3d c = field.closest(p);
+    const Vec3d c = closest(p);
     if ((c - p).length() < cell) p = c;
-    samples.push_back({p, bin.normal, bin.weight * h * h / 1.74});
+    samples_.push_back({p, bin.normal, bin.weight * h * h / 1.74});
   }
-  return samples;
 }
 
 }  // namespace slicemorph
