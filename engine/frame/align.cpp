@@ -24,6 +24,8 @@ constexpr double kSmallPrice = 0.02;
 constexpr double kPricePerRightAngle = 0.12, kTurnMargin = 0.01;
 /// An alignment so good, and so much better than none, needs no second look.
 constexpr double kDecisive = 0.8, kDecisiveGain = 0.1;
+/// Above this the shapes are nearly the same but for a turn.
+constexpr double kSameShape = 0.95;
 /// Scores closer than this are a tie (a symmetric object has several equally good turns).
 constexpr double kTie = 0.004;
 constexpr size_t kTurnsWorthTrying = 3;
@@ -112,10 +114,9 @@ Turn measured(const Normalised& a, const Normalised& b, const Mat3d& rotation) {
   return {rotation, angleOf(rotation), overlapOf(a, b, rotation)};
 }
 
-/// Coordinate ascent over small turns about three axes; kept only where it wins clearly.
-Turn refined(const Normalised& a, const Normalised& b, const Turn& start, double step) {
-  Turn best = start;
-  for (; step > 0.008; step *= 0.5)
+/// Coordinate ascent over small turns about three axes, from steps of `coarse` to steps of `fine` radians.
+Turn climbed(const Normalised& a, const Normalised& b, Turn best, double coarse, double fine) {
+  for (double step = coarse; step > fine; step *= 0.5)
     for (bool moved = true; moved;) {
       moved = false;
       for (int axis = 0; axis < 6; ++axis) {
@@ -123,9 +124,15 @@ Turn refined(const Normalised& a, const Normalised& b, const Turn& start, double
         v[axis / 2] = axis % 2 ? -step : step;
         const Mat3d half = halfOf(best.rotation);
         const Turn next = measured(a, b, half * rotationFromVector(v) * half);
-        if (score(next) > score(best) + 1e-4) best = next, moved = true;
+        if (score(next) > score(best) + 1e-3 * step) best = next, moved = true;
       }
     }
+  return best;
+}
+
+/// A climb that is kept only where it wins clearly.
+Turn refined(const Normalised& a, const Normalised& b, const Turn& start, double step) {
+  const Turn best = climbed(a, b, start, step, 0.008);
   return score(best) > score(start) + kTurnMargin ? best : start;
 }
 
@@ -144,7 +151,7 @@ std::vector<Turn> suggestedTurns(const Normalised& a, const Normalised& b) {
 
 /// The rotation between nearly equal shapes to the last digit: closest points both ways, and the rotation that fits
 /// them best (Besl & McKay 1992; Kabsch 1976). A shape that can turn freely stays as it is.
-Mat3d polished(const Normalised& a, const Normalised& b, Mat3d rotation) {
+Mat3d fitted(const Normalised& a, const Normalised& b, Mat3d rotation) {
   const auto surface = [](const Normalised& o) {
     std::vector<Vec3d> points;
     for (const SurfaceSample& s : o.field->samples())
@@ -175,6 +182,12 @@ Mat3d polished(const Normalised& a, const Normalised& b, Mat3d rotation) {
     if (moved < 1e-6) break;
   }
   return rotation;
+}
+
+/// A turn to its last digit, so that noise in the shapes moves it as little as it moves them.
+Turn polished(const Normalised& a, const Normalised& b, const Turn& turn) {
+  const Turn best = climbed(a, b, turn, 0.016, 0.0002);
+  return best.overlap > kSameShape ? measured(a, b, fitted(a, b, best.rotation)) : best;
 }
 
 struct Extent {
@@ -271,7 +284,7 @@ std::vector<Turn> proposeTurns(const DistanceField& fieldA, const DistanceField&
   const bool worldIsAsGood = score(*best) < world.overlap + kTurnMargin;
   if (worldIsAsGood) return {world};
   if (best->overlap > kDecisive && best->overlap > world.overlap + kDecisiveGain)
-    return {measured(a, b, polished(a, b, best->rotation))};
+    return {polished(a, b, *best)};
   std::vector<Turn> worthTrying{world, *best};
   std::stable_sort(turns.begin() + 1, turns.end(), [](const Turn& x, const Turn& y) { return score(x) > score(y); });
   for (size_t i = 1; i < turns.size() && worthTrying.size() <= kTurnsWorthTrying; ++i) {
@@ -279,6 +292,7 @@ std::vector<Turn> proposeTurns(const DistanceField& fieldA, const DistanceField&
     for (const Turn& t : worthTrying) fresh &= angleOf(turns[i].rotation * t.rotation.transpose()) > 0.35;
     if (fresh) worthTrying.push_back(turns[i]);
   }
+  tbb::parallel_for(size_t(1), worthTrying.size(), [&](size_t i) { worthTrying[i] = polished(a, b, worthTrying[i]); });
   return worthTrying;
 }
 

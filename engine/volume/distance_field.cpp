@@ -213,7 +213,8 @@ void DistanceField::sampleSurface(int count) {
   const double h = voxelSize_;
   // The shell of voxels within 0.87 h of the surface is 1.74 voxels thick.
   const double area = double(voxels) * h * h / 1.74;
-  double cell = std::sqrt(area / count) * 1.3;
+  // Never finer than the voxels: every bin holds some points.
+  const double cell = std::max(std::sqrt(area / count) * 1.3, 1.5 * h);
   // Opposite sides of a thin part must not be averaged: a bin holds normals of one octant's main direction only.
   using Key = std::tuple<int, int, int, int>;
   std::map<Key, Bin> bins;
@@ -227,7 +228,7 @@ void DistanceField::sampleSurface(int count) {
     bin.position += p, bin.normal += n, bin.weight += 1;
   });
   for (auto& [key, bin] : bins) {
-    if (bin.weight < 3 || bin.normal.length() < 0.5 * bin.weight) continue;
+    if (bin.normal.length() < 0.5 * bin.weight) continue;
     Vec3d p = bin.position / bin.weight;
     bin.normal.normalize();
     const Vec3d c = closest(p);
