@@ -128,34 +128,37 @@ class TriangleTree {
   std::vector<Box> boxes_;
 };
 
-/// Appends the distance of every point of `from` that a triangle uses.
-void appendDistances(const Mesh& from, const Mesh& to, std::vector<double>& distances) {
-  std::vector<char> used(from.points.size(), 0);
-  for (const auto& t : from.triangles) used[t[0]] = used[t[1]] = used[t[2]] = 1;
-  std::vector<size_t> points;
+using Points = std::vector<openvdb::Vec3s>;
+
+/// The points that a triangle uses.
+Points usedPoints(const Mesh& mesh) {
+  std::vector<char> used(mesh.points.size(), 0);
+  for (const auto& t : mesh.triangles) used[t[0]] = used[t[1]] = used[t[2]] = 1;
+  Points points;
   for (size_t i = 0; i < used.size(); ++i)
-    if (used[i]) points.push_back(i);
+    if (used[i]) points.push_back(mesh.points[i]);
+  return points;
+}
+
+void appendDistances(const Points& points, const Mesh& to, std::vector<double>& distances) {
   const TriangleTree tree(to);
   const size_t start = distances.size();
   distances.resize(start + points.size());
   tbb::parallel_for(tbb::blocked_range<size_t>(0, points.size(), 512), [&](const auto& range) {
     size_t guess = 0;  // neighbours in the list are mostly neighbours in space
     for (size_t i = range.begin(); i != range.end(); ++i) {
-      const auto nearest = tree.nearest(Vec3d(from.points[points[i]]), guess);
+      const auto nearest = tree.nearest(Vec3d(points[i]), guess);
       distances[start + i] = std::sqrt(nearest.squared);
       guess = nearest.triangle;
     }
   });
 }
 
-}  // namespace
+void requireTriangles(const Mesh& mesh) {
+  if (mesh.triangles.empty()) throw GeometryError("a surface without triangles has no distance to another one");
+}
 
-SurfaceDistance surfaceDistance(const Mesh& a, const Mesh& b) {
-  if (a.triangles.empty() || b.triangles.empty())
-    throw GeometryError("a surface without triangles has no distance to another one");
-  std::vector<double> distances;
-  appendDistances(a, b, distances);
-  appendDistances(b, a, distances);
+SurfaceDistance summarise(std::vector<double> distances) {
   SurfaceDistance result;
   result.mean = std::accumulate(distances.begin(), distances.end(), 0.0) / double(distances.size());
   const auto rank = distances.begin() + (distances.size() - 1) * 99 / 100;
@@ -163,6 +166,25 @@ SurfaceDistance surfaceDistance(const Mesh& a, const Mesh& b) {
   result.p99 = *rank;
   result.max = *std::max_element(rank, distances.end());
   return result;
+}
+
+}  // namespace
+
+SurfaceDistance surfaceDistance(const Mesh& a, const Mesh& b) {
+  requireTriangles(a);
+  requireTriangles(b);
+  std::vector<double> distances;
+  appendDistances(usedPoints(a), b, distances);
+  appendDistances(usedPoints(b), a, distances);
+  return summarise(std::move(distances));
+}
+
+SurfaceDistance distanceTo(const std::vector<openvdb::Vec3s>& points, const Mesh& mesh) {
+  requireTriangles(mesh);
+  if (points.empty()) throw GeometryError("no points have no distance to a surface");
+  std::vector<double> distances;
+  appendDistances(points, mesh, distances);
+  return summarise(std::move(distances));
 }
 
 }  // namespace slicemorph
