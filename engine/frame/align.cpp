@@ -118,14 +118,17 @@ Turn measured(const Normalised& a, const Normalised& b, const Mat3d& rotation) {
 Turn climbed(const Normalised& a, const Normalised& b, Turn best, double coarse, double fine) {
   for (double step = coarse; step > fine; step *= 0.5)
     for (bool moved = true; moved;) {
-      moved = false;
+      // The best of the six neighbours, not the first: the way up is then the same from b to a.
+      const Mat3d half = halfOf(best.rotation);
+      Turn next = best;
       for (int axis = 0; axis < 6; ++axis) {
         Vec3d v(0.0);
         v[axis / 2] = axis % 2 ? -step : step;
-        const Mat3d half = halfOf(best.rotation);
-        const Turn next = measured(a, b, half * rotationFromVector(v) * half);
-        if (score(next) > score(best) + 1e-3 * step) best = next, moved = true;
+        const Turn neighbour = measured(a, b, half * rotationFromVector(v) * half);
+        if (score(neighbour) > score(next)) next = neighbour;
       }
+      moved = score(next) > score(best) + 1e-3 * step;
+      if (moved) best = next;
     }
   return best;
 }
@@ -279,7 +282,9 @@ std::vector<Turn> proposeTurns(const DistanceField& fieldA, const DistanceField&
   };
   const Turn* best = &turns[0];
   for (const Turn& t : turns)
-    if (score(t) > score(*best) + kTie || (score(t) > score(*best) - kTie && leaning(t) > leaning(*best) + 1e-3))
+    if (t.overlap > kSameShape && best->overlap > kSameShape
+            ? score(t) > score(*best) + kTie || (score(t) > score(*best) - kTie && leaning(t) > leaning(*best) + 1e-3)
+            : score(t) > score(*best))
       best = &t;
   const bool worldIsAsGood = score(*best) < world.overlap + kTurnMargin;
   if (worldIsAsGood) return {world};
