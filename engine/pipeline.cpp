@@ -94,7 +94,9 @@ InBetween MorphPlan::frame(const Weights& weights) const {
   const auto transform = openvdb::math::Transform::createLinearTransform(voxelSize);
   const int step = nodeStep({chart}, p.frames.halfLength, voxelSize);
   const NodeMap nodes = p.lattice->nodesNearSurface(w, chart, *transform, step);
-  InBetween result{rebuildLevelSet(nodes, p.fields, p.frames.charts, w, chart.meanScale(), *transform), nodes.foldShare};
+  std::vector<double> factors;  // every object's distances count in units of its own size
+  for (size_t k = 0; k < w.size(); ++k) factors.push_back(w[k] * chart.meanScale() / p.frames.charts[k].meanScale());
+  InBetween result{rebuildLevelSet(nodes, p.fields, factors, *transform), nodes.foldShare};
   result.crumbs = removeCrumbs(*result.surface, p.piecesOf(w));
   return result;
 }

@@ -22,7 +22,7 @@ double volumeOf(const Vec3d* p, const int* t) {
 }  // namespace
 
 MovingLattice::MovingLattice(const Displacements& map, const Fields& fields, const std::vector<Chart>& charts)
-    : lattice_(map.lattice), objects_(fields.size()), at_(map.of), distance_(objects_) {
+    : lattice_(map.lattice), objects_(fields.size()), chart_(map.of), place_(map.of), distance_(objects_) {
   for (size_t k = 0; k < objects_; ++k) {
     distance_[k].resize(lattice_.count());
     const double unit = 1 / charts[k].meanScale();
@@ -30,8 +30,10 @@ MovingLattice::MovingLattice(const Displacements& map, const Fields& fields, con
       for (int y = 0; y < lattice_.size[1]; ++y)
         for (int x = 0; x < lattice_.size[0]; ++x) {
           const size_t i = lattice_.index(x, y, z);
-          at_[k][i] += openvdb::Vec3s(lattice_.position(x, y, z));
-          distance_[k][i] = float(unit * fields[k]->coarse(charts[k].toWorld(Vec3d(at_[k][i]))));
+          chart_[k][i] += openvdb::Vec3s(lattice_.position(x, y, z));
+          const Vec3d world = charts[k].toWorld(Vec3d(chart_[k][i]));
+          place_[k][i] = fields[k]->relative(world);
+          distance_[k][i] = float(unit * fields[k]->coarse(world));
         }
     });
   }
@@ -60,7 +62,7 @@ NodeMap MovingLattice::nodesNearSurface(const Weights& weights, const Chart& cha
     for (size_t i = first; i < last; ++i) {
       Vec3d q(0.0);
       float d = 0;
-      for (size_t k = 0; k < objects_; ++k) q += weights[k] * Vec3d(at_[k][i]), d += float(weights[k]) * distance_[k][i];
+      for (size_t k = 0; k < objects_; ++k) q += weights[k] * Vec3d(chart_[k][i]), d += float(weights[k]) * distance_[k][i];
       frame.chart[i] = q, frame.distance[i] = d;
       frame.node[i] = transform.worldToIndex(chart.toWorld(q)) / step;
     }
@@ -88,7 +90,7 @@ NodeMap MovingLattice::nodesNearSurface(const Weights& weights, const Chart& cha
         for (int c = 0; c < 8; ++c) q[c] = frame.chart[corner[c]];
         bool folds = false;
         for (size_t k = 0; k < objects_ && !folds; ++k) {
-          for (int c = 0; c < 8; ++c) a[c] = Vec3d(at_[k][corner[c]]);
+          for (int c = 0; c < 8; ++c) a[c] = Vec3d(chart_[k][corner[c]]);
           for (const auto& t : kKuhnTetrahedra) {
             const double vq = volumeOf(q, t), va = volumeOf(a, t);
             folds |= !(vq > 0) || !(va > kFoldedBelow * vq);
@@ -150,7 +152,7 @@ void MovingLattice::rasterise(const Frame& frame, int z, std::vector<size_t>& no
               if (b0 < -kOnFace || b1 < -kOnFace || b2 < -kOnFace || b3 < -kOnFace) continue;
               nodes.push_back(frame.map->index(i, j, k));
               for (size_t o = 0; o < objects_; ++o) {
-                const VectorField& a = at_[o];
+                const VectorField& a = place_[o];
                 at.push_back(openvdb::Vec3s(b0 * Vec3d(a[corner[t[0]]]) + b1 * Vec3d(a[corner[t[1]]]) +
                                             b2 * Vec3d(a[corner[t[2]]]) + b3 * Vec3d(a[corner[t[3]]])));
               }

@@ -12,7 +12,7 @@ struct NodeMap {
   openvdb::Coord origin{0, 0, 0};     ///< first node
   openvdb::Coord size{0, 0, 0};
   size_t objects = 0;
-  std::vector<openvdb::Vec3s> at;     ///< per node and object: chart coordinates
+  std::vector<openvdb::Vec3s> at;     ///< per node and object: world, relative to the field's anchor
   std::vector<char> known;            ///< per node
   double foldShare = 0;               ///< share of the surface's cells whose Jacobian to some object is below 0.05
 
@@ -41,7 +41,8 @@ class MovingLattice {
 
   Lattice lattice_;
   size_t objects_;
-  std::vector<VectorField> at_;               ///< per object: chart coordinates of the nodes
+  std::vector<VectorField> chart_;            ///< per object: chart coordinates of the nodes
+  std::vector<VectorField> place_;            ///< per object: world, relative to the field's anchor
   std::vector<std::vector<float>> distance_;  ///< per object: distance at the nodes, chart units
 };
 

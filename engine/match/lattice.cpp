@@ -1,5 +1,7 @@
 #include "engine/match/lattice.h"
 
+#include "engine/match/catmull_rom.h"
+
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -11,19 +13,13 @@ namespace {
 
 struct Taps {
   int base = 0;
-  double w[4];
+  std::array<double, 4> w;
 };
 
 /// Catmull-Rom weights of the four nodes base .. base + 3.
 Taps catmullRom(double x) {
-  Taps t;
-  const double f = std::floor(x), a = x - f;
-  t.base = int(f) - 1;
-  t.w[0] = ((-0.5 * a + 1) * a - 0.5) * a;
-  t.w[1] = (1.5 * a - 2.5) * a * a + 1;
-  t.w[2] = ((-1.5 * a + 2) * a + 0.5) * a;
-  t.w[3] = (0.5 * a - 0.5) * a * a;
-  return t;
+  const double f = std::floor(x);
+  return {int(f) - 1, catmullRomWeights(x - f)};
 }
 
 }  // namespace

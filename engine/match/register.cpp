@@ -45,9 +45,7 @@ class Registrar {
       : fields_(fields), charts_(frames.charts), options_(options), progress_(progress), objects_(fields.size()) {}
 
   Registration run() {
-    measureObjects();
-    sliceObjects();
-    startFromContours();
+    start();
     int n = 0;
     for (const Round& round : kRounds) {
       if (progress_.cancelled()) throw Cancelled();
@@ -60,14 +58,18 @@ class Registrar {
 
   double quickOverlap() {
     quick_ = true;
-    measureObjects();
-    sliceObjects();
-    startFromContours();
+    start();
     for (const Round& round : kQuickRounds) refine(round);
     return overlap_;
   }
 
  private:
+  void start() {
+    measureObjects();
+    sliceObjects();
+    startFromContours();
+  }
+
   void measureObjects() {
     samples_.resize(objects_);
     area_.resize(objects_);
@@ -97,29 +99,24 @@ class Registrar {
     return result;
   }
 
-  /// About `count` of an object's samples: means over equal cells, so that a sample more or less at one place does not
-  /// change the choice everywhere else.
+  /// About `count` of an object's samples, one of every bin, so that a sample more or less at one place does not change
+  /// the choice everywhere else.
   OrientedPoints thinned(size_t k, int count) const {
     const OrientedPoints& all = samples_[k];
     if (int(all.position.size()) <= count) return all;
     const double cell = 1.3 * std::sqrt(area_[k] / count);
-    using Key = std::array<int, 4>;
-    std::map<Key, size_t> cells;
+    std::map<SurfaceBin, size_t> bins;
     OrientedPoints result;
-    std::vector<Vec3d> normal;
     for (size_t i = 0; i < all.position.size(); ++i) {
       const Vec3d& n = all.normal[i];
-      int side = 0;
-      for (int a = 1; a < 3; ++a)
-        if (std::abs(n[a]) > std::abs(n[side])) side = a;
-      const openvdb::Coord c = openvdb::Coord::floor((all.position[i] - box_.min()) / cell);
-      const auto [it, fresh] = cells.emplace(Key{c[0], c[1], c[2], 2 * side + (n[side] < 0)}, result.position.size());
+      const SurfaceBin bin = surfaceBin(all.position[i], n, box_.min(), cell);
+      const auto [it, fresh] = bins.emplace(bin, result.position.size());
       if (fresh) {
         result.position.push_back(all.position[i]), result.normal.push_back(n), result.mass.push_back(all.mass[i]);
         continue;
       }
-      // The sample nearest the cell's middle stands for the cell: a mean would leave the surface.
-      const Vec3d middle = box_.min() + cell * (c.asVec3d() + Vec3d(0.5));
+      // The sample nearest the middle of the bin's cube stands for the bin: a mean would leave the surface.
+      const Vec3d middle = box_.min() + cell * (Vec3d(bin[2], bin[1], bin[0]) + Vec3d(0.5));
       const size_t at = it->second;
       if ((all.position[i] - middle).lengthSqr() < (result.position[at] - middle).lengthSqr())
         result.position[at] = all.position[i], result.normal[at] = n;
@@ -348,15 +345,15 @@ class Registrar {
     std::vector<double> both(lattice.size[2], 0), either(lattice.size[2], 0);
     std::vector<double> unit;
     for (size_t k = 0; k < objects_; ++k) unit.push_back(1 / (charts_[k].meanScale() * lattice.spacing));
+    std::vector<DistanceField::Sampler> samplers;
+    for (size_t k = 0; k < objects_; ++k) samplers.emplace_back(*fields_[k]);
     tbb::parallel_for(0, int(lattice.size[2]), [&](int z) {
-      std::vector<DistanceField::Sampler> samplers;
-      for (size_t k = 0; k < objects_; ++k) samplers.emplace_back(*fields_[k], charts_[k].linear(), charts_[k].center);
       for (int y = 0; y < lattice.size[1]; ++y)
         for (int x = 0; x < lattice.size[0]; ++x) {
           const Vec3d s = lattice.position(x, y, z);
           double least = 1, most = 0;
           for (size_t k = 0; k < objects_; ++k) {
-            const double d = samplers[k].coarse(openvdb::Vec3s(s + map.at(k, s))) * unit[k];
+            const double d = samplers[k].coarse(fields_[k]->relative(charts_[k].toWorld(s + map.at(k, s)))) * unit[k];
             const double inside = std::min(std::max(0.5 - d, 0.0), 1.0);
             least = std::min(least, inside), most = std::max(most, inside);
           }
@@ -419,8 +416,12 @@ TurnChoice chooseTurns(const Fields& fields, const MorphOptions& options, Progre
     const Turn turn = chooseTurn({fields[0], fields[k]}, options, progress);
     choice.rotations[k] = turn.rotation;
     char text[128];
-    std::snprintf(text, sizeof text, "shape %zu %s %.1f degrees against the first, overlap %.2f before warping", k + 1,
-                  "turned by", turn.angle * 180 / 3.14159265358979323846, turn.overlap);
+    const double degrees = turn.angle * 180 / 3.14159265358979323846;
+    if (degrees > 0)
+      std::snprintf(text, sizeof text, "shape %zu turned by %.1f degrees against the first, overlap %.2f before warping",
+                    k + 1, degrees, turn.overlap);
+    else
+      std::snprintf(text, sizeof text, "shape %zu keeps its directions, overlap %.2f before warping", k + 1, turn.overlap);
     choice.notes.push_back(text);
   }
   return choice;

@@ -1,5 +1,6 @@
 #include "engine/rebuild/rebuild.h"
 
+#include "engine/match/catmull_rom.h"
 #include "engine/rebuild/redistance.h"
 
 #include <tbb/parallel_for.h>
@@ -19,24 +20,23 @@ constexpr double kSteepest = 1.3;
 std::vector<std::array<float, 4>> splineWeights(int step) {
   std::vector<std::array<float, 4>> weights;
   for (int i = 0; i < step; ++i) {
-    const double a = double(i) / step;
-    weights.push_back({float(((-0.5 * a + 1) * a - 0.5) * a), float((1.5 * a - 2.5) * a * a + 1),
-                       float(((-1.5 * a + 2) * a + 0.5) * a), float((0.5 * a - 0.5) * a * a)});
+    const std::array<double, 4> w = catmullRomWeights(double(i) / step);
+    weights.push_back({float(w[0]), float(w[1]), float(w[2]), float(w[3])});
   }
   return weights;
 }
 
 class Rebuilder {
  public:
-  Rebuilder(const NodeMap& nodes, const Fields& fields, const std::vector<Chart>& charts, const Weights& weights,
-            double scale, const openvdb::math::Transform& transform)
-      : nodes_(nodes), fields_(fields), charts_(charts), scale_(scale), voxel_(transform.voxelSize()[0]),
-        step_(nodes.step), spline_(splineWeights(nodes.step)) {
-    for (size_t k = 0; k < weights.size(); ++k)
-      if (weights[k] > 0) {
+  Rebuilder(const NodeMap& nodes, const Fields& fields, const std::vector<double>& factors,
+            const openvdb::math::Transform& transform)
+      : nodes_(nodes), voxel_(transform.voxelSize()[0]), step_(nodes.step),
+        spline_(splineWeights(nodes.step)) {
+    for (size_t k = 0; k < factors.size(); ++k)
+      if (factors[k] > 0) {
         used_.push_back(k);
-        // Every object's distances count in units of its own size.
-        factor_.push_back(float(weights[k] * scale / charts[k].meanScale()));
+        factor_.push_back(float(factors[k]));
+        samplers_.emplace_back(*fields[k]);
       }
   }
 
@@ -52,14 +52,13 @@ class Rebuilder {
   void findNodeDistances() {
     distance_.assign(nodes_.known.size(), std::numeric_limits<float>::max());
     tbb::parallel_for(0, int(nodes_.size[2]), [&](int z) {
-      const std::vector<DistanceField::Sampler> samplers = makeSamplers();
       const size_t slab = size_t(nodes_.size[0]) * nodes_.size[1];
       for (size_t i = z * slab; i < (z + 1) * slab; ++i) {
         if (!nodes_.known[i]) continue;
         float d = 0;
         for (size_t n = 0; n < used_.size(); ++n) {
           const size_t k = used_[n];
-          d += factor_[n] * samplers[n].coarse(nodes_.at[i * nodes_.objects + k]);
+          d += factor_[n] * samplers_[n].coarse(nodes_.at[i * nodes_.objects + k]);
         }
         distance_[i] = d;
       }
@@ -103,27 +102,19 @@ class Rebuilder {
   }
 
   void fillLeaf(const openvdb::Coord& origin, float* values) const {
-    std::vector<DistanceField::Sampler> samplers = makeSamplers();
     std::vector<std::vector<openvdb::Vec3s>> places(
         used_.size(), std::vector<openvdb::Vec3s>(size_t(step_) * step_ * step_));
     for (int z = 0; z < kLeaf; z += step_)
       for (int y = 0; y < kLeaf; y += step_)
         for (int x = 0; x < kLeaf; x += step_) {
           const int i = (origin[0] + x) / step_, j = (origin[1] + y) / step_, k = (origin[2] + z) / step_;
-          if (cellActive(i, j, k)) fillCell(i, j, k, samplers, places, values + (x * kLeaf + y) * kLeaf + z);
+          if (cellActive(i, j, k)) fillCell(i, j, k, places, values + (x * kLeaf + y) * kLeaf + z);
         }
-  }
-
-  std::vector<DistanceField::Sampler> makeSamplers() const {
-    std::vector<DistanceField::Sampler> samplers;
-    for (size_t k : used_) samplers.emplace_back(*fields_[k], charts_[k].linear(), charts_[k].center);
-    return samplers;
   }
 
   /// `values`: of the cell's first voxel, in OpenVDB's leaf order (x slowest). Voxels go by blocks of 2 x 2 x 2, and
   /// only those blocks are sampled whose middle is near enough to the surface to hold a voxel of the band.
-  void fillCell(int i, int j, int k, std::vector<DistanceField::Sampler>& samplers,
-                std::vector<std::vector<openvdb::Vec3s>>& places, float* values) const {
+  void fillCell(int i, int j, int k, std::vector<std::vector<openvdb::Vec3s>>& places, float* values) const {
     for (size_t n = 0; n < used_.size(); ++n) placeVoxels(i, j, k, used_[n], places[n]);
     const float far = float((kHalfWidth + 1 + kSteepest * 0.5 * std::sqrt(3.0)) * voxel_);
     for (int x = 0; x < step_; x += 2)
@@ -133,7 +124,7 @@ class Rebuilder {
           const size_t last = first + (size_t(step_) + 1) * step_ + 1;
           float middle = 0;
           for (size_t n = 0; n < used_.size(); ++n)
-            middle += factor_[n] * samplers[n].coarse((places[n][first] + places[n][last]) * 0.5f);
+            middle += factor_[n] * samplers_[n].coarse((places[n][first] + places[n][last]) * 0.5f);
           const bool near = std::abs(middle) < far;
           for (int v = 0; v < 8; ++v) {
             const int dx = v >> 2, dy = v >> 1 & 1, dz = v & 1;
@@ -141,7 +132,7 @@ class Rebuilder {
             if (near) {
               f = 0;
               const size_t place = first + (size_t(dx) * step_ + dy) * step_ + dz;
-              for (size_t n = 0; n < used_.size(); ++n) f += factor_[n] * samplers[n](places[n][place]);
+              for (size_t n = 0; n < used_.size(); ++n) f += factor_[n] * samplers_[n](places[n][place]);
             }
             values[((x + dx) * kLeaf + y + dy) * kLeaf + z + dz] = f;
           }
@@ -199,21 +190,20 @@ class Rebuilder {
   }
 
   const NodeMap& nodes_;
-  const Fields& fields_;
-  const std::vector<Chart>& charts_;
-  double scale_, voxel_;
+  double voxel_;
   int step_;
   std::vector<std::array<float, 4>> spline_;
-  std::vector<size_t> used_;    ///< objects of positive weight
-  std::vector<float> factor_;   ///< weight times relative size, of each
+  std::vector<DistanceField::Sampler> samplers_;
+  std::vector<size_t> used_;    ///< objects of positive factor
+  std::vector<float> factor_;   ///< of each of these
   std::vector<float> distance_; ///< blended, per node, world units
 };
 
 }  // namespace
 
-FloatGrid::Ptr rebuildLevelSet(const NodeMap& nodes, const Fields& fields, const std::vector<Chart>& charts,
-                               const Weights& weights, double scale, const openvdb::math::Transform& transform) {
-  return redistance(Rebuilder(nodes, fields, charts, weights, scale, transform).run(), transform);
+FloatGrid::Ptr rebuildLevelSet(const NodeMap& nodes, const Fields& fields, const std::vector<double>& factors,
+                               const openvdb::math::Transform& transform) {
+  return redistance(Rebuilder(nodes, fields, factors, transform).run(), transform);
 }
 
 }  // namespace slicemorph

@@ -31,7 +31,7 @@ class Block {
         }
   }
 
-  float at(int x, int y, int z) const { return v_[index(x, y, z)]; }
+  const float* from(int x, int y, int z) const { return &v_[index(x, y, z)]; }
 
  private:
   static size_t index(int x, int y, int z) {
@@ -45,9 +45,11 @@ class Block {
     int x0, x1, y0, y1, z0, z1;
     range(a, x0, x1), range(b, y0, y1), range(c, z0, z1);
     for (int x = x0; x < x1; ++x)
-      for (int y = y0; y < y1; ++y)
-        for (int z = z0; z < z1; ++z)
-          v_[index(x, y, z)] = from ? from[offsetOf(x - a * kLeaf, y - b * kLeaf, z - c * kLeaf)] : SparseValues::kUnknown;
+      for (int y = y0; y < y1; ++y) {
+        float* row = &v_[index(x, y, z0)];
+        if (from) std::copy_n(from + offsetOf(x - a * kLeaf, y - b * kLeaf, z0 - c * kLeaf), z1 - z0, row);
+        else std::fill_n(row, z1 - z0, SparseValues::kUnknown);
+      }
   }
   float v_[kSide * kSide * kSide];
 };
@@ -67,39 +69,38 @@ float interpolate(const Block& block, const openvdb::Vec3s& p) {
   int base[3];
   float w[3];
   for (int a = 0; a < 3; ++a) {
-    base[a] = int(std::floor(p[a]));
+    base[a] = int(p[a]) - (p[a] < float(int(p[a])));  // floor, without a call into the library
     if (base[a] < -Block::kBorder || base[a] + 1 >= kLeaf + Block::kBorder) return SparseValues::kUnknown;
     w[a] = p[a] - float(base[a]);
   }
-  float sum = 0;
-  for (int c = 0; c < 8; ++c) {
-    const float v = block.at(base[0] + (c & 1), base[1] + (c >> 1 & 1), base[2] + (c >> 2));
-    if (!known(v)) return v;
-    sum += v * (c & 1 ? w[0] : 1 - w[0]) * (c & 2 ? w[1] : 1 - w[1]) * (c & 4 ? w[2] : 1 - w[2]);
-  }
-  return sum;
+  const float* v = block.from(base[0], base[1], base[2]);
+  constexpr int dx = Block::kSide * Block::kSide, dy = Block::kSide;
+  const float most = std::max({v[0], v[1], v[dy], v[dy + 1], v[dx], v[dx + 1], v[dx + dy], v[dx + dy + 1]});
+  if (!known(most)) return most;
+  const float p00 = v[0] + w[2] * (v[1] - v[0]), p01 = v[dy] + w[2] * (v[dy + 1] - v[dy]);
+  const float p10 = v[dx] + w[2] * (v[dx + 1] - v[dx]), p11 = v[dx + dy] + w[2] * (v[dx + dy + 1] - v[dx + dy]);
+  const float p0 = p00 + w[1] * (p01 - p00), p1 = p10 + w[1] * (p11 - p10);
+  return p0 + w[0] * (p1 - p0);
 }
 
 /// Distance in voxels of voxel (x, y, z), signed like its value; beyond the band at least the half width.
 float distanceAt(const Block& block, int x, int y, int z) {
   constexpr float kFar = float(kHalfWidth) * 1.01f;
-  const float here = block.at(x, y, z);
-  const float around[6] = {block.at(x - 1, y, z), block.at(x + 1, y, z), block.at(x, y - 1, z),
-                           block.at(x, y + 1, z), block.at(x, y, z - 1), block.at(x, y, z + 1)};
+  const float* v = block.from(x, y, z);
+  constexpr int dx = Block::kSide * Block::kSide, dy = Block::kSide;
+  const float here = v[0];
+  const float around[6] = {v[-dx], v[dx], v[-dy], v[dy], v[-1], v[1]};
   openvdb::Vec3s g(slope(around[0], here, around[1]), slope(around[2], here, around[3]),
                    slope(around[4], here, around[5]));
-  const float steepness = g.length();
+  const float steepness2 = g.lengthSqr();
   float d = kFar;
-  if (steepness > 0) {
-    const openvdb::Vec3s n = g / steepness;
+  if (here * here < kFar * kFar * steepness2) {
+    const float steepness = std::sqrt(steepness2);
     d = here / steepness;
-    if (std::abs(d) < kFar) {
-      const openvdb::Vec3s foot = openvdb::Vec3s(float(x), float(y), float(z)) - n * d;
-      const float rest = interpolate(block, foot);
-      if (known(rest)) {
-        const float corrected = d + rest / steepness;
-        if ((corrected < 0) == (here < 0)) d = corrected;
-      }
+    const float rest = interpolate(block, openvdb::Vec3s(float(x), float(y), float(z)) - g * (d / steepness));
+    if (known(rest)) {
+      const float corrected = d + rest / steepness;
+      if ((corrected < 0) == (here < 0)) d = corrected;
     }
     d = std::min(std::abs(d), kFar);
   }

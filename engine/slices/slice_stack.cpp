@@ -25,13 +25,13 @@ std::vector<SliceImage> sampleSlices(const DistanceField& field, const Chart& ch
   std::vector<SliceImage> images(planes.z0.size());
   const float unit = float(1.0 / chart.meanScale());
   tbb::parallel_for(size_t(0), images.size(), [&](size_t i) {
-    DistanceField::Sampler sampler(field, chart.linear(), chart.center);
+    DistanceField::Sampler sampler(field);
     SliceImage& image = images[i];
     image.resize(size_t(planes.nx) * planes.ny);
     for (int y = 0; y < planes.ny; ++y)
       for (int x = 0; x < planes.nx; ++x) {
-        const openvdb::Vec3s z(Vec3d(planes.z0[i], planes.origin[0] + x * planes.pixel, planes.origin[1] + y * planes.pixel));
-        image[size_t(y) * planes.nx + x] = unit * sampler(z);
+        const Vec3d z(planes.z0[i], planes.origin[0] + x * planes.pixel, planes.origin[1] + y * planes.pixel);
+        image[size_t(y) * planes.nx + x] = unit * sampler(field.relative(chart.toWorld(z)));
       }
   });
   return images;

@@ -17,13 +17,6 @@ struct Chart {
 
   Vec3d toWorld(const Vec3d& z) const { return center + axes * (scale * z); }
   Vec3d toChart(const Vec3d& p) const { return (axes.transpose() * (p - center)) / scale; }
-  /// The linear part of toWorld.
-  Mat3d linear() const {
-    Mat3d m = axes;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) m(i, j) *= scale[j];
-    return m;
-  }
   /// Direction of a surface normal in chart space, unit.
   Vec3d normalToChart(const Vec3d& n) const { return (scale * (axes.transpose() * n)).unit(); }
   /// World units per chart unit, in the mean.

@@ -2,11 +2,12 @@
 
 #include "engine/errors.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
-#include <tuple>
 
 namespace slicemorph {
 
@@ -37,16 +38,31 @@ void visitSurfacePoints(const FloatGrid& grid, const Visit& visit) {
   }
 }
 
+/// std::floor without a call into the library, which the baseline of x86-64 needs.
+int floorOf(float v) {
+  const int i = int(v);
+  return i - (v < float(i));
+}
+
 double clampTo(double v, double low, double high) { return std::min(std::max(v, low), high); }
 
 }  // namespace
 
-DistanceField::DistanceField(FloatGrid::ConstPtr levelSet, int nodes) : levelSet_(std::move(levelSet)) {
+SurfaceBin surfaceBin(const Vec3d& position, const Vec3d& normal, const Vec3d& origin, double cell) {
+  int side = 0;
+  for (int a = 1; a < 3; ++a)
+    if (std::abs(normal[a]) > std::abs(normal[side])) side = a;
+  const openvdb::Coord c = openvdb::Coord::floor((position - origin) / cell);
+  return {c[2], c[1], c[0], 2 * side + (normal[side] < 0)};
+}
+
+DistanceField::DistanceField(FloatGrid::ConstPtr levelSet, int nodes)
+    : levelSet_(std::move(levelSet)), band_(*levelSet_) {
   voxelSize_ = levelSet_->voxelSize()[0];
-  fineOrigin_ = levelSet_->transform().indexToWorld(Vec3d(0.0));
   box_ = openvdb::BBoxd();
   visitSurfacePoints(*levelSet_, [&](const Vec3d& p, const Vec3d&, double) { box_.expand(p); });
   if (box_.empty()) throw GeometryError("the level set '" + levelSet_->getName() + "' has no surface");
+  anchor_ = box_.getCenter();
   const Vec3d extent = box_.extents();
   const double longest = std::max({extent[0], extent[1], extent[2], 4 * voxelSize_});
   spacing_ = std::max(voxelSize_, longest / nodes);
@@ -105,14 +121,19 @@ void DistanceField::sweep() {
 
 /// The fine grid knows the side everywhere, and the distance itself inside its band.
 void DistanceField::signDistances() {
-  Sampler sampler(*this);
-  for (int z = 0; z < size_[2]; ++z)
+  const Vec3d first = levelSet_->transform().worldToIndex(origin_) - band_.origin().asVec3d();
+  const double step = spacing_ / voxelSize_;
+  tbb::parallel_for(0, int(size_[2]), [&](int z) {
+    auto accessor = levelSet_->getConstAccessor();
     for (int y = 0; y < size_[1]; ++y)
       for (int x = 0; x < size_[0]; ++x) {
-        const float f = sampler.fine(openvdb::Vec3s((nodePosition(x, y, z) - fineOrigin_) / voxelSize_));
+        const Vec3d p = first + step * Vec3d(x, y, z);
+        float f = band_(openvdb::Vec3s(p), std::numeric_limits<float>::max());
+        if (f == std::numeric_limits<float>::max()) f = accessor.getValue(band_.origin() + openvdb::Coord::floor(p));
         float& d = distance_[index(x, y, z)];
         d = std::abs(f) < 1.8 * voxelSize_ ? f : std::copysign(d, f);
       }
+  });
 }
 
 float DistanceField::coarseAt(const openvdb::Vec3s& q) const {
@@ -162,45 +183,62 @@ Vec3d DistanceField::gradient(const Vec3d& world) const {
   return length > 0 ? g / length : Vec3d(0, 0, 1);
 }
 
-DistanceField::Sampler::Affine::Affine(const Mat3d& linear, const Vec3d& origin) {
-  for (int i = 0; i < 9; ++i) m[i] = float(linear(i / 3, i % 3));
-  for (int i = 0; i < 3; ++i) o[i] = float(origin[i]);
-}
+DistanceField::Sampler::Sampler(const DistanceField& field)
+    : field_(&field), voxelSize_(float(field.voxelSize_)), coarseScale_(float(1 / field.spacing_)),
+      fineScale_(float(1 / field.voxelSize_)), coarseOrigin_((field.anchor_ - field.origin_) / field.spacing_),
+      fineOrigin_(field.levelSet_->transform().worldToIndex(field.anchor_) - field.band_.origin().asVec3d()) {}
 
-DistanceField::Sampler::Sampler(const DistanceField& field, const Mat3d& linear, const Vec3d& origin)
-    : field_(&field),
-      toCoarse_(linear * (1 / field.spacing_), (origin - field.origin_) / field.spacing_),
-      toFine_(linear * (1 / field.voxelSize_), (origin - field.fineOrigin_) / field.voxelSize_),
-      accessor_(field.levelSet_->tree()) {}
-
-float DistanceField::Sampler::fine(const openvdb::Vec3s& p) {
-  const openvdb::Coord c = openvdb::Coord::floor(p);
-  const float wx = p[0] - float(c[0]), wy = p[1] - float(c[1]), wz = p[2] - float(c[2]);
-  float v[8];
-  const auto* leaf = accessor_.probeConstLeaf(c);
-  if (leaf && (c[0] & 7) != 7 && (c[1] & 7) != 7 && (c[2] & 7) != 7) {
-    const float* data = leaf->buffer().data() + openvdb::FloatTree::LeafNodeType::coordToOffset(c);
-    v[0] = data[0], v[1] = data[1], v[2] = data[8], v[3] = data[9];
-    v[4] = data[64], v[5] = data[65], v[6] = data[72], v[7] = data[73];
-  } else {
-    for (int i = 0; i < 8; ++i) v[i] = accessor_.getValue(c.offsetBy(i >> 2 & 1, i >> 1 & 1, i & 1));
-  }
-  const float a = v[0] + wz * (v[1] - v[0]), b = v[2] + wz * (v[3] - v[2]);
-  const float d = v[4] + wz * (v[5] - v[4]), e = v[6] + wz * (v[7] - v[6]);
-  const float near = a + wy * (b - a), far = d + wy * (e - d);
-  return near + wx * (far - near);
-}
-
-float DistanceField::Sampler::operator()(const openvdb::Vec3s& p) {
-  const float coarse = field_->coarseAt(toCoarse_(p));
-  const float h = float(field_->voxelSize_);
-  if (std::abs(coarse) > 4 * h + 0.2f * float(field_->spacing_)) return coarse;
-  const float fine = this->fine(toFine_(p));
+float DistanceField::Sampler::operator()(const openvdb::Vec3s& p) const {
+  const float h = voxelSize_, beyond = std::numeric_limits<float>::max();
+  const float fine = field_->band_(p * fineScale_ + fineOrigin_, beyond);
   const float depth = std::abs(fine) / h;
   if (depth < 1.8f) return fine;
+  const float coarse = this->coarse(p);
+  if (fine == beyond) return coarse;
   if (depth > 2.7f) return std::copysign(std::max(std::abs(coarse), 2.2f * h), fine);
   const float w = (depth - 1.8f) / 0.9f;
   return fine + w * w * (3 - 2 * w) * (std::copysign(std::max(std::abs(coarse), 1.6f * h), fine) - fine);
+}
+
+BandBlocks::BandBlocks(const FloatGrid& levelSet) {
+  using Leaf = openvdb::FloatTree::LeafNodeType;
+  std::vector<const Leaf*> leaves;
+  levelSet.tree().getNodes(leaves);
+  openvdb::CoordBBox box;
+  for (const Leaf* leaf : leaves) box.expand(leaf->origin());
+  if (leaves.empty()) return;
+  origin_ = box.min();
+  for (int a = 0; a < 3; ++a) size_[a] = (box.max()[a] - box.min()[a]) / int(Leaf::DIM) + 1;
+  block_.assign(size_t(size_[0]) * size_[1] * size_[2], -1);
+  values_.resize(leaves.size() * kBlock);
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, leaves.size()), [&](const tbb::blocked_range<size_t>& range) {
+    auto accessor = levelSet.getConstAccessor();
+    for (size_t i = range.begin(); i < range.end(); ++i) {
+      const openvdb::Coord at = leaves[i]->origin(), cell = at - origin_;
+      block_[(size_t(cell[0] >> 3) * size_[1] + (cell[1] >> 3)) * size_[2] + (cell[2] >> 3)] = int(i);
+      const float* own = leaves[i]->buffer().data();
+      float* v = &values_[i * kBlock];
+      for (int x = 0; x < kSide; ++x)
+        for (int y = 0; y < kSide; ++y)
+          for (int z = 0; z < kSide; ++z)
+            *v++ = x < 8 && y < 8 && z < 8 ? own[(x * 8 + y) * 8 + z] : accessor.getValue(at.offsetBy(x, y, z));
+    }
+  });
+}
+
+float BandBlocks::operator()(const openvdb::Vec3s& p, float unknown) const {
+  const int x = floorOf(p[0]), y = floorOf(p[1]), z = floorOf(p[2]);
+  const int i = x >> 3, j = y >> 3, k = z >> 3;
+  if (i < 0 || j < 0 || k < 0 || i >= size_[0] || j >= size_[1] || k >= size_[2]) return unknown;
+  const int block = block_[(size_t(i) * size_[1] + j) * size_[2] + k];
+  if (block < 0) return unknown;
+  const float* v = &values_[size_t(block) * kBlock + size_t(((x & 7) * kSide + (y & 7)) * kSide + (z & 7))];
+  constexpr int dx = kSide * kSide, dy = kSide;
+  const float wx = p[0] - float(x), wy = p[1] - float(y), wz = p[2] - float(z);
+  const float a = v[0] + wz * (v[1] - v[0]), b = v[dy] + wz * (v[dy + 1] - v[dy]);
+  const float c = v[dx] + wz * (v[dx + 1] - v[dx]), d = v[dx + dy] + wz * (v[dx + dy + 1] - v[dx + dy]);
+  const float near = a + wy * (b - a), far = c + wy * (d - c);
+  return near + wx * (far - near);
 }
 
 void DistanceField::sampleSurface(int count) {
@@ -215,16 +253,10 @@ void DistanceField::sampleSurface(int count) {
   const double area = double(voxels) * h * h / 1.74;
   // Never finer than the voxels: every bin holds some points.
   const double cell = std::max(std::sqrt(area / count) * 1.3, 1.5 * h);
-  // Opposite sides of a thin part must not be averaged: a bin holds normals of one octant's main direction only.
-  using Key = std::tuple<int, int, int, int>;
-  std::map<Key, Bin> bins;
+  std::map<SurfaceBin, Bin> bins;
   const Vec3d origin = box_.min();
   visitSurfacePoints(*levelSet_, [&](const Vec3d& p, const Vec3d& n, double) {
-    const Vec3d q = (p - origin) / cell;
-    int side = 0;
-    for (int a = 1; a < 3; ++a)
-      if (std::abs(n[a]) > std::abs(n[side])) side = a;
-    Bin& bin = bins[Key(int(std::floor(q[2])), int(std::floor(q[1])), int(std::floor(q[0])), 2 * side + (n[side] < 0))];
+    Bin& bin = bins[surfaceBin(p, n, origin, cell)];
     bin.position += p, bin.normal += n, bin.weight += 1;
   });
   for (auto& [key, bin] : bins) {

@@ -2,7 +2,7 @@
 
 #include "engine/conventions.h"
 
-#include <openvdb/tree/ValueAccessor.h>
+#include <array>
 
 namespace slicemorph {
 
@@ -11,6 +11,28 @@ struct SurfaceSample {
   Vec3d position;  ///< world
   Vec3d normal;    ///< unit, outwards
   double area = 0; ///< world units squared
+};
+
+/// Bin of a surface point among cubes of side `cell` from `origin`. Opposite sides of a thin part must not fall into one:
+/// a bin holds normals of one main direction only.
+using SurfaceBin = std::array<int, 4>;
+SurfaceBin surfaceBin(const Vec3d& position, const Vec3d& normal, const Vec3d& origin, double cell);
+
+/// A level set's narrow band for fast sampling: its leaves with one voxel of their neighbours on the far sides, found
+/// through a table over the box of all leaves. No lookup leaves its block, none needs a cache.
+class BandBlocks {
+ public:
+  explicit BandBlocks(const FloatGrid& levelSet);
+  /// Trilinear value at an index-space point relative to origin(); beyond all blocks `unknown`.
+  float operator()(const openvdb::Vec3s& index, float unknown) const;
+  /// Index-space point that the places count from.
+  const openvdb::Coord& origin() const { return origin_; }
+
+ private:
+  static constexpr int kSide = 9, kBlock = kSide * kSide * kSide;
+  openvdb::Coord origin_, size_;  ///< of the table, in voxels and in leaves
+  std::vector<int> block_;        ///< per leaf of the table; -1: none
+  std::vector<float> values_;
 };
 
 /// Distance to one object's surface at any point of space: the level set's own values in its narrow band, and beyond
@@ -25,6 +47,10 @@ class DistanceField {
   double voxelSize() const { return voxelSize_; }
   /// Box of the surface, world units.
   const openvdb::BBoxd& box() const { return box_; }
+  /// The box's middle. Places in single precision are relative to it, so that an object far from the world's origin
+  /// loses no digits.
+  const Vec3d& anchor() const { return anchor_; }
+  openvdb::Vec3s relative(const Vec3d& world) const { return openvdb::Vec3s(world - anchor_); }
 
   /// Distance from the coarse grid alone (exact to a few hundredths of a coarse cell), world units.
   float coarse(const Vec3d& world) const { return coarseAt(openvdb::Vec3s((world - origin_) / spacing_)); }
@@ -42,32 +68,19 @@ class DistanceField {
   Vec3d nodePosition(int x, int y, int z) const { return origin_ + spacing_ * Vec3d(x, y, z); }
   float nodeDistance(int x, int y, int z) const { return distance_[index(x, y, z)]; }
 
-  /// Fine sampling at points given in some affine frame; one per task, for its cache is not shared.
+  /// Sampling at points relative to the anchor, in single precision.
   class Sampler {
    public:
-    /// Points p stand for the world points linear * p + origin.
-    Sampler(const DistanceField& field, const Mat3d& linear, const Vec3d& origin);
-    /// Points are world points.
-    explicit Sampler(const DistanceField& field) : Sampler(field, Mat3d::identity(), Vec3d(0.0)) {}
+    explicit Sampler(const DistanceField& field);
     /// Signed distance, world units.
-    float operator()(const openvdb::Vec3s& p);
+    float operator()(const openvdb::Vec3s& p) const;
     /// From the coarse grid alone.
-    float coarse(const openvdb::Vec3s& p) const { return field_->coarseAt(toCoarse_(p)); }
+    float coarse(const openvdb::Vec3s& p) const { return field_->coarseAt(p * coarseScale_ + coarseOrigin_); }
 
    private:
-    friend class DistanceField;
-    struct Affine {
-      float m[9], o[3];
-      Affine(const Mat3d& linear, const Vec3d& origin);
-      openvdb::Vec3s operator()(const openvdb::Vec3s& p) const {
-        return {m[0] * p[0] + m[1] * p[1] + m[2] * p[2] + o[0], m[3] * p[0] + m[4] * p[1] + m[5] * p[2] + o[1],
-                m[6] * p[0] + m[7] * p[1] + m[8] * p[2] + o[2]};
-      }
-    };
-    float fine(const openvdb::Vec3s& index);
     const DistanceField* field_;
-    Affine toCoarse_, toFine_;
-    openvdb::tree::ValueAccessor<const openvdb::FloatTree> accessor_;
+    float voxelSize_, coarseScale_, fineScale_;
+    openvdb::Vec3s coarseOrigin_, fineOrigin_;
   };
 
  private:
@@ -80,8 +93,9 @@ class DistanceField {
 
   FloatGrid::ConstPtr levelSet_;
   double voxelSize_ = 0;
-  Vec3d fineOrigin_;
+  BandBlocks band_;
   openvdb::BBoxd box_;
+  Vec3d anchor_;
   openvdb::Coord size_;
   double spacing_ = 0;
   Vec3d origin_;
