@@ -2,7 +2,7 @@
 
 #include "engine/blend/moving_lattice.h"
 #include "engine/errors.h"
-#include "engine/frame/align.h"
+#include "engine/match/choose_frames.h"
 #include "engine/match/register.h"
 #include "engine/rebuild/crumbs.h"
 #include "engine/rebuild/rebuild.h"
@@ -76,9 +76,7 @@ MorphPlan::MorphPlan(std::vector<Object> objects, const MorphOptions& options, P
     p.pieces[k] = countPieces(*p.levelSets[k]);
   });
   if (p.fields.size() < 2) return;  // nothing to match: every in-between is the one shape
-  const TurnChoice turns = chooseTurns(p.fields, options, sink);
-  p.frames = frameObjects(p.fields, turns.rotations, options);
-  p.frames.notes.insert(p.frames.notes.begin(), turns.notes.begin(), turns.notes.end());
+  p.frames = chooseFrames(p.fields, options, sink);
   p.registration = registerObjects(p.fields, p.frames, options, sink);
   p.lattice = std::make_unique<MovingLattice>(p.registration.map, p.fields, p.frames.charts);
 }

@@ -12,8 +12,12 @@ namespace slicemorph {
 namespace {
 
 constexpr double kFoldedBelow = 0.05;
-/// A point of a face belongs to both its tetrahedra; the later one wins, in a fixed order.
+/// A point of a face belongs to both its tetrahedra.
 constexpr double kOnFace = 1e-6;
+/// Chart units; beyond the place where a bent chart's slices cross there is nothing.
+constexpr float kNothing = 1e3f;
+/// How many times further apart than by the objects' sizes two nodes' places may be.
+constexpr double kStretch = 4;
 
 double volumeOf(const Vec3d* p, const int* t) {
   return (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]).dot(p[t[3]] - p[t[0]]);
@@ -22,7 +26,7 @@ double volumeOf(const Vec3d* p, const int* t) {
 }  // namespace
 
 MovingLattice::MovingLattice(const Displacements& map, const Fields& fields, const std::vector<Chart>& charts)
-    : lattice_(map.lattice), objects_(fields.size()), chart_(map.of), place_(map.of), distance_(objects_) {
+    : lattice_(map.lattice), charts_(charts), objects_(fields.size()), chart_(map.of), place_(map.of), distance_(objects_) {
   for (size_t k = 0; k < objects_; ++k) {
     distance_[k].resize(lattice_.count());
     const double unit = 1 / charts[k].meanScale();
@@ -33,7 +37,8 @@ MovingLattice::MovingLattice(const Displacements& map, const Fields& fields, con
           chart_[k][i] += openvdb::Vec3s(lattice_.position(x, y, z));
           const Vec3d world = charts[k].toWorld(Vec3d(chart_[k][i]));
           place_[k][i] = fields[k]->relative(world);
-          distance_[k][i] = float(unit * fields[k]->coarse(world));
+          const bool crossed = charts[k].spread(Vec3d(chart_[k][i])) <= 0;
+          distance_[k][i] = crossed ? kNothing : float(unit * fields[k]->coarse(world));
         }
     });
   }
@@ -47,6 +52,13 @@ struct MovingLattice::Frame {
   std::vector<float> distance;   ///< blended, chart units
   std::vector<char> near;        ///< per cell (at its first node): 1 near the surface, 2 crossed by it
   NodeMap* map;
+};
+
+/// Grid nodes found in one slab's tetrahedra.
+struct MovingLattice::Found {
+  std::vector<size_t> node;
+  std::vector<float> distance;        ///< blended, chart units
+  std::vector<openvdb::Vec3s> place;  ///< per node and object
 };
 
 NodeMap MovingLattice::nodesNearSurface(const Weights& weights, const Chart& chart,
@@ -112,20 +124,26 @@ NodeMap MovingLattice::nodesNearSurface(const Weights& weights, const Chart& cha
   const size_t nodes = size_t(map.size[0]) * map.size[1] * map.size[2];
   map.at.resize(nodes * objects_);
   map.known.assign(nodes, 0);
-  std::vector<std::vector<size_t>> found(lattice_.size[2]);
-  std::vector<std::vector<openvdb::Vec3s>> at(lattice_.size[2]);
-  tbb::parallel_for(0, int(lattice_.size[2]) - 1, [&](int z) { rasterise(frame, z, found[z], at[z]); });
-  for (int z = 0; z < lattice_.size[2]; ++z)
-    for (size_t i = 0; i < found[z].size(); ++i) {
-      map.known[found[z][i]] = 1;
-      std::copy_n(&at[z][i * objects_], objects_, &map.at[found[z][i] * objects_]);
+  if (!chart.bend.straight())
+    for (const Chart& c : charts_)
+      map.jump.push_back(kStretch * step * transform.voxelSize()[0] * c.meanScale() / chart.meanScale());
+  std::vector<Found> found(lattice_.size[2]);
+  tbb::parallel_for(0, int(lattice_.size[2]) - 1, [&](int z) { rasterise(frame, z, found[z]); });
+  // Where slices of a bent chart cross, a node is found more than once: what is nearer to the object wins.
+  std::vector<float> nearest(nodes, kNothing);
+  for (const Found& f : found)
+    for (size_t i = 0; i < f.node.size(); ++i) {
+      const size_t n = f.node[i];
+      if (!(f.distance[i] < nearest[n])) continue;
+      nearest[n] = f.distance[i];
+      map.known[n] = 1;
+      std::copy_n(&f.place[i * objects_], objects_, &map.at[n * objects_]);
     }
   return map;
 }
 
 /// Finds the nodes inside every near tetrahedron of one slab, with their places by barycentric coordinates.
-void MovingLattice::rasterise(const Frame& frame, int z, std::vector<size_t>& nodes,
-                              std::vector<openvdb::Vec3s>& at) const {
+void MovingLattice::rasterise(const Frame& frame, int z, Found& found) const {
   for (int y = 0; y + 1 < lattice_.size[1]; ++y)
     for (int x = 0; x + 1 < lattice_.size[0]; ++x) {
       if (!frame.near[lattice_.index(x, y, z)]) continue;
@@ -150,11 +168,14 @@ void MovingLattice::rasterise(const Frame& frame, int z, std::vector<size_t>& no
               const Vec3d d = Vec3d(i, j, k) - p[t[0]];
               const double b1 = n1.dot(d), b2 = n2.dot(d), b3 = n3.dot(d), b0 = 1 - b1 - b2 - b3;
               if (b0 < -kOnFace || b1 < -kOnFace || b2 < -kOnFace || b3 < -kOnFace) continue;
-              nodes.push_back(frame.map->index(i, j, k));
+              found.node.push_back(frame.map->index(i, j, k));
+              const std::vector<float>& f = frame.distance;
+              found.distance.push_back(float(b0 * f[corner[t[0]]] + b1 * f[corner[t[1]]] + b2 * f[corner[t[2]]] +
+                                             b3 * f[corner[t[3]]]));
               for (size_t o = 0; o < objects_; ++o) {
                 const VectorField& a = place_[o];
-                at.push_back(openvdb::Vec3s(b0 * Vec3d(a[corner[t[0]]]) + b1 * Vec3d(a[corner[t[1]]]) +
-                                            b2 * Vec3d(a[corner[t[2]]]) + b3 * Vec3d(a[corner[t[3]]])));
+                found.place.push_back(openvdb::Vec3s(b0 * Vec3d(a[corner[t[0]]]) + b1 * Vec3d(a[corner[t[1]]]) +
+                                                     b2 * Vec3d(a[corner[t[2]]]) + b3 * Vec3d(a[corner[t[3]]])));
               }
             }
       }

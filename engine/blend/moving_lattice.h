@@ -14,6 +14,7 @@ struct NodeMap {
   size_t objects = 0;
   std::vector<openvdb::Vec3s> at;     ///< per node and object: world, relative to the field's anchor
   std::vector<char> known;            ///< per node
+  std::vector<double> jump;           ///< per object: places of neighbours further apart lie on crossing slices
   double foldShare = 0;               ///< share of the surface's cells whose Jacobian to some object is below 0.05
 
   size_t index(int i, int j, int k) const {
@@ -37,9 +38,11 @@ class MovingLattice {
 
  private:
   struct Frame;
-  void rasterise(const Frame& frame, int z, std::vector<size_t>& nodes, std::vector<openvdb::Vec3s>& at) const;
+  struct Found;
+  void rasterise(const Frame& frame, int z, Found& found) const;
 
   Lattice lattice_;
+  std::vector<Chart> charts_;
   size_t objects_;
   std::vector<VectorField> chart_;            ///< per object: chart coordinates of the nodes
   std::vector<VectorField> place_;            ///< per object: world, relative to the field's anchor

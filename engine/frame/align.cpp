@@ -301,8 +301,8 @@ std::vector<Turn> proposeTurns(const DistanceField& fieldA, const DistanceField&
   return worthTrying;
 }
 
-double priceOf(const Turn& turn) {
-  return turn.angle > 1e-9 ? kTurnMargin + kPricePerRightAngle * turn.angle / (kPi / 2) : 0;
+double priceOf(double angle) {
+  return angle > 1e-9 ? kTurnMargin + kPricePerRightAngle * angle / (kPi / 2) : 0;
 }
 
 Frames frameObjects(const Fields& fields, const std::vector<Mat3d>& turns, const MorphOptions& options) {

@@ -56,11 +56,11 @@ class Registrar {
     return std::move(result_);
   }
 
-  double quickOverlap() {
+  Agreement quickAgreement() {
     quick_ = true;
     start();
     for (const Round& round : kQuickRounds) refine(round);
-    return overlap_;
+    return {result_.overlapBefore, overlap_};
   }
 
  private:
@@ -89,8 +89,9 @@ class Registrar {
     OrientedPoints result;
     double total = 0;
     for (const SurfaceSample& s : fields_[k]->samples()) {
-      result.position.push_back(charts_[k].toChart(s.position));
-      result.normal.push_back(charts_[k].normalToChart(s.normal));
+      const Vec3d z = charts_[k].toChart(s.position);
+      result.position.push_back(z);
+      result.normal.push_back(charts_[k].normalToChart(z, s.normal));
       result.mass.push_back(s.area);
       total += s.area;
     }
@@ -333,7 +334,7 @@ class Registrar {
     const Vec3d surface = fields_[k]->closest(charts_[k].toWorld(at));
     const Vec3d projected = charts_[k].toChart(surface);
     const double near = 1 - (projected - at).length() / reach;
-    const double facing = (charts_[k].normalToChart(fields_[k]->gradient(surface)).dot(normal) - 0.1) / 0.4;
+    const double facing = (charts_[k].normalToChart(projected, fields_[k]->gradient(surface)).dot(normal) - 0.1) / 0.4;
     const double trust = std::min(std::max(4 * near, 0.0), 1.0) * std::min(std::max(facing, 0.0), 1.0);
     if (trust > 0) at = projected;
     return float(trust);
@@ -353,8 +354,9 @@ class Registrar {
           const Vec3d s = lattice.position(x, y, z);
           double least = 1, most = 0;
           for (size_t k = 0; k < objects_; ++k) {
-            const double d = samplers[k].coarse(fields_[k]->relative(charts_[k].toWorld(s + map.at(k, s)))) * unit[k];
-            const double inside = std::min(std::max(0.5 - d, 0.0), 1.0);
+            const Vec3d z = s + map.at(k, s);
+            const double d = samplers[k].coarse(fields_[k]->relative(charts_[k].toWorld(z))) * unit[k];
+            const double inside = charts_[k].spread(z) > 0 ? std::min(std::max(0.5 - d, 0.0), 1.0) : 0;
             least = std::min(least, inside), most = std::max(most, inside);
           }
           both[z] += least, either[z] += most;
@@ -391,40 +393,10 @@ class Registrar {
   Registration result_;
 };
 
-/// The turn from the first object to another one.
-Turn chooseTurn(const Fields& pair, const MorphOptions& options, Progress& progress) {
-  const std::vector<Turn> turns = proposeTurns(*pair[0], *pair[1]);
-  if (turns.size() == 1) return turns[0];
-  MorphOptions coarse = options;
-  coarse.slices = 32;
-  const Turn* best = nullptr;
-  double most = -1e30;
-  for (const Turn& turn : turns) {
-    const Frames frames = frameObjects(pair, {Mat3d::identity(), turn.rotation}, coarse);
-    const double value = Registrar(pair, frames, coarse, progress).quickOverlap() - priceOf(turn);
-    if (value > most) most = value, best = &turn;
-  }
-  return *best;
-}
-
 }  // namespace
 
-TurnChoice chooseTurns(const Fields& fields, const MorphOptions& options, Progress& progress) {
-  TurnChoice choice{std::vector<Mat3d>(fields.size(), Mat3d::identity()), {}};
-  if (options.align == Align::kNone) return choice;
-  for (size_t k = 1; k < fields.size(); ++k) {
-    const Turn turn = chooseTurn({fields[0], fields[k]}, options, progress);
-    choice.rotations[k] = turn.rotation;
-    char text[128];
-    const double degrees = turn.angle * 180 / 3.14159265358979323846;
-    if (degrees > 0)
-      std::snprintf(text, sizeof text, "shape %zu turned by %.1f degrees against the first, overlap %.2f before warping",
-                    k + 1, degrees, turn.overlap);
-    else
-      std::snprintf(text, sizeof text, "shape %zu keeps its directions, overlap %.2f before warping", k + 1, turn.overlap);
-    choice.notes.push_back(text);
-  }
-  return choice;
+Agreement quickAgreement(const Fields& fields, const Frames& frames, const MorphOptions& options, Progress& progress) {
+  return Registrar(fields, frames, options, progress).quickAgreement();
 }
 
 Registration registerObjects(const Fields& fields, const Frames& frames, const MorphOptions& options,

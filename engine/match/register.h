@@ -22,13 +22,10 @@ struct Registration {
 Registration registerObjects(const Fields& fields, const Frames& frames, const MorphOptions& options,
                              Progress& progress);
 
-struct TurnChoice {
-  std::vector<Mat3d> rotations;    ///< from the first object's directions to each object's
-  std::vector<std::string> notes;  ///< what was decided
+/// Overlap of the objects in chart space and, after a quick, coarse matching, in the middle space.
+struct Agreement {
+  double before = 0, after = 0;
 };
-
-/// Chooses how each object is turned against the first: of the turns worth trying the one with the best overlap after
-/// a quick, coarse matching, less the price of turning. Overlap before warping misleads where shapes differ much.
-TurnChoice chooseTurns(const Fields& fields, const MorphOptions& options, Progress& progress);
+Agreement quickAgreement(const Fields& fields, const Frames& frames, const MorphOptions& options, Progress& progress);
 
 }  // namespace slicemorph

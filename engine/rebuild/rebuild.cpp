@@ -115,7 +115,10 @@ class Rebuilder {
   /// `values`: of the cell's first voxel, in OpenVDB's leaf order (x slowest). Voxels go by blocks of 2 x 2 x 2, and
   /// only those blocks are sampled whose middle is near enough to the surface to hold a voxel of the band.
   void fillCell(int i, int j, int k, std::vector<std::vector<openvdb::Vec3s>>& places, float* values) const {
-    for (size_t n = 0; n < used_.size(); ++n) placeVoxels(i, j, k, used_[n], places[n]);
+    for (size_t n = 0; n < used_.size(); ++n) {
+      if (torn(i, j, k, 2, used_[n])) return blendNodes(i, j, k, values);
+      placeVoxels(i, j, k, used_[n], places[n]);
+    }
     const float far = float((kHalfWidth + 1 + kSteepest * 0.5 * std::sqrt(3.0)) * voxel_);
     for (int x = 0; x < step_; x += 2)
       for (int y = 0; y < step_; y += 2)
@@ -150,7 +153,7 @@ class Rebuilder {
           all = nodes_.known[n];
           node[a][b][c] = nodes_.at[n * nodes_.objects + object];
         }
-    if (!all) return placeLinearly(i, j, k, object, places);
+    if (!all || torn(i - 1, j - 1, k - 1, 4, object)) return placeLinearly(i, j, k, object, places);
     openvdb::Vec3s alongZ[4][4][kLeaf], alongY[4][kLeaf][kLeaf];
     const auto combine = [](const std::array<float, 4>& w, const openvdb::Vec3s& p, const openvdb::Vec3s& q,
                             const openvdb::Vec3s& r, const openvdb::Vec3s& s) {
@@ -171,6 +174,37 @@ class Rebuilder {
       for (int y = 0; y < step_; ++y)
         for (int z = 0; z < step_; ++z)
           places[v++] = combine(spline_[x], alongY[0][y][z], alongY[1][y][z], alongY[2][y][z], alongY[3][y][z]);
+  }
+
+  /// Whether neighbours among `side` x `side` x `side` nodes lie on crossing slices of a bent chart: then nothing can be
+  /// said of the places between them.
+  bool torn(int i, int j, int k, int side, size_t object) const {
+    if (nodes_.jump.empty()) return false;
+    const float longest = float(nodes_.jump[object] * nodes_.jump[object]);
+    const auto place = [&](int a, int b, int c) { return nodes_.at[nodes_.index(a, b, c) * nodes_.objects + object]; };
+    for (int c = k; c < k + side; ++c)
+      for (int b = j; b < j + side; ++b)
+        for (int a = i; a < i + side; ++a) {
+          const openvdb::Vec3s p = place(a, b, c);
+          if (a + 1 < i + side && (place(a + 1, b, c) - p).lengthSqr() > longest) return true;
+          if (b + 1 < j + side && (place(a, b + 1, c) - p).lengthSqr() > longest) return true;
+          if (c + 1 < k + side && (place(a, b, c + 1) - p).lengthSqr() > longest) return true;
+        }
+    return false;
+  }
+
+  /// A cell between crossing slices takes its nodes' own distances.
+  void blendNodes(int i, int j, int k, float* values) const {
+    for (int x = 0; x < step_; ++x)
+      for (int y = 0; y < step_; ++y)
+        for (int z = 0; z < step_; ++z) {
+          const float a = float(x) / step_, b = float(y) / step_, c = float(z) / step_;
+          float sum = 0;
+          for (int n = 0; n < 8; ++n)
+            sum += distance_[nodes_.index(i + (n & 1), j + (n >> 1 & 1), k + (n >> 2))] *
+                   ((n & 1 ? a : 1 - a) * (n & 2 ? b : 1 - b) * (n & 4 ? c : 1 - c));
+          values[(x * kLeaf + y) * kLeaf + z] = sum;
+        }
   }
 
   void placeLinearly(int i, int j, int k, size_t object, std::vector<openvdb::Vec3s>& places) const {

@@ -1,0 +1,204 @@
+#include "engine/frame/roll.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace slicemorph {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr int kSlices = 33, kAngles = 120, kRings = 10;
+constexpr int kFastest = 4;  ///< change of angle from slice to slice, in steps of the circle
+/// Overlap that a change by one step must win.
+constexpr double kStepPrice = 0.0005;
+/// Overlap that half a turn away from the preferred angle must win.
+constexpr double kAnglePrice = 0.02;
+
+/// One slice in polar coordinates about its own middle: how much is inside.
+struct PolarSlice {
+  std::vector<float> inside;  ///< ring by ring, kAngles each, already weighted by the ring's length
+  double area = 0;
+};
+
+double insideAt(const DistanceField& field, const DistanceField::Sampler& sampler, const Chart& chart, const Vec3d& z,
+                double soft) {
+  if (chart.spread(z) <= 0) return 0;
+  const double d = sampler.coarse(field.relative(chart.toWorld(z))) / (chart.meanScale() * soft);
+  return std::min(std::max(0.5 - d, 0.0), 1.0);
+}
+
+PolarSlice polarSlice(const DistanceField& field, const Chart& chart, double z0, double reach) {
+  const DistanceField::Sampler sampler(field);
+  constexpr int kAcross = 32;
+  const double cell = 2 * reach / kAcross;
+  PolarSlice slice;
+  Vec3d middle(z0, 0, 0);
+  for (int i = 0; i < kAcross; ++i)
+    for (int j = 0; j < kAcross; ++j) {
+      const Vec3d z(z0, (i + 0.5) * cell - reach, (j + 0.5) * cell - reach);
+      const double w = insideAt(field, sampler, chart, z, cell);
+      slice.area += w * cell * cell;
+      middle[1] += w * z[1], middle[2] += w * z[2];
+    }
+  if (slice.area > 0) {
+    const double cells = slice.area / (cell * cell);
+    middle[1] /= cells, middle[2] /= cells;
+  }
+  slice.inside.resize(kRings * kAngles);
+  for (int r = 0; r < kRings; ++r)
+    for (int a = 0; a < kAngles; ++a) {
+      const double radius = (r + 0.5) * reach / kRings, angle = 2 * kPi * a / kAngles;
+      const Vec3d z = middle + radius * Vec3d(0, std::cos(angle), std::sin(angle));
+      slice.inside[size_t(r * kAngles + a)] = float(radius * insideAt(field, sampler, chart, z, 0.5 * reach / kRings));
+    }
+  return slice;
+}
+
+/// Intersection over union when a's angles are increased by `step`.
+double overlapOf(const PolarSlice& a, const PolarSlice& b, int step) {
+  double both = 0, either = 0;
+  for (int r = 0; r < kRings; ++r)
+    for (int i = 0; i < kAngles; ++i) {
+      const float p = a.inside[size_t(r * kAngles + i)], q = b.inside[size_t(r * kAngles + (i + step) % kAngles)];
+      both += std::min(p, q), either += std::max(p, q);
+    }
+  return either > 0 ? both / either : 0;
+}
+
+double wrapped(double angle) { return angle - 2 * kPi * std::round(angle / (2 * kPi)); }
+
+/// Steps from one angle of the circle to another, the short way.
+int stepsBetween(int from, int to) {
+  const int d = ((to - from) % kAngles + kAngles) % kAngles;
+  return d > kAngles / 2 ? d - kAngles : d;
+}
+
+/// Where between its neighbours the highest of three values lies.
+double peakBetween(double before, double here, double after) {
+  const double curve = before - 2 * here + after;
+  return curve < -1e-9 ? std::min(std::max(0.5 * (before - after) / curve, -0.5), 0.5) : 0;
+}
+
+}  // namespace
+
+Roll findRoll(const DistanceField& a, const Chart& chartA, const DistanceField& b, const Chart& chartB, double half,
+              double preferred) {
+  std::vector<PolarSlice> sa(kSlices), sb(kSlices);
+  const auto place = [&](int i) { return half * ((i + 0.5) * 2 / kSlices - 1); };
+  // A slice whose area is that of a circle of radius 0.56 has it in chart units 1; flat slices reach further.
+  constexpr double kReach = 1.3;
+  tbb::parallel_for(0, kSlices, [&](int i) {
+    sa[size_t(i)] = polarSlice(a, chartA, place(i), kReach);
+    sb[size_t(i)] = polarSlice(b, chartB, place(i), kReach);
+  });
+  // score[i][s]: overlap of slice i when a is turned by step s.
+  std::vector<std::vector<double>> score(kSlices, std::vector<double>(kAngles));
+  std::vector<double> weight(kSlices);
+  double total = 0;
+  tbb::parallel_for(0, kSlices, [&](int i) {
+    for (int s = 0; s < kAngles; ++s) score[size_t(i)][size_t(s)] = overlapOf(sa[size_t(i)], sb[size_t(i)], s);
+    weight[size_t(i)] = std::sqrt(sa[size_t(i)].area * sb[size_t(i)].area);
+  });
+  for (double w : weight) total += w;
+  Roll roll;
+  roll.along.assign(Bend::kStations, 0);
+  if (!(total > 0)) return roll;
+  std::vector<double> price(kAngles);
+  for (int s = 0; s < kAngles; ++s) {
+    const double away = std::abs(wrapped(2 * kPi * s / kAngles - preferred)) / kPi;
+    price[size_t(s)] = kAnglePrice * away;
+  }
+
+  std::vector<double> mean(kAngles, 0);
+  for (int s = 0; s < kAngles; ++s)
+    for (int i = 0; i < kSlices; ++i) mean[size_t(s)] += weight[size_t(i)] * score[size_t(i)][size_t(s)] / total;
+  int best = 0;
+  for (int s = 1; s < kAngles; ++s)
+    if (mean[size_t(s)] - price[size_t(s)] > mean[size_t(best)] - price[size_t(best)]) best = s;
+  const auto around = [&](const std::vector<double>& v, int s) {
+    return peakBetween(v[size_t((s + kAngles - 1) % kAngles)], v[size_t(s)], v[size_t((s + 1) % kAngles)]);
+  };
+  roll.steady = 2 * kPi / kAngles * (best + around(mean, best));
+  roll.steadyOverlap = mean[size_t(best)];
+  // On round slices no angle is better than another: then the preferred one is kept to its last digit.
+  const auto [least, most] = std::minmax_element(mean.begin(), mean.end());
+  if (*most - *least < kAnglePrice) roll.steady = preferred;
+
+  // The best way along the spine, from angle to angle.
+  std::vector<std::vector<double>> value(kSlices, std::vector<double>(kAngles));
+  std::vector<std::vector<int>> from(kSlices, std::vector<int>(kAngles, 0));
+  for (int i = 0; i < kSlices; ++i)
+    for (int s = 0; s < kAngles; ++s) {
+      double before = 0;
+      if (i > 0) {
+        before = -1e300;
+        for (int d = -kFastest; d <= kFastest; ++d) {
+          const int p = (s + d + kAngles) % kAngles;
+          const double v = value[size_t(i) - 1][size_t(p)] - kStepPrice * d * d;
+          if (v > before) before = v, from[size_t(i)][size_t(s)] = p;
+        }
+      }
+      const double own = weight[size_t(i)] / total * score[size_t(i)][size_t(s)] * kSlices;
+      value[size_t(i)][size_t(s)] = before + own - (i == kSlices / 2 ? price[size_t(s)] : 0);
+    }
+  std::vector<int> way(kSlices);
+  way.back() = int(std::max_element(value.back().begin(), value.back().end()) - value.back().begin());
+  for (int i = kSlices - 1; i > 0; --i) way[size_t(i) - 1] = from[size_t(i)][size_t(way[size_t(i)])];
+  std::vector<double> angle(kSlices), trust(kSlices);
+  for (int i = 0; i < kSlices; ++i) {
+    const int s = way[size_t(i)];
+    const double own = 2 * kPi / kAngles * (s + around(score[size_t(i)], s));
+    const double here = score[size_t(i)][size_t(s)];
+    angle[size_t(i)] = i == 0 ? 2 * kPi / kAngles * s + wrapped(own - 2 * kPi / kAngles * s)
+                              : angle[size_t(i) - 1] + 2 * kPi / kAngles * stepsBetween(way[size_t(i) - 1], s);
+    roll.alongOverlap += weight[size_t(i)] * here / total;
+    // A slice tells its angle as well as its overlap falls to both sides of it.
+    const double fall = here - 0.5 * (score[size_t(i)][size_t((s + 4) % kAngles)] +
+                                      score[size_t(i)][size_t((s + kAngles - 4) % kAngles)]);
+    trust[size_t(i)] = weight[size_t(i)] * kSlices / total * std::max(fall, 0.0);
+  }
+  for (int i = 0; i < kSlices; ++i) angle[size_t(i)] += 2 * kPi / kAngles * around(score[size_t(i)], way[size_t(i)]);
+  // Smooth at the stations: the slices' angles by their trust, and least second differences.
+  const int n = Bend::kStations;
+  Eigen::MatrixXd m = Eigen::MatrixXd::Zero(n, n);
+  Eigen::VectorXd rhs = Eigen::VectorXd::Zero(n);
+  for (int i = 0; i < kSlices; ++i) {
+    const double u = ((i + 0.5) / kSlices) * (n - 1);
+    const int k = std::min(int(u), n - 2);
+    const double f = u - k, w[2] = {1 - f, f};
+    for (int p = 0; p < 2; ++p) {
+      for (int q = 0; q < 2; ++q) m(k + p, k + q) += (trust[size_t(i)] + 1e-6) * w[p] * w[q];
+      rhs[k + p] += (trust[size_t(i)] + 1e-6) * w[p] * angle[size_t(i)];
+    }
+  }
+  const double second[3] = {1, -2, 1};
+  constexpr double kStiff = 300;
+  for (int i = 0; i + 2 < n; ++i)
+    for (int p = 0; p < 3; ++p)
+      for (int q = 0; q < 3; ++q) m(i + p, i + q) += kStiff * second[p] * second[q];
+  const Eigen::VectorXd x = m.ldlt().solve(rhs);
+  for (int i = 0; i < n; ++i) roll.along[size_t(i)] = x[i];
+  return roll;
+}
+
+Chart twisted(const Chart& chart, double half, const std::vector<double>& angles) {
+  const int n = Bend::kStations;
+  Chart result = chart;
+  const double spacing = 2 * half / (n - 1), middle = angles[size_t(n - 1) / 2];
+  std::vector<Vec3d> rates = chart.bend.rates();
+  for (int i = 0; i < n; ++i) {
+    rates[size_t(i)] = rotationFromVector({-angles[size_t(i)], 0, 0}) * rates[size_t(i)];
+    const int a = std::max(i - 1, 0), b = std::min(i + 1, n - 1);
+    rates[size_t(i)][0] += (angles[size_t(b)] - angles[size_t(a)]) / ((b - a) * spacing);
+  }
+  result.axes = chart.axes * rotationFromVector({middle, 0, 0});
+  result.bend = Bend(half, std::move(rates));
+  return result;
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "engine/frame/align.h"
+
+namespace slicemorph {
+
+/// Chooses how the objects are laid on each other: turned against the first, about straight or curved spines, twisted or
+/// not. Each change must win overlap after a quick, coarse matching, less its price; overlap before warping misleads
+/// where shapes differ much.
+Frames chooseFrames(const Fields& fields, const MorphOptions& options, Progress& progress);
+
+}  // namespace slicemorph

@@ -1,0 +1,110 @@
+// Bars that bend and twist against the closed form: half way the bar is bent by half. 128 voxels along the longest side;
+// errors in voxels, symmetric between the surfaces.
+#include "engine/measure/measure.h"
+#include "engine/slicemorph.h"
+#include "engine/spine/chart.h"
+#include "engine/volume/voxelise.h"
+#include "tests/bent_shapes.h"
+#include "tests/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+namespace slicemorph {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr int kResolution = 128;
+using shapes::Curl;
+
+struct Case {
+  std::string name;
+  Curl from, to;
+  double half = 1;                ///< the bar's half length
+  Vec3d section{0, 0.20, 0.13};   ///< its half sides
+  Vec3d sectionTo{0, 0, 0};       ///< of its far end, where it tapers
+};
+
+double radians(double degrees) { return degrees * kPi / 180; }
+
+/// Bending about z and twisting by these angles from end to end.
+Curl by(double bend, double twist = 0) { return Curl(Vec3d(radians(twist) / 2, 0, radians(bend) / 2)); }
+
+Mesh bar(const Case& c) {
+  const Vec3d half(c.half, c.section[1], c.section[2]);
+  Mesh mesh = surfaceOf(*shapes::levelSet(shapes::box(half, 0.03), shapes::cube({0, 0, 0}, 1.1), 2.0 / 256));
+  if (c.sectionTo[1] > 0)
+    for (auto& p : mesh.points) {
+      const float f = (p[0] / float(c.half) + 1) / 2;
+      p[1] *= 1 + f * float(c.sectionTo[1] / c.section[1] - 1);
+      p[2] *= 1 + f * float(c.sectionTo[2] / c.section[2] - 1);
+    }
+  return mesh;
+}
+
+Mesh placed(Mesh mesh, const Mat3d& turn, const Vec3d& offset) {
+  for (auto& p : mesh.points) p = openvdb::Vec3s(turn * Vec3d(p) + offset);
+  return mesh;
+}
+
+double voxelSizeOf(const Mesh& mesh) {
+  openvdb::BBoxd box;
+  for (const auto& p : mesh.points) box.expand(Vec3d(p));
+  return std::max({box.extents()[0], box.extents()[1], box.extents()[2]}) / kResolution;
+}
+
+Object object(const Mesh& mesh) { return {"shape", voxelise(mesh, voxelSizeOf(mesh))}; }
+
+Vec3d centroid(const Mesh& mesh) {
+  Vec3d sum(0.0);
+  double volume = 0;
+  for (const auto& t : mesh.triangles) {
+    const Vec3d a(mesh.points[t[0]]), b(mesh.points[t[1]]), c(mesh.points[t[2]]);
+    const double v = a.dot(b.cross(c)) / 6;
+    volume += v, sum += v * (a + b + c) / 4.0;
+  }
+  return sum / volume;
+}
+
+class Bends : public testing::TestWithParam<Case> {};
+
+TEST_P(Bends, HalfWayIsBentByHalf) {
+  const Case& c = GetParam();
+  const Mesh straight = bar(c);
+  const Mesh a = shapes::bent(straight, c.from), b = shapes::bent(straight, c.to);
+  const Object first = object(a), second = object(b);
+  const MorphPlan plan({first, second});
+  for (const std::string& note : plan.notes()) std::printf("  %s\n", note.c_str());
+  const double volumeA = measureShape(*first.levelSet).volume, volumeB = measureShape(*second.levelSet).volume;
+  for (double t : {0.25, 0.5, 0.75}) {
+    Mesh truth = shapes::bent(straight, c.from.mixed(c.to, t));
+    truth = placed(truth, Mat3d::identity(), (1 - t) * centroid(a) + t * centroid(b) - centroid(truth));
+    const FloatGrid::Ptr frame = plan.frame({1 - t, t}).surface;
+    const Mesh mesh = surfaceOf(*frame);
+    const SurfaceDistance d = surfaceDistance(mesh, truth);
+    const double h = frame->voxelSize()[0], linear = (1 - t) * volumeA + t * volumeB;
+    const double volume = measureMesh(mesh).volume;
+    std::printf("  %s t %.2f: mean %.3f, max %.3f voxels, volume %.4f\n", c.name.c_str(), t, d.mean / h, d.max / h,
+                volume / linear);
+    EXPECT_LE(d.mean / h, 0.1) << "t " << t;
+    EXPECT_LE(d.max / h, 1.0) << "t " << t;
+    EXPECT_NEAR(volume / linear, 1, 0.01) << "t " << t;
+  }
+}
+
+const Vec3d kThin(0, 0.13, 0.09);
+
+INSTANTIATE_TEST_SUITE_P(
+    Bars, Bends,
+    testing::Values(Case{"bend60", by(0), by(60)}, Case{"bend120", by(0), by(120)}, Case{"bend180", by(0), by(180)},
+                    Case{"twist45", by(0), by(0, 45)}, Case{"twist90", by(0), by(0, 90)},
+                    Case{"twist150", by(0), by(0, 150)}, Case{"other", by(70), by(-70)},
+                    Case{"both", by(0), by(90, 90)},
+                    Case{"S", by(0), Curl({{-1e9, 0, Vec3d(0, 0, radians(90))}, {0, 1e9, Vec3d(0, 0, -radians(90))}})},
+                    Case{"helix", by(0), Curl(Vec3d(1.8, 0, 2.57)), 1, kThin},
+                    Case{"horn", by(0), by(200), 1, {0, 0.22, 0.16}, {0, 0.05, 0.04}}),
+    [](const auto& info) { return info.param.name; });
+
+}  // namespace
+}  // namespace slicemorph
