@@ -88,7 +88,7 @@ InBetween MorphPlan::frame(const Weights& weights) const {
   for (size_t k = 0; k < w.size(); ++k)
     if (w[k] == 1) return {resampledTo(p.levelSets[k], voxelSize)};
 
-  const Chart chart = blendCharts(p.frames.charts, w);
+  const Chart chart = p.lattice->chartAt(w);
   const auto transform = openvdb::math::Transform::createLinearTransform(voxelSize);
   const int step = nodeStep({chart}, p.frames.halfLength, voxelSize);
   const NodeMap nodes = p.lattice->nodesNearSurface(w, chart, *transform, step);

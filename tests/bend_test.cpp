@@ -31,15 +31,16 @@ double radians(double degrees) { return degrees * kPi / 180; }
 /// Bending about z and twisting by these angles from end to end.
 Curl by(double bend, double twist = 0) { return Curl(Vec3d(radians(twist) / 2, 0, radians(bend) / 2)); }
 
-Mesh bar(const Case& c) {
+/// `keyed`: narrower towards one end and towards one side, so that no turn but one lays it on itself.
+Mesh bar(const Case& c, bool keyed) {
   const Vec3d half(c.half, c.section[1], c.section[2]);
   Mesh mesh = surfaceOf(*shapes::levelSet(shapes::box(half, 0.03), shapes::cube({0, 0, 0}, 1.1), 2.0 / 256));
-  if (c.sectionTo[1] > 0)
-    for (auto& p : mesh.points) {
-      const float f = (p[0] / float(c.half) + 1) / 2;
-      p[1] *= 1 + f * float(c.sectionTo[1] / c.section[1] - 1);
-      p[2] *= 1 + f * float(c.sectionTo[2] / c.section[2] - 1);
-    }
+  Vec3d far = c.sectionTo[1] > 0 ? c.sectionTo : keyed ? 0.8 * c.section : c.section;
+  for (auto& p : mesh.points) {
+    const double f = (p[0] / c.half + 1) / 2, side = keyed ? 1 + 0.35 * p[2] / c.section[2] : 1;
+    p[1] *= float((1 + f * (far[1] / c.section[1] - 1)) * side);
+    p[2] *= float(1 + f * (far[2] / c.section[2] - 1));
+  }
   return mesh;
 }
 
@@ -69,16 +70,17 @@ Vec3d centroid(const Mesh& mesh) {
 
 class Bends : public testing::TestWithParam<Case> {};
 
-TEST_P(Bends, HalfWayIsBentByHalf) {
-  const Case& c = GetParam();
-  const Mesh straight = bar(c);
-  const Mesh a = shapes::bent(straight, c.from), b = shapes::bent(straight, c.to);
+/// Every in-between against the bar bent by its share; the second object also turned (rotation vector) and moved.
+void expectBends(const Case& c, bool keyed, const Vec3d& turn, const Vec3d& offset) {
+  const Mesh straight = bar(c, keyed);
+  const Mesh a = shapes::bent(straight, c.from);
+  const Mesh b = placed(shapes::bent(straight, c.to), rotationFromVector(turn), offset);
   const Object first = object(a), second = object(b);
   const MorphPlan plan({first, second});
   for (const std::string& note : plan.notes()) std::printf("  %s\n", note.c_str());
   const double volumeA = measureShape(*first.levelSet).volume, volumeB = measureShape(*second.levelSet).volume;
   for (double t : {0.25, 0.5, 0.75}) {
-    Mesh truth = shapes::bent(straight, c.from.mixed(c.to, t));
+    Mesh truth = placed(shapes::bent(straight, c.from.mixed(c.to, t)), rotationFromVector(t * turn), {0, 0, 0});
     truth = placed(truth, Mat3d::identity(), (1 - t) * centroid(a) + t * centroid(b) - centroid(truth));
     const FloatGrid::Ptr frame = plan.frame({1 - t, t}).surface;
     const Mesh mesh = surfaceOf(*frame);
@@ -91,6 +93,12 @@ TEST_P(Bends, HalfWayIsBentByHalf) {
     EXPECT_LE(d.max / h, 1.0) << "t " << t;
     EXPECT_NEAR(volume / linear, 1, 0.01) << "t " << t;
   }
+}
+
+TEST_P(Bends, HalfWayIsBentByHalf) { expectBends(GetParam(), false, {0, 0, 0}, {0, 0, 0}); }
+
+TEST_P(Bends, AlsoWhenTurnedAndMoved) {
+  expectBends(GetParam(), true, Vec3d(1, 2, 3).unit() * radians(100), {0.7, -1.3, 0.4});
 }
 
 const Vec3d kThin(0, 0.13, 0.09);

@@ -42,6 +42,59 @@ MovingLattice::MovingLattice(const Displacements& map, const Fields& fields, con
         }
     });
   }
+  bool bent = false;
+  for (const Chart& c : charts) bent |= !c.bend.straight();
+  for (size_t k = 0; k < objects_ && bent; ++k) {
+    Weights alone(objects_, 0);
+    alone[k] = 1;
+    centroid_.push_back(centroid(alone, charts[k]));
+  }
+}
+
+Chart MovingLattice::chartAt(const Weights& weights) const {
+  Chart chart = blendCharts(charts_, weights);
+  if (centroid_.empty()) return chart;
+  Vec3d wanted(0.0);
+  for (size_t k = 0; k < objects_; ++k) wanted += weights[k] * centroid_[k];
+  chart.center += wanted - centroid(weights, chart);
+  return chart;
+}
+
+/// World centroid of the inside, cell by cell: each cell's volume in the world by the share of it that is inside.
+Vec3d MovingLattice::centroid(const Weights& weights, const Chart& chart) const {
+  std::vector<Vec3d> world(lattice_.count());
+  std::vector<float> distance(lattice_.count());
+  tbb::parallel_for(size_t(0), world.size(), [&](size_t i) {
+    Vec3d q(0.0);
+    float d = 0;
+    for (size_t k = 0; k < objects_; ++k)
+      if (weights[k] > 0) q += weights[k] * Vec3d(chart_[k][i]), d += float(weights[k]) * distance_[k][i];
+    world[i] = chart.toWorld(q), distance[i] = d;
+  });
+  std::vector<Vec3d> sums(lattice_.size[2], Vec3d(0.0));
+  std::vector<double> volumes(lattice_.size[2], 0);
+  tbb::parallel_for(0, int(lattice_.size[2]) - 1, [&](int z) {
+    for (int y = 0; y + 1 < lattice_.size[1]; ++y)
+      for (int x = 0; x + 1 < lattice_.size[0]; ++x) {
+        Vec3d p[8], middle(0.0);
+        float d = 0;
+        for (int c = 0; c < 8; ++c) {
+          const size_t i = lattice_.index(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2));
+          p[c] = world[i];
+          middle += p[c] / 8.0, d += distance[i] / 8;
+        }
+        double share = std::min(std::max(0.5 - d / lattice_.spacing, 0.0), 1.0);
+        if (share == 0) continue;
+        double volume = 0;
+        for (const auto& t : kKuhnTetrahedra) volume += volumeOf(p, t);
+        if (!(volume > 0)) continue;
+        sums[z] += share * volume * middle, volumes[z] += share * volume;
+      }
+  });
+  Vec3d sum(0.0);
+  double volume = 0;
+  for (size_t z = 0; z < sums.size(); ++z) sum += sums[z], volume += volumes[z];
+  return volume > 0 ? sum / volume : chart.center;
 }
 
 /// One in-between's places of the lattice nodes.

@@ -32,11 +32,15 @@ class MovingLattice {
  public:
   MovingLattice(const Displacements& map, const Fields& fields, const std::vector<Chart>& charts);
 
+  /// The in-between's chart: blended, and bent ones moved so that the centroid travels straight.
+  Chart chartAt(const Weights& weights) const;
+
   /// `transform`: index space of the frame. Parallel; the same for any thread count.
   NodeMap nodesNearSurface(const Weights& weights, const Chart& chart, const openvdb::math::Transform& transform,
                            int step) const;
 
  private:
+  Vec3d centroid(const Weights& weights, const Chart& chart) const;
   struct Frame;
   struct Found;
   void rasterise(const Frame& frame, int z, Found& found) const;
@@ -47,6 +51,7 @@ class MovingLattice {
   std::vector<VectorField> chart_;            ///< per object: chart coordinates of the nodes
   std::vector<VectorField> place_;            ///< per object: world, relative to the field's anchor
   std::vector<std::vector<float>> distance_;  ///< per object: distance at the nodes, chart units
+  std::vector<Vec3d> centroid_;               ///< per object, by centroid(); where charts are bent
 };
 
 }  // namespace slicemorph

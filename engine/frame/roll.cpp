@@ -177,7 +177,7 @@ Roll findRoll(const DistanceField& a, const Chart& chartA, const DistanceField& 
     }
   }
   const double second[3] = {1, -2, 1};
-  constexpr double kStiff = 300;
+  constexpr double kStiff = 30;
   for (int i = 0; i + 2 < n; ++i)
     for (int p = 0; p < 3; ++p)
       for (int q = 0; q < 3; ++q) m(i + p, i + q) += kStiff * second[p] * second[q];

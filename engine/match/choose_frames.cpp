@@ -1,7 +1,7 @@
 #include "engine/match/choose_frames.h"
 
 #include "engine/errors.h"
-#include "engine/frame/curved.h"
+#include "engine/frame/spine_frames.h"
 #include "engine/match/register.h"
 
 #include <algorithm>
@@ -79,9 +79,9 @@ Frames chooseFrames(const Fields& fields, const MorphOptions& options, Progress&
   };
   consider(twistedFrames(fields, best), "twist");
   if (options.spine == SpineKind::kStraight || options.axis.length() > 0) return best;
-  if (const std::optional<Frames> curved = curvedFrames(fields)) {
-    consider(curved, "curved spine");
-    consider(twistedFrames(fields, *curved), "curved spine with twist");
+  if (const std::optional<LaidFrames> own = framesAlongSpines(fields)) {
+    if (own->bowed) consider(own->steady, "curved spine");
+    consider(own->twisted, own->bowed ? "curved spine with twist" : "own spine with twist");
   }
   return best;
 }

@@ -1,5 +1,7 @@
 #include "engine/spine/fit_spine.h"
 
+#include "engine/frame/moments.h"
+
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <tbb/parallel_for.h>
@@ -8,22 +10,26 @@
 #include <cmath>
 #include <numeric>
 #include <queue>
+#include <cstdio>
+#include <cstdlib>
 
 namespace slicemorph {
 
 namespace {
 
 constexpr int kSections = 65;
-constexpr int kRounds = 12;
 /// Of the penalty on third differences: waves shorter than a quarter of the axis are not followed.
-constexpr double kSmooth = 30;
+constexpr double kSmooth = 30, kSmoothEnd = 100, kEnd = 0.25;
 constexpr size_t kMostNodes = 40000;
 /// An object shorter than this many times its width has no clear axis.
 constexpr double kSlender = 1.8;
 /// Where slices come closer together than this the chart is of no use; how much of the object may lie there.
 constexpr double kLeastSpread = 0.4, kMostCrossed = 0.01;
-/// How far from its end a slice is to be trusted wholly, in widths of the slice.
-constexpr double kCap = 0.8;
+/// How far from its end a slice is to be trusted wholly, in widths of the slice: first, and once the axis is nearly right.
+constexpr double kCap = 0.8, kLateCap = 0.35;
+constexpr int kRounds = 9, kLateRounds = 3;
+/// An axis that grows by more than this in the late rounds curls up at an end.
+constexpr double kCurl = 1.02;
 constexpr double kVolumeTolerance = 0.03;
 
 /// The inside as points with the share of their cell that is inside.
@@ -115,6 +121,13 @@ class Geodesics {
   std::vector<std::vector<std::pair<int, double>>> neighbours_;
 };
 
+/// Trust in a slice by its distance to the axis' end: near an end it may be cut askew by the end cap. `cap`: in widths of
+/// the slice, where trust begins to fade.
+double awayFromEnd(double distance, double area, double cap) {
+  const double clear = std::min(distance / std::max(cap * std::sqrt(std::max(area, 0.0)), 1e-300), 1.0);
+  return clear * clear * clear * clear;
+}
+
 /// Evenly spaced points of least third differences near the given ones, each as near as its weight tells.
 std::vector<Vec3d> smoothed(const std::vector<Vec3d>& points, const std::vector<double>& weights) {
   const int n = int(points.size());
@@ -124,9 +137,13 @@ std::vector<Vec3d> smoothed(const std::vector<Vec3d>& points, const std::vector<
     for (int d = 0; d < 3; ++d) b(i, d) = a(i, i) * points[size_t(i)][d];
   }
   const double third[4] = {-1, 3, -3, 1};
-  for (int i = 0; i + 3 < n; ++i)
+  for (int i = 0; i + 3 < n; ++i) {
+    // Towards an end the axis goes on as it came from further in.
+    const double end = std::max(1 - std::min(i, n - 4 - i) / (kEnd * n), 0.0);
+    const double stiffness = kSmooth * std::pow(kSmoothEnd / kSmooth, end);
     for (int j = 0; j < 4; ++j)
-      for (int k = 0; k < 4; ++k) a(i + j, i + k) += kSmooth * third[j] * third[k];
+      for (int k = 0; k < 4; ++k) a(i + j, i + k) += stiffness * third[j] * third[k];
+  }
   const Eigen::MatrixXd x = a.ldlt().solve(b);
   std::vector<Vec3d> result;
   for (int i = 0; i < n; ++i) result.emplace_back(x(i, 0), x(i, 1), x(i, 2));
@@ -210,11 +227,13 @@ std::vector<Vec3d> geodesicStart(const InsideNodes& nodes) {
     sum[bin] += nodes.share[i] * nodes.position[i], weight[bin] += nodes.share[i];
   }
   // Ways that start at a tip spread from it like rings: near the tips they tell nothing of the axis.
-  constexpr int kTip = kSections / 8;
+  constexpr double kTip = 1.2;
+  const double length = most / (kSections - 1);
   for (int i = 0; i < kSections; ++i) {
-    const bool tip = i < kTip || i >= kSections - kTip;
-    if (weight[i] > 0) sum[i] /= weight[i], weight[i] = tip ? 0 : 1;
+    if (weight[i] > 0) sum[i] /= weight[i];
     else sum[i] = mean;
+    const double area = weight[i] * nodes.spacing * nodes.spacing * nodes.spacing / length;
+    weight[i] = awayFromEnd(length * std::min(i, kSections - 1 - i), area, kTip);
   }
   return smoothed(sum, weight);
 }
@@ -227,7 +246,7 @@ std::vector<Vec3d> inChart(const Chart& chart, const InsideNodes& nodes) {
 }
 
 /// The axis through the centroids of the chart's own slices, from tip to tip.
-std::vector<Vec3d> throughCentroids(const Chart& chart, const InsideNodes& nodes) {
+std::vector<Vec3d> throughCentroids(const Chart& chart, const InsideNodes& nodes, double cap) {
   const std::vector<Vec3d> z = inChart(chart, nodes);
   double low = 1e300, high = -1e300;
   for (size_t i = 0; i < z.size(); ++i) {
@@ -260,9 +279,7 @@ std::vector<Vec3d> throughCentroids(const Chart& chart, const InsideNodes& nodes
       least = std::min(least, area[j]), most = std::max(most, area[j]);
     const double full = most > 0 ? least / most : 0;
     const double toEnd = std::min(z0 - low, high - z0) * chart.scale[0];
-    const double width = std::sqrt(std::max(area[i], 0.0) * areaUnit);
-    const double clear = std::min(toEnd / std::max(kCap * width, 1e-300), 1.0);
-    weights.push_back(full * full * clear * clear * clear * clear);
+    weights.push_back(full * full * awayFromEnd(toEnd, area[i] * areaUnit, cap));
   }
   return smoothed(points, weights);
 }
@@ -303,34 +320,59 @@ double distanceFromChord(const Chart& chart) {
   return most;
 }
 
+/// Points along the longest principal axis of the inside.
+std::vector<Vec3d> straightStart(const InsideNodes& nodes) {
+  Vec3d mean(0.0);
+  for (const Vec3d& p : nodes.position) mean += p / double(nodes.position.size());
+  Mat3d covariance = Mat3d::zero();
+  for (const Vec3d& p : nodes.position)
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) covariance(i, j) += (p - mean)[i] * (p - mean)[j];
+  const Mat3d axes = principalAxes(covariance).axes;
+  const Vec3d axis(axes(0, 0), axes(1, 0), axes(2, 0));
+  double low = 0, high = 0;
+  for (const Vec3d& p : nodes.position) low = std::min(low, (p - mean).dot(axis)), high = std::max(high, (p - mean).dot(axis));
+  return {mean + low * axis, mean + high * axis};
+}
+
+/// The axis from a first guess; nothing where it is no sound chart of the object.
+std::optional<Chart> settled(const DistanceField& field, const InsideNodes& nodes, const std::vector<Vec3d>& start) {
+  if (start.empty()) return std::nullopt;
+  Chart chart = chartThrough(start, 1);
+  for (int round = 0; round < kRounds; ++round) chart = chartThrough(throughCentroids(chart, nodes, kCap), 1);
+  if (getenv("SPINE")) printf("   length %.4f\n", chart.scale[0]);
+  Chart closer = chart;
+  for (int round = 0; round < kLateRounds; ++round) closer = chartThrough(throughCentroids(closer, nodes, kLateCap), 1);
+  if (getenv("SPINE")) printf("   length %.4f\n", closer.scale[0]);
+  if (closer.scale[0] < kCurl * chart.scale[0]) chart = closer;
+  const double volume = nodes.volume(), radius = std::sqrt(volume / (2 * chart.scale[0]));
+  chart.scale[1] = chart.scale[2] = radius;
+  if (!(2 * chart.scale[0] > kSlender * radius)) return std::nullopt;
+  const std::vector<Vec3d> z = inChart(chart, nodes);
+  double crossed = 0, all = 0;
+  for (size_t i = 0; i < z.size(); ++i) {
+    all += nodes.share[i];
+    if (chart.spread(z[i]) < kLeastSpread || (chart.toWorld(z[i]) - nodes.position[i]).length() > 0.01 * radius)
+      crossed += nodes.share[i];
+  }
+  if (getenv("SPINE")) printf("  crossed %.4f counted %.4f length/radius %.2f\n", crossed/all, countedVolume(field, chart, z) / volume - 1, 2*chart.scale[0]/radius);
+  if (crossed > kMostCrossed * all) return std::nullopt;
+  if (std::abs(countedVolume(field, chart, z) / volume - 1) > kVolumeTolerance) return std::nullopt;
+  return chart;
+}
+
 }  // namespace
 
 std::optional<FittedSpine> fitSpine(const DistanceField& field) {
   const InsideNodes nodes = someInsideNodes(field);
-  const double volume = nodes.volume();
-  std::vector<Vec3d> points = geodesicStart(nodes);
-  if (points.empty()) return std::nullopt;
-  Chart chart = chartThrough(points, 1);
-  for (int round = 0; round < kRounds; ++round) {
-    const Chart next = chartThrough(throughCentroids(chart, nodes), 1);
-    double moved = 0;
-    for (int i = -4; i <= 4; ++i)
-      moved = std::max(moved, (next.toWorld({i / 4.0, 0, 0}) - chart.toWorld({i / 4.0, 0, 0})).length());
-    chart = next;
-    if (moved < 0.02 * nodes.spacing) break;
+  std::optional<Chart> best;
+  // Of two sound axes the shorter: the other one curls up at an end.
+  for (const std::vector<Vec3d>& start : {straightStart(nodes), geodesicStart(nodes)}) {
+    const std::optional<Chart> chart = settled(field, nodes, start);
+    if (chart && (!best || chart->scale[0] < best->scale[0])) best = chart;
   }
-  const double radius = std::sqrt(volume / (2 * chart.scale[0]));
-  chart.scale[1] = chart.scale[2] = radius;
-  if (!(2 * chart.scale[0] > kSlender * radius)) return std::nullopt;
-  const std::vector<Vec3d> z = inChart(chart, nodes);
-  double crossed = 0;
-  for (size_t i = 0; i < z.size(); ++i)
-    if (chart.spread(z[i]) < kLeastSpread || (chart.toWorld(z[i]) - nodes.position[i]).length() > 0.01 * radius)
-      crossed += nodes.share[i];
-  const double all = std::accumulate(nodes.share.begin(), nodes.share.end(), 0.0);
-  if (crossed > kMostCrossed * all) return std::nullopt;
-  if (std::abs(countedVolume(field, chart, z) / volume - 1) > kVolumeTolerance) return std::nullopt;
-  return FittedSpine{chart, distanceFromChord(chart) / radius};
+  if (!best) return std::nullopt;
+  return FittedSpine{*best, distanceFromChord(*best) / best->scale[1]};
 }
 
 }  // namespace slicemorph

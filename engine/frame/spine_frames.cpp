@@ -1,0 +1,138 @@
+#include "engine/frame/spine_frames.h"
+
+#include "engine/frame/roll.h"
+#include "engine/spine/fit_spine.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace slicemorph {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+/// An axis nearer to its chord than this, in radii, is as good as straight.
+constexpr double kLeastBow = 0.15;
+/// Overlap of the slices that turning or bending by 90 degrees must win.
+constexpr double kTurnPrice = 0.02;
+/// Overlap of the slices that twisting must win.
+constexpr double kTwistGain = 0.03;
+
+/// The roll of b's slices that turns its middle least against a's.
+double leastRoll(const Chart& a, const Chart& b) {
+  const Mat3d m = a.axes.transpose() * b.axes;
+  return std::atan2(m(1, 2) - m(2, 1), m(1, 1) + m(2, 2));
+}
+
+double turnBetween(const Chart& a, const Chart& b) { return rotationVector(a.axes.transpose() * b.axes).length(); }
+
+/// The roll of b's slices with which b bends most like a.
+double likeBend(const Chart& a, const Chart& b) {
+  const std::vector<Vec3d> ra = a.bend.rates(), rb = b.bend.rates();
+  double along = 0, across = 0;
+  for (size_t i = 0; i < ra.size(); ++i) {
+    along += ra[i][1] * rb[i][1] + ra[i][2] * rb[i][2];
+    across += ra[i][1] * rb[i][2] - ra[i][2] * rb[i][1];
+  }
+  return std::atan2(across, along);
+}
+
+/// How much one chart must be bent to become the other, radians in all.
+double bendBetween(const Chart& a, const Chart& b) {
+  const std::vector<Vec3d> ra = a.bend.rates(), rb = b.bend.rates();
+  double sum = 0;
+  for (size_t i = 0; i < ra.size(); ++i) sum += (ra[i] - rb[i]).length() / double(ra.size());
+  return 2 * std::max(a.bend.half(), b.bend.half()) * sum;
+}
+
+/// b's chart as it lies best on a's, one way round or the other: rolled as a whole, and with a roll of its own for each
+/// slice where that wins clearly.
+struct Laid {
+  Chart steady;
+  std::optional<Chart> twisted;
+  std::string twist;  ///< what was found
+};
+
+Laid laidOn(const DistanceField& fieldA, const Chart& a, const DistanceField& fieldB, const std::vector<Chart>& ways,
+            double half) {
+  Laid laid{ways[0], {}, {}};
+  double most = -1e300, mostAlong = -1e300, overlap = 0, overlapAlong = 0;
+  for (const Chart& way : ways)
+    for (double preferred : {leastRoll(a, way), likeBend(a, way)}) {
+      const Roll roll = findRoll(fieldA, a, fieldB, way, half, preferred);
+      const auto valueOf = [&](const Chart& chart, double agreement) {
+        return agreement - kTurnPrice * (turnBetween(a, chart) + bendBetween(a, chart)) / (kPi / 2);
+      };
+      const Chart steady = rolled(way, roll.steady), along = twisted(way, half, roll.along);
+      if (const double v = valueOf(steady, roll.steadyOverlap); v > most)
+        most = v, overlap = roll.steadyOverlap, laid.steady = steady;
+      if (const double v = valueOf(along, roll.alongOverlap); v > mostAlong) {
+        mostAlong = v, overlapAlong = roll.alongOverlap, laid.twisted = along;
+        char text[96];
+        std::snprintf(text, sizeof text, "twisted by %.0f degrees against the first: slices overlap %.2f, not",
+                      (roll.along.back() - roll.along.front()) * 180 / kPi, roll.alongOverlap);
+        laid.twist = text;
+      }
+    }
+  char text[16];
+  std::snprintf(text, sizeof text, " %.2f", overlap);
+  laid.twist += text;
+  if (overlapAlong < overlap + kTwistGain) laid.twisted.reset();
+  return laid;
+}
+
+/// Lays every object on the first, `ways(k)` telling in which ways object k may lie.
+template <typename Ways>
+LaidFrames laid(const Fields& fields, const Frames& frames, const Ways& ways) {
+  LaidFrames result{frames, frames};
+  bool any = false;
+  for (size_t k = 1; k < fields.size(); ++k) {
+    const Laid one = laidOn(*fields[0], frames.charts[0], *fields[k], ways(k), frames.halfLength);
+    result.steady.charts[k] = one.steady;
+    result.twisted->charts[k] = one.twisted.value_or(one.steady);
+    if (one.twisted) any = true, result.twisted->notes.push_back("shape " + std::to_string(k + 1) + " " + one.twist);
+  }
+  if (!any) result.twisted.reset();
+  return result;
+}
+
+}  // namespace
+
+std::optional<LaidFrames> framesAlongSpines(const Fields& fields) {
+  std::vector<std::optional<FittedSpine>> spines(fields.size());
+  tbb::parallel_for(size_t(0), fields.size(), [&](size_t k) { spines[k] = fitSpine(*fields[k]); });
+  double bow = 0, aspect = 0;
+  for (const auto& s : spines) {
+    if (!s) return std::nullopt;
+    bow = std::max(bow, s->bow);
+    aspect += s->chart.scale[0] / s->chart.scale[1] / double(fields.size());
+  }
+  Frames frames;
+  frames.halfLength = aspect;
+  for (size_t k = 0; k < fields.size(); ++k) {
+    Chart chart = spines[k]->chart;
+    chart.scale[0] /= aspect;
+    std::vector<Vec3d> rates = chart.bend.rates();
+    double turn = 0;
+    for (Vec3d& r : rates) turn += r.length() * 2 / double(rates.size()), r /= aspect;
+    chart.bend = Bend(aspect, std::move(rates));
+    frames.charts.push_back(chart);
+    char text[96];
+    std::snprintf(text, sizeof text, "shape %zu has a spine that turns by %.0f degrees in all", k + 1, turn * 180 / kPi);
+    frames.notes.push_back(text);
+  }
+  LaidFrames result = laid(fields, frames, [&](size_t k) {
+    return std::vector<Chart>{frames.charts[k], reversed(frames.charts[k])};
+  });
+  result.bowed = bow >= kLeastBow;
+  return result;
+}
+
+std::optional<Frames> twistedFrames(const Fields& fields, const Frames& frames) {
+  return laid(fields, frames, [&](size_t k) { return std::vector<Chart>{frames.charts[k]}; }).twisted;
+}
+
+}  // namespace slicemorph
