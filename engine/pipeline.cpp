@@ -47,8 +47,6 @@ void check(const std::vector<Object>& objects, const MorphOptions& options) {
   range("samples", options.samples, 16, 4096);
   if (options.voxelSize < 0 || !std::isfinite(options.voxelSize))
     throw InputError("voxel size is " + std::to_string(options.voxelSize) + "; it must be positive");
-  if (options.spine == SpineKind::kCurved)
-    throw InputError("spine 'curved' is not built yet; 'auto' and 'straight' are");
 }
 
 /// The node spacing of the map: finer than any feature the matching can make, coarse enough to be cheap.

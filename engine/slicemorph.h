@@ -22,7 +22,7 @@ enum class Align { kAuto, kNone };
 struct MorphOptions {
   int slices = 96;                        ///< slices per object, 8 to 1024
   int samples = 128;                      ///< points per contour, 16 to 4096
-  SpineKind spine = SpineKind::kAuto;     ///< kCurved throws InputError until curved spines are built
+  SpineKind spine = SpineKind::kAuto;     ///< kAuto: curved or twisted where that wins overlap
   Align align = Align::kAuto;             ///< kNone: world positions and directions are kept
   Vec3d axis{0, 0, 0};                    ///< slicing direction of the first object, world; zero: found
   double voxelSize = 0;                   ///< of every frame, world units; 0: follows the objects' own

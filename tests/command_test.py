@@ -61,7 +61,6 @@ USAGE = [
     ("axis letter", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --axis w", 2, "--axis w", ""),
     ("axis zero", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --axis 0,0,0", 2, "no length", ""),
     ("spine unknown", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --spine bent", 2, "--spine", ""),
-    ("spine curved", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --spine curved", 2, "not built yet", ""),
     ("grids", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --grids density", 2, "not built yet", ""),
     ("method unknown", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --method dissolve", 2, "--method", ""),
     ("levelset at", "morph {d}/a.obj {d}/b.obj -o {o}/m.vdb --method levelset --at 0.5", 2, "--frames", ""),

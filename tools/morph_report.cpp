@@ -59,7 +59,7 @@ Json describeJob(const MorphSettings& s) {
   job["slices"] = s.plan.slices;
   job["samples"] = s.plan.samples;
   job["axis"] = {s.plan.axis[0], s.plan.axis[1], s.plan.axis[2]};
-  job["spine"] = s.plan.spine == SpineKind::kStraight ? "straight" : "auto";
+  job["spine"] = s.plan.spine == SpineKind::kStraight ? "straight" : s.plan.spine == SpineKind::kCurved ? "curved" : "auto";
   job["align"] = s.plan.align == Align::kNone ? "none" : "auto";
   job["fps"] = s.framesPerSecond;
   return job;

@@ -149,7 +149,6 @@ MorphSettings MorphOptionSet::settings() {
                      "; for example: slicemorph morph a.obj b.obj -o morph.####.vdb");
   if (v.output.empty()) throw InputError("morph needs an output; for example: -o morph.####.vdb");
   if (v.gridsGiven->count()) throw InputError("--grids is not built yet: only the surface is morphed");
-  if (v.spine == "curved") throw InputError("--spine curved is not built yet; use auto or straight");
   if (v.atGiven->count() + v.weightsGiven->count() + v.framesGiven->count() > 1)
     throw InputError("--frames, --at and --weights exclude each other; give one of them");
 
@@ -163,7 +162,7 @@ MorphSettings MorphOptionSet::settings() {
   checkRange("--samples", s.plan.samples, 16, 4096);
   checkPositive("--fps", s.framesPerSecond);
   if (v.axis != "auto") s.plan.axis = parseDirection("--axis", v.axis);
-  s.plan.spine = v.spine == "straight" ? SpineKind::kStraight : SpineKind::kAuto;
+  s.plan.spine = v.spine == "straight" ? SpineKind::kStraight : v.spine == "curved" ? SpineKind::kCurved : SpineKind::kAuto;
   s.plan.align = v.align == "none" ? Align::kNone : Align::kAuto;
 
   const OutputName name(s.output);

@@ -66,11 +66,11 @@ Frames chooseFrames(const Fields& fields, const MorphOptions& options, Progress&
   Frames best = straightFrames(fields, quick, progress);
   if (options.align == Align::kNone) return best;
   Agreement least = quickAgreement(fields, best, quick, progress);
-  const auto consider = [&](const std::optional<Frames>& frames, const char* name) {
+  const auto consider = [&](const std::optional<Frames>& frames, const char* name, bool wanted = false) {
     if (!frames) return;
     const Agreement a = quickAgreement(fields, *frames, quick, progress);
     const double gain = 0.5 * (a.before + a.after - least.before - least.after) + turnPrice(best) - turnPrice(*frames);
-    const bool wins = gain > kPrice && a.after > least.after - kPrice;
+    const bool wins = wanted || (gain > kPrice && a.after > least.after - kPrice);
     char text[128];
     std::snprintf(text, sizeof text, "%s %s: overlap %.3f before and %.3f after a quick matching, else %.3f and %.3f", name,
                   wins ? "taken" : "not taken", a.before, a.after, least.before, least.after);
@@ -78,10 +78,13 @@ Frames chooseFrames(const Fields& fields, const MorphOptions& options, Progress&
     best.notes.push_back(text);
   };
   consider(twistedFrames(fields, best), "twist");
-  if (options.spine == SpineKind::kStraight || options.axis.length() > 0) return best;
+  const bool wanted = options.spine == SpineKind::kCurved;
+  if (!wanted && (options.spine == SpineKind::kStraight || options.axis.length() > 0)) return best;
   if (const std::optional<LaidFrames> own = framesAlongSpines(fields)) {
-    if (own->bowed) consider(own->steady, "curved spine");
+    if (own->bowed || wanted) consider(own->steady, "curved spine", wanted);
     consider(own->twisted, own->bowed ? "curved spine with twist" : "own spine with twist");
+  } else if (wanted) {
+    best.notes.push_back("not every shape has a sound curved spine: straight ones are used");
   }
   return best;
 }

@@ -10,8 +10,6 @@
 #include <cmath>
 #include <numeric>
 #include <queue>
-#include <cstdio>
-#include <cstdlib>
 
 namespace slicemorph {
 
@@ -19,17 +17,20 @@ namespace {
 
 constexpr int kSections = 65;
 /// Of the penalty on third differences: waves shorter than a quarter of the axis are not followed.
-constexpr double kSmooth = 30, kSmoothEnd = 100, kEnd = 0.25;
+constexpr double kSmooth = 30, kEnd = 0.25;
 constexpr size_t kMostNodes = 40000;
 /// An object shorter than this many times its width has no clear axis.
 constexpr double kSlender = 1.8;
 /// Where slices come closer together than this the chart is of no use; how much of the object may lie there.
 constexpr double kLeastSpread = 0.4, kMostCrossed = 0.01;
-/// How far from its end a slice is to be trusted wholly, in widths of the slice: first, and once the axis is nearly right.
-constexpr double kCap = 0.8, kLateCap = 0.35;
-constexpr int kRounds = 9, kLateRounds = 3;
-/// An axis that grows by more than this in the late rounds curls up at an end.
-constexpr double kCurl = 1.02;
+/// How the ends are found: how far from its end a slice is to be trusted wholly, in widths of the slice, and the penalty on
+/// third differences there. Once the axis is nearly right its ends may be followed closer; it must not grow by that, for an
+/// axis that curls up at an end is longer.
+struct Ends {
+  double cap, smoothEnds;
+};
+constexpr Ends kEarly{0.8, 100}, kLate{0.3, 30};
+constexpr int kRounds = 9, kLateRounds = 8;
 constexpr double kVolumeTolerance = 0.03;
 
 /// The inside as points with the share of their cell that is inside.
@@ -129,7 +130,7 @@ double awayFromEnd(double distance, double area, double cap) {
 }
 
 /// Evenly spaced points of least third differences near the given ones, each as near as its weight tells.
-std::vector<Vec3d> smoothed(const std::vector<Vec3d>& points, const std::vector<double>& weights) {
+std::vector<Vec3d> smoothed(const std::vector<Vec3d>& points, const std::vector<double>& weights, double atEnds) {
   const int n = int(points.size());
   Eigen::MatrixXd a = Eigen::MatrixXd::Zero(n, n), b(n, 3);
   for (int i = 0; i < n; ++i) {
@@ -140,7 +141,7 @@ std::vector<Vec3d> smoothed(const std::vector<Vec3d>& points, const std::vector<
   for (int i = 0; i + 3 < n; ++i) {
     // Towards an end the axis goes on as it came from further in.
     const double end = std::max(1 - std::min(i, n - 4 - i) / (kEnd * n), 0.0);
-    const double stiffness = kSmooth * std::pow(kSmoothEnd / kSmooth, end);
+    const double stiffness = kSmooth * std::pow(atEnds / kSmooth, end);
     for (int j = 0; j < 4; ++j)
       for (int k = 0; k < 4; ++k) a(i + j, i + k) += stiffness * third[j] * third[k];
   }
@@ -235,7 +236,7 @@ std::vector<Vec3d> geodesicStart(const InsideNodes& nodes) {
     const double area = weight[i] * nodes.spacing * nodes.spacing * nodes.spacing / length;
     weight[i] = awayFromEnd(length * std::min(i, kSections - 1 - i), area, kTip);
   }
-  return smoothed(sum, weight);
+  return smoothed(sum, weight, kEarly.smoothEnds);
 }
 
 /// Chart coordinates of all nodes.
@@ -246,7 +247,7 @@ std::vector<Vec3d> inChart(const Chart& chart, const InsideNodes& nodes) {
 }
 
 /// The axis through the centroids of the chart's own slices, from tip to tip.
-std::vector<Vec3d> throughCentroids(const Chart& chart, const InsideNodes& nodes, double cap) {
+std::vector<Vec3d> throughCentroids(const Chart& chart, const InsideNodes& nodes, const Ends& ends) {
   const std::vector<Vec3d> z = inChart(chart, nodes);
   double low = 1e300, high = -1e300;
   for (size_t i = 0; i < z.size(); ++i) {
@@ -279,9 +280,9 @@ std::vector<Vec3d> throughCentroids(const Chart& chart, const InsideNodes& nodes
       least = std::min(least, area[j]), most = std::max(most, area[j]);
     const double full = most > 0 ? least / most : 0;
     const double toEnd = std::min(z0 - low, high - z0) * chart.scale[0];
-    weights.push_back(full * full * awayFromEnd(toEnd, area[i] * areaUnit, cap));
+    weights.push_back(full * full * awayFromEnd(toEnd, area[i] * areaUnit, ends.cap));
   }
-  return smoothed(points, weights);
+  return smoothed(points, weights, ends.smoothEnds);
 }
 
 /// Volume that the chart's slices count: once everywhere, if the chart is sound.
@@ -339,12 +340,12 @@ std::vector<Vec3d> straightStart(const InsideNodes& nodes) {
 std::optional<Chart> settled(const DistanceField& field, const InsideNodes& nodes, const std::vector<Vec3d>& start) {
   if (start.empty()) return std::nullopt;
   Chart chart = chartThrough(start, 1);
-  for (int round = 0; round < kRounds; ++round) chart = chartThrough(throughCentroids(chart, nodes, kCap), 1);
-  if (getenv("SPINE")) printf("   length %.4f\n", chart.scale[0]);
+  for (int round = 0; round < kRounds; ++round) chart = chartThrough(throughCentroids(chart, nodes, kEarly), 1);
   Chart closer = chart;
-  for (int round = 0; round < kLateRounds; ++round) closer = chartThrough(throughCentroids(closer, nodes, kLateCap), 1);
-  if (getenv("SPINE")) printf("   length %.4f\n", closer.scale[0]);
-  if (closer.scale[0] < kCurl * chart.scale[0]) chart = closer;
+  for (int round = 0; round < kLateRounds; ++round) {
+    closer = chartThrough(throughCentroids(closer, nodes, kLate), 1);
+    if (closer.scale[0] < chart.scale[0]) chart = closer;
+  }
   const double volume = nodes.volume(), radius = std::sqrt(volume / (2 * chart.scale[0]));
   chart.scale[1] = chart.scale[2] = radius;
   if (!(2 * chart.scale[0] > kSlender * radius)) return std::nullopt;
@@ -355,7 +356,6 @@ std::optional<Chart> settled(const DistanceField& field, const InsideNodes& node
     if (chart.spread(z[i]) < kLeastSpread || (chart.toWorld(z[i]) - nodes.position[i]).length() > 0.01 * radius)
       crossed += nodes.share[i];
   }
-  if (getenv("SPINE")) printf("  crossed %.4f counted %.4f length/radius %.2f\n", crossed/all, countedVolume(field, chart, z) / volume - 1, 2*chart.scale[0]/radius);
   if (crossed > kMostCrossed * all) return std::nullopt;
   if (std::abs(countedVolume(field, chart, z) / volume - 1) > kVolumeTolerance) return std::nullopt;
   return chart;

@@ -1,0 +1,92 @@
+// A body with limbs: capsules as a quadruped that walks. 128 voxels along the longest side.
+#include "engine/measure/measure.h"
+#include "engine/slicemorph.h"
+#include "engine/spine/chart.h"
+#include "tests/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdio>
+#include <set>
+
+namespace slicemorph {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+using shapes::Distance;
+
+Distance capsule(const Vec3d& a, const Vec3d& b, double radius) {
+  return [=](const Vec3d& p) {
+    const Vec3d ab = b - a;
+    const double t = std::min(std::max((p - a).dot(ab) / ab.lengthSqr(), 0.0), 1.0);
+    return (p - a - t * ab).length() - radius;
+  };
+}
+
+/// Body along x, legs down along -z from its four corners, neck, head and tail. `swing`: of each leg, degrees forwards.
+Distance quadruped(const std::array<double, 4>& swing) {
+  std::vector<Distance> parts{capsule({-0.55, 0, 0.45}, {0.5, 0, 0.45}, 0.17), capsule({0.5, 0, 0.5}, {0.78, 0, 0.85}, 0.09),
+                              capsule({0.78, 0, 0.85}, {0.98, 0, 0.8}, 0.1), capsule({-0.6, 0, 0.5}, {-0.85, 0, 0.3}, 0.05)};
+  for (int leg = 0; leg < 4; ++leg) {
+    const Vec3d hip(leg < 2 ? 0.42 : -0.48, leg % 2 ? 0.13 : -0.13, 0.4);
+    const double a = swing[size_t(leg)] * kPi / 180;
+    parts.push_back(capsule(hip, hip + 0.62 * Vec3d(std::sin(a), 0, -std::cos(a)), 0.065));
+  }
+  return [=](const Vec3d& p) {
+    double d = 1e30;
+    for (const Distance& part : parts) d = std::min(d, part(p));
+    return d;
+  };
+}
+
+Object object(const Distance& distance) {
+  const double h = 1.9 / 128;
+  return {"quadruped", shapes::levelSet(distance, openvdb::BBoxd(Vec3d(-1.1, -0.4, -0.4), Vec3d(1.2, 0.4, 1.1)), h)};
+}
+
+/// Separate parts of a horizontal section of the inside.
+int sectionParts(const FloatGrid& grid, double z) {
+  auto accessor = grid.getConstAccessor();
+  const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
+  const int k = int(std::lround(z / grid.voxelSize()[0]));
+  std::set<openvdb::Coord> left;
+  for (int i = box.min()[0]; i <= box.max()[0]; ++i)
+    for (int j = box.min()[1]; j <= box.max()[1]; ++j)
+      if (accessor.getValue({i, j, k}) < 0) left.insert({i, j, k});
+  int parts = 0;
+  while (!left.empty()) {
+    ++parts;
+    std::vector<openvdb::Coord> front{*left.begin()};
+    left.erase(left.begin());
+    while (!front.empty()) {
+      const openvdb::Coord c = front.back();
+      front.pop_back();
+      for (const openvdb::Coord& d : {openvdb::Coord(1, 0, 0), openvdb::Coord(-1, 0, 0), openvdb::Coord(0, 1, 0), openvdb::Coord(0, -1, 0)})
+        if (left.erase(c + d)) front.push_back(c + d);
+    }
+  }
+  return parts;
+}
+
+TEST(Limbs, QuadrupedWalksOnFourLegs) {
+  const Object standing = object(quadruped({0, 0, 0, 0})), walking = object(quadruped({30, -30, -30, 30}));
+  const MorphPlan plan({standing, walking});
+  const double volumeA = measureShape(*standing.levelSet).volume, volumeB = measureShape(*walking.levelSet).volume;
+  for (int i = 0; i < 25; ++i) {
+    const double t = i / 24.0;
+    const FloatGrid::Ptr frame = plan.frame({1 - t, t}).surface;
+    const ShapeMeasures m = measureShape(*frame);
+    const double volume = m.volume / ((1 - t) * volumeA + t * volumeB);
+    // Half way down the legs, and a third of a leg above the lowest feet.
+    const int middle = sectionParts(*frame, 0.1), low = sectionParts(*frame, -0.1);
+    std::printf("  t %.3f: pieces %d, genus %d, legs %d and %d, volume %.3f\n", t, m.pieces, m.genus, middle, low, volume);
+    EXPECT_EQ(m.pieces, 1) << "t " << t;
+    EXPECT_EQ(middle, 4) << "t " << t;
+    EXPECT_EQ(low, 4) << "t " << t;
+    EXPECT_GE(volume, 0.95) << "t " << t;
+  }
+}
+
+}  // namespace
+}  // namespace slicemorph
