@@ -1,7 +1,8 @@
 // A body with limbs: capsules as a quadruped that walks. 128 voxels along the longest side.
 #include "engine/measure/measure.h"
 #include "engine/slicemorph.h"
-#include "engine/spine/chart.h"
+#include "engine/spine/limbs.h"
+#include "engine/volume/distance_field.h"
 #include "tests/shapes.h"
 
 #include <gtest/gtest.h>
@@ -67,6 +68,31 @@ int sectionParts(const FloatGrid& grid, double z) {
     }
   }
   return parts;
+}
+
+/// Four legs, the neck with the head, and the tail; each tip within two nodes of the coarse grid (1.9 / 112 apart, and
+/// the tip is a node) of the capsule's own.
+TEST(Limbs, AllAreFoundWithTheirTips) {
+  const DistanceField field(object(quadruped({30, -30, 0, 15})).levelSet);
+  const std::vector<Limb> limbs = findLimbs(field);
+  EXPECT_EQ(limbs.size(), 6u);
+  std::vector<Vec3d> tips{{1.08, 0, 0.77}, {-0.89, 0, 0.27}};
+  const double swing[4] = {30, -30, 0, 15};
+  for (int leg = 0; leg < 4; ++leg) {
+    const double a = swing[leg] * kPi / 180;
+    tips.push_back(Vec3d(leg < 2 ? 0.42 : -0.48, leg % 2 ? 0.13 : -0.13, 0.4) +
+                   0.685 * Vec3d(std::sin(a), 0, -std::cos(a)));
+  }
+  for (const Vec3d& tip : tips) {
+    double nearest = 1e30;
+    for (const Limb& limb : limbs) nearest = std::min(nearest, (limb.line.back() - tip).length());
+    // A round end's farthest point may lie anywhere on its cap.
+    EXPECT_LE(nearest, 2 * field.spacing() + 0.07) << tip;
+  }
+}
+
+TEST(Limbs, ABallHasNone) {
+  EXPECT_TRUE(findLimbs(DistanceField(shapes::levelSet(shapes::sphere({0, 0, 0}, 1), shapes::cube({0, 0, 0}, 1), 2.0 / 128))).empty());
 }
 
 TEST(Limbs, QuadrupedWalksOnFourLegs) {

@@ -3,6 +3,7 @@
 #include "engine/errors.h"
 #include "engine/match/fit_field.h"
 #include "engine/match/fold_guard.h"
+#include "engine/match/limb_pairs.h"
 #include "engine/match/soft_match.h"
 
 #include <tbb/parallel_for.h>
@@ -46,6 +47,7 @@ class Registrar {
 
   Registration run() {
     start();
+    followLimbs();
     int n = 0;
     for (const Round& round : kRounds) {
       if (progress_.cancelled()) throw Cancelled();
@@ -161,6 +163,59 @@ class Registrar {
     takeAsFarAsBetter(fit(points, latticeOf(0.12), 4), 0, kClearGain, "contour pairs");
   }
 
+  /// Limbs are matched as wholes: a leg meets the leg that leaves the body at the same place, however far it has swung.
+  void followLimbs() {
+    std::vector<std::vector<PlacedLimb>> limbs(objects_);
+    tbb::parallel_for(size_t(0), objects_, [&](size_t k) { limbs[k] = placedLimbs(k); });
+    std::vector<std::vector<int>> partner;  // of the first object's limbs, per object
+    for (size_t k = 0; k < objects_; ++k) partner.push_back(matchLimbs(limbs[0], limbs[k], size_));
+    std::vector<Correspondence> points;
+    int followed = 0;
+    for (size_t i = 0; i < limbs[0].size(); ++i) {
+      bool everywhere = true;
+      for (size_t k = 1; k < objects_; ++k) everywhere &= partner[k][i] >= 0;
+      if (!everywhere) continue;
+      ++followed;
+      std::vector<Correspondence> own;
+      for (size_t k = 1; k < objects_; ++k) {
+        const auto pairs = limbPoints(limbs[0][i], limbs[k][size_t(partner[k][i])]);
+        own.resize(pairs.size());
+        for (size_t n = 0; n < pairs.size(); ++n) {
+          if (k == 1) own[n].at.push_back(pairs[n].first);
+          own[n].at.push_back(pairs[n].second);
+        }
+      }
+      points.insert(points.end(), own.begin(), own.end());
+    }
+    std::string found;
+    for (const auto& list : limbs) found += (found.empty() ? "" : " and ") + std::to_string(list.size());
+    result_.notes.push_back("limbs: " + found + " found, " + std::to_string(followed) + " matched");
+    if (followed == 0) return;
+    // From coarse to fine: a fine lattice alone would fold where legs swing past each other.
+    bool any = false;
+    for (const double spacing : {0.12, 0.08, 0.055, 0.04}) {
+      any |= takeAsFarAsBetter(fit(points, latticeOf(spacing), 0.1), 0, kClearGain, "limbs") > 0;
+    }
+    if (any) limbPoints_ = std::move(points);
+  }
+
+  std::vector<PlacedLimb> placedLimbs(size_t k) const {
+    std::vector<PlacedLimb> placed;
+    for (const Limb& limb : findLimbs(*fields_[k])) {
+      PlacedLimb p;
+      for (size_t i = 0; i < limb.line.size(); ++i) {
+        p.chart.push_back(charts_[k].toChart(limb.line[i]));
+        Vec3d middle;
+        toMiddleSpace(k, p.chart.back(), middle);
+        p.middle.push_back(middle);
+        p.radius.push_back(limb.radius[i] / charts_[k].meanScale());
+        if (i > 0) p.length += (p.middle[i] - p.middle[i - 1]).length();
+      }
+      placed.push_back(std::move(p));
+    }
+    return placed;
+  }
+
   /// Takes a map to the degree to which the warped objects overlap better than before: not at all where they do not
   /// gain more than `nothing`, wholly from a gain of `all`. A yes or no would let noise decide between two results.
   double takeAsFarAsBetter(const Displacements& map, double nothing, double all, const char* name) {
@@ -263,9 +318,10 @@ class Registrar {
   void refine(const Round& round) {
     std::vector<MiddleSamples> samples(objects_);
     for (size_t k = 0; k < objects_; ++k) samples[k] = middleSamples(k, round.samples);
-    const std::vector<Correspondence> points =
+    std::vector<Correspondence> points =
         round.soft ? softCorrespondences(samples, round) : closestCorrespondences(samples, round);
     if (points.empty()) return;
+    points.insert(points.end(), limbPoints_.begin(), limbPoints_.end());
     const Lattice lattice = latticeOf(round.spacing);
     const double density = double(points.size()) / 2000;
     char name[64];
@@ -388,6 +444,7 @@ class Registrar {
   Vec3d margin_;
   double size_ = 1;      ///< cube root of the box's volume
   Displacements base_;
+  std::vector<Correspondence> limbPoints_;  ///< of matched limbs, if following them has helped
   double overlap_ = 0;
   bool quick_ = false;
   Registration result_;

@@ -1,6 +1,7 @@
 #include "engine/spine/fit_spine.h"
 
 #include "engine/frame/moments.h"
+#include "engine/spine/geodesics.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
@@ -9,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <queue>
 
 namespace slicemorph {
 
@@ -18,7 +18,6 @@ namespace {
 constexpr int kSections = 65;
 /// Of the penalty on third differences: waves shorter than a quarter of the axis are not followed.
 constexpr double kSmooth = 30, kEnd = 0.25;
-constexpr size_t kMostNodes = 40000;
 /// An object shorter than this many times its width has no clear axis.
 constexpr double kSlender = 1.8;
 /// Where slices come closer together than this the chart is of no use; how much of the object may lie there.
@@ -32,95 +31,6 @@ struct Ends {
 constexpr Ends kEarly{0.8, 100}, kLate{0.3, 30};
 constexpr int kRounds = 9, kLateRounds = 8;
 constexpr double kVolumeTolerance = 0.03;
-
-/// The inside as points with the share of their cell that is inside.
-struct InsideNodes {
-  std::vector<Vec3d> position;
-  std::vector<double> share, depth;
-  std::vector<openvdb::Coord> at;  ///< in strides
-  double spacing = 0;
-
-  double volume() const {
-    return std::accumulate(share.begin(), share.end(), 0.0) * spacing * spacing * spacing;
-  }
-};
-
-InsideNodes insideNodes(const DistanceField& field, int stride) {
-  InsideNodes nodes;
-  nodes.spacing = stride * field.spacing();
-  const auto& n = field.size();
-  for (int z = 0; z < n[2]; z += stride)
-    for (int y = 0; y < n[1]; y += stride)
-      for (int x = 0; x < n[0]; x += stride) {
-        const double d = field.nodeDistance(x, y, z), share = 0.5 - d / nodes.spacing;
-        if (!(share > 0)) continue;
-        nodes.position.push_back(field.nodePosition(x, y, z));
-        nodes.share.push_back(std::min(share, 1.0));
-        nodes.depth.push_back(-d);
-        nodes.at.emplace_back(x / stride, y / stride, z / stride);
-      }
-  return nodes;
-}
-
-InsideNodes someInsideNodes(const DistanceField& field) {
-  InsideNodes nodes;
-  for (int stride = 1; nodes.position.empty() || nodes.position.size() > kMostNodes; ++stride)
-    nodes = insideNodes(field, stride);
-  return nodes;
-}
-
-/// Shortest ways through the inside, from node to neighbouring node.
-class Geodesics {
- public:
-  explicit Geodesics(const InsideNodes& nodes) : count_(nodes.position.size()) {
-    openvdb::CoordBBox box;
-    for (const auto& c : nodes.at) box.expand(c);
-    const openvdb::Coord size = box.dim();
-    const auto index = [&](const openvdb::Coord& c) {
-      const openvdb::Coord o = c - box.min();
-      return (size_t(o[2]) * size[1] + o[1]) * size[0] + o[0];
-    };
-    std::vector<int> number(size_t(size[0]) * size[1] * size[2], -1);
-    for (size_t i = 0; i < count_; ++i) number[index(nodes.at[i])] = int(i);
-    neighbours_.resize(count_);
-    for (size_t i = 0; i < count_; ++i)
-      for (auto d = openvdb::CoordBBox(openvdb::Coord(-1), openvdb::Coord(1)).begin(); d; ++d) {
-        const openvdb::Coord c = nodes.at[i] + *d;
-        if (*d == openvdb::Coord(0) || !box.isInside(c)) continue;
-        const int other = number[index(c)];
-        if (other >= 0) neighbours_[i].push_back({other, nodes.spacing * (*d).asVec3d().length()});
-      }
-  }
-
-  /// Infinite where there is no way.
-  std::vector<double> from(size_t start) const {
-    std::vector<double> distance(count_, std::numeric_limits<double>::infinity());
-    using Entry = std::pair<double, int>;
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> queue;
-    distance[start] = 0;
-    queue.push({0, int(start)});
-    while (!queue.empty()) {
-      const auto [d, i] = queue.top();
-      queue.pop();
-      if (d > distance[size_t(i)]) continue;
-      for (const auto& [other, length] : neighbours_[size_t(i)])
-        if (d + length < distance[size_t(other)]) queue.push({distance[size_t(other)] = d + length, other});
-    }
-    return distance;
-  }
-
-  /// The farthest node that can be reached.
-  static size_t farthest(const std::vector<double>& distance) {
-    size_t best = 0;
-    for (size_t i = 0; i < distance.size(); ++i)
-      if (std::isfinite(distance[i]) && !(distance[i] <= (std::isfinite(distance[best]) ? distance[best] : -1))) best = i;
-    return best;
-  }
-
- private:
-  size_t count_;
-  std::vector<std::vector<std::pair<int, double>>> neighbours_;
-};
 
 /// Trust in a slice by its distance to the axis' end: near an end it may be cut askew by the end cap. `cap`: in widths of
 /// the slice, where trust begins to fade.
@@ -211,9 +121,9 @@ std::vector<Vec3d> geodesicStart(const InsideNodes& nodes) {
   for (const Vec3d& p : nodes.position) mean += p / double(nodes.position.size());
   for (size_t i = 0; i < nodes.position.size(); ++i)
     if ((nodes.position[i] - mean).lengthSqr() < (nodes.position[middle] - mean).lengthSqr()) middle = i;
-  const size_t a = Geodesics::farthest(ways.from(middle));
-  const std::vector<double> fromA = ways.from(a);
-  const std::vector<double> fromB = ways.from(Geodesics::farthest(fromA));
+  const size_t a = ways.from(middle).farthest();
+  const std::vector<double> fromA = ways.from(a).length;
+  const std::vector<double> fromB = ways.from(ways.from(a).farthest()).length;
   size_t reached = 0;
   double most = 0;
   for (double d : fromA)
@@ -364,7 +274,7 @@ std::optional<Chart> settled(const DistanceField& field, const InsideNodes& node
 }  // namespace
 
 std::optional<FittedSpine> fitSpine(const DistanceField& field) {
-  const InsideNodes nodes = someInsideNodes(field);
+  const InsideNodes nodes = InsideNodes(field);
   std::optional<Chart> best;
   // Of two sound axes the shorter: the other one curls up at an end.
   for (const std::vector<Vec3d>& start : {straightStart(nodes), geodesicStart(nodes)}) {

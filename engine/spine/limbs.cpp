@@ -1,0 +1,109 @@
+#include "engine/spine/limbs.h"
+
+#include "engine/spine/geodesics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace slicemorph {
+
+namespace {
+
+/// Of the longest way: how far a branch must run out beyond where it joins another.
+constexpr double kProminent = 0.12;
+/// A branch is at least this many times longer than wide.
+constexpr double kSlender = 1.2;
+
+/// Nodes that hang together beyond some distance from the body, grown from a tip inwards.
+struct Branch {
+  size_t tip;
+  std::vector<size_t> nodes;
+  bool ended = false;  ///< has joined another branch already
+};
+
+/// The middle line of a branch's nodes from distance `root` outwards.
+Limb limbOf(const InsideNodes& nodes, const std::vector<double>& distance, const Branch& branch, double root) {
+  constexpr int n = Limb::kSections;
+  const double spacing = (distance[branch.tip] - root) / (n - 1);
+  std::vector<Vec3d> sum(n, Vec3d(0.0));
+  std::vector<double> weight(n, 0);
+  for (size_t i : branch.nodes) {
+    const double u = (distance[i] - root) / spacing;
+    if (u < -0.5) continue;
+    const int below = std::min(std::max(int(u), 0), n - 2);
+    const double f = std::min(std::max(u - below, 0.0), 1.0);
+    sum[below] += nodes.share[i] * (1 - f) * nodes.position[i], weight[below] += nodes.share[i] * (1 - f);
+    sum[below + 1] += nodes.share[i] * f * nodes.position[i], weight[below + 1] += nodes.share[i] * f;
+  }
+  Limb limb;
+  const double cell = nodes.spacing * nodes.spacing * nodes.spacing;
+  for (int i = 0; i < n; ++i) {
+    limb.line.push_back(weight[i] > 0 ? sum[i] / weight[i] : nodes.position[branch.tip]);
+    limb.radius.push_back(std::sqrt(weight[i] * cell / (3.14159265 * spacing)));
+  }
+  limb.line.back() = nodes.position[branch.tip];
+  limb.radius.back() = limb.radius[n - 2];
+  for (int i = 1; i < n; ++i) limb.length += (limb.line[i] - limb.line[i - 1]).length();
+  return limb;
+}
+
+double widthOf(const Limb& limb) {
+  return 2 * std::accumulate(limb.radius.begin(), limb.radius.end(), 0.0) / double(limb.radius.size());
+}
+
+}  // namespace
+
+std::vector<Limb> findLimbs(const DistanceField& field) {
+  const InsideNodes nodes(field);
+  if (nodes.position.empty()) return {};
+  const Geodesics ways(nodes);
+  const size_t body = size_t(std::max_element(nodes.depth.begin(), nodes.depth.end()) - nodes.depth.begin());
+  const std::vector<double> distance = ways.from(body).length;
+  std::vector<size_t> order;
+  for (size_t i = 0; i < distance.size(); ++i)
+    if (std::isfinite(distance[i])) order.push_back(i);
+  std::sort(order.begin(), order.end(), [&](size_t a, size_t b) {
+    return distance[a] != distance[b] ? distance[a] > distance[b] : a < b;
+  });
+  if (order.empty()) return {};
+  const double longest = distance[order[0]];
+
+  // From the tips inwards: what hangs together is one branch until it meets another.
+  std::vector<Branch> branches;
+  std::vector<int> branchOf(distance.size(), -1);
+  std::vector<Limb> limbs;
+  const auto end = [&](Branch& branch, double root) {
+    if (branch.ended) return;
+    branch.ended = true;
+    const Limb limb = limbOf(nodes, distance, branch, root);
+    if (limb.length > kSlender * widthOf(limb)) limbs.push_back(limb);
+  };
+  for (size_t i : order) {
+    int mine = -1;
+    for (const Geodesics::Neighbour& n : ways.neighbours(i)) {
+      int other = branchOf[n.node];
+      if (other < 0 || other == mine) continue;
+      if (mine < 0) {
+        mine = other;
+        continue;
+      }
+      // Two branches meet. Both end here, if both are branches at all; the lesser one's nodes join the other's.
+      Branch* a = &branches[size_t(mine)];
+      Branch* b = &branches[size_t(other)];
+      if (distance[a->tip] < distance[b->tip]) std::swap(a, b), std::swap(mine, other);
+      if (distance[b->tip] - distance[i] > kProminent * longest) end(*a, distance[i]), end(*b, distance[i]);
+      for (size_t node : b->nodes) branchOf[node] = mine, a->nodes.push_back(node);
+      b->nodes.clear();
+    }
+    if (mine < 0) {
+      mine = int(branches.size());
+      branches.push_back({i, {}, false});
+    }
+    branchOf[i] = mine;
+    branches[size_t(mine)].nodes.push_back(i);
+  }
+  return limbs;
+}
+
+}  // namespace slicemorph
