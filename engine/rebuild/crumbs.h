@@ -8,7 +8,7 @@ namespace slicemorph {
 int countPieces(const FloatGrid& levelSet);
 
 /// Removes the smallest parts of the inside while there are more than `allowed`, but only crumbs: parts of less than
-/// 1 % of the inside voxels next to the surface, as tear off where a feature is thinner than a voxel or two. Returns
+/// 3 % of the inside voxels next to the surface, as tear off where a feature is thinner than a voxel or two. Returns
 /// how many were removed.
 int removeCrumbs(FloatGrid& levelSet, int allowed);
 
