@@ -75,8 +75,9 @@ std::vector<Vec3d> evenly(const std::vector<Vec3d>& line, int count) {
   return result;
 }
 
-/// Frames along evenly spaced points that do not spin (double reflection; Wang et al. 2008), as a chart.
-Chart chartThrough(const std::vector<Vec3d>& points, double radius) {
+/// Frames along evenly spaced points that do not spin (double reflection; Wang et al. 2008), as a chart with slices in
+/// world units.
+Chart chartThrough(const std::vector<Vec3d>& points) {
   const int n = Bend::kStations;
   const std::vector<Vec3d> p = evenly(points, n);
   std::vector<Vec3d> tangent(n), side(n);
@@ -105,7 +106,7 @@ Chart chartThrough(const std::vector<Vec3d>& points, double radius) {
   for (int i = 0; i + 1 < n; ++i) length += (p[i + 1] - p[i]).length();
   Chart chart;
   chart.axes = frame[(n - 1) / 2];
-  chart.scale = Vec3d(0.5 * length, radius, radius);
+  chart.scale = Vec3d(0.5 * length, 1, 1);
   chart.bend = Bend(1, std::move(rates));
   // The integrated spine, laid over the points as a whole.
   Vec3d mean(0.0);
@@ -121,9 +122,9 @@ std::vector<Vec3d> geodesicStart(const InsideNodes& nodes) {
   for (const Vec3d& p : nodes.position) mean += p / double(nodes.position.size());
   for (size_t i = 0; i < nodes.position.size(); ++i)
     if ((nodes.position[i] - mean).lengthSqr() < (nodes.position[middle] - mean).lengthSqr()) middle = i;
-  const size_t a = ways.from(middle).farthest();
-  const std::vector<double> fromA = ways.from(a).length;
-  const std::vector<double> fromB = ways.from(ways.from(a).farthest()).length;
+  const Geodesics::Ways waysFromA = ways.from(ways.from(middle).farthest());
+  const std::vector<double>& fromA = waysFromA.length;
+  const std::vector<double> fromB = ways.from(waysFromA.farthest()).length;
   size_t reached = 0;
   double most = 0;
   for (double d : fromA)
@@ -249,11 +250,11 @@ std::vector<Vec3d> straightStart(const InsideNodes& nodes) {
 /// The axis from a first guess; nothing where it is no sound chart of the object.
 std::optional<Chart> settled(const DistanceField& field, const InsideNodes& nodes, const std::vector<Vec3d>& start) {
   if (start.empty()) return std::nullopt;
-  Chart chart = chartThrough(start, 1);
-  for (int round = 0; round < kRounds; ++round) chart = chartThrough(throughCentroids(chart, nodes, kEarly), 1);
+  Chart chart = chartThrough(start);
+  for (int round = 0; round < kRounds; ++round) chart = chartThrough(throughCentroids(chart, nodes, kEarly));
   Chart closer = chart;
   for (int round = 0; round < kLateRounds; ++round) {
-    closer = chartThrough(throughCentroids(closer, nodes, kLate), 1);
+    closer = chartThrough(throughCentroids(closer, nodes, kLate));
     if (closer.scale[0] < chart.scale[0]) chart = closer;
   }
   const double volume = nodes.volume(), radius = std::sqrt(volume / (2 * chart.scale[0]));
