@@ -60,17 +60,32 @@ Chart MovingLattice::chartAt(const Weights& weights) const {
   return chart;
 }
 
+MovingLattice::Blend MovingLattice::blend(const Weights& weights) const {
+  Blend nodes{std::vector<Vec3d>(lattice_.count()), std::vector<float>(lattice_.count())};
+  const Weights path = pathWeights(weights);
+  double rest = 1;  // of the node's own place in the middle space
+  for (double w : path) rest -= w;
+  tbb::parallel_for(0, int(lattice_.size[2]), [&](int z) {
+    for (int y = 0; y < lattice_.size[1]; ++y)
+      for (int x = 0; x < lattice_.size[0]; ++x) {
+        const size_t i = lattice_.index(x, y, z);
+        Vec3d q = rest * lattice_.position(x, y, z);
+        float d = 0;
+        for (size_t k = 0; k < objects_; ++k) {
+          q += path[k] * Vec3d(chart_[k][i]);
+          if (weights[k] > 0) d += float(weights[k]) * distance_[k][i];
+        }
+        nodes.chart[i] = q, nodes.distance[i] = d;
+      }
+  });
+  return nodes;
+}
+
 /// World centroid of the inside, cell by cell: each cell's volume in the world by the share of it that is inside.
 Vec3d MovingLattice::centroid(const Weights& weights, const Chart& chart) const {
-  std::vector<Vec3d> world(lattice_.count());
-  std::vector<float> distance(lattice_.count());
-  tbb::parallel_for(size_t(0), world.size(), [&](size_t i) {
-    Vec3d q(0.0);
-    float d = 0;
-    for (size_t k = 0; k < objects_; ++k)
-      if (weights[k] > 0) q += weights[k] * Vec3d(chart_[k][i]), d += float(weights[k]) * distance_[k][i];
-    world[i] = chart.toWorld(q), distance[i] = d;
-  });
+  Blend nodes = blend(weights);
+  std::vector<Vec3d>& world = nodes.chart;
+  tbb::parallel_for(size_t(0), world.size(), [&](size_t i) { world[i] = chart.toWorld(world[i]); });
   std::vector<Vec3d> sums(lattice_.size[2], Vec3d(0.0));
   std::vector<double> volumes(lattice_.size[2], 0);
   tbb::parallel_for(0, int(lattice_.size[2]) - 1, [&](int z) {
@@ -81,7 +96,7 @@ Vec3d MovingLattice::centroid(const Weights& weights, const Chart& chart) const 
         for (int c = 0; c < 8; ++c) {
           const size_t i = lattice_.index(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2));
           p[c] = world[i];
-          middle += p[c] / 8.0, d += distance[i] / 8;
+          middle += p[c] / 8.0, d += nodes.distance[i] / 8;
         }
         double share = std::min(std::max(0.5 - d / lattice_.spacing, 0.0), 1.0);
         if (share == 0) continue;
@@ -101,8 +116,8 @@ Vec3d MovingLattice::centroid(const Weights& weights, const Chart& chart) const 
 struct MovingLattice::Frame {
   const Weights& weights;
   std::vector<Vec3d> node;       ///< in units of `step` voxels
-  std::vector<Vec3d> chart;      ///< chart coordinates of the in-between
-  std::vector<float> distance;   ///< blended, chart units
+  std::vector<Vec3d> chart;      ///< as in Blend
+  std::vector<float> distance;   ///< as in Blend
   std::vector<char> near;        ///< per cell (at its first node): 1 near the surface, 2 crossed by it
   NodeMap* map;
 };
@@ -120,17 +135,11 @@ NodeMap MovingLattice::nodesNearSurface(const Weights& weights, const Chart& cha
   map.step = step;
   map.objects = objects_;
   const size_t count = lattice_.count();
-  Frame frame{weights, std::vector<Vec3d>(count), std::vector<Vec3d>(count), std::vector<float>(count),
+  Blend blended = blend(weights);
+  Frame frame{weights, std::vector<Vec3d>(count), std::move(blended.chart), std::move(blended.distance),
               std::vector<char>(count, 0), &map};
-  tbb::parallel_for(0, int(lattice_.size[2]), [&](int z) {
-    const size_t first = lattice_.index(0, 0, z), last = lattice_.index(0, 0, z + 1);
-    for (size_t i = first; i < last; ++i) {
-      Vec3d q(0.0);
-      float d = 0;
-      for (size_t k = 0; k < objects_; ++k) q += weights[k] * Vec3d(chart_[k][i]), d += float(weights[k]) * distance_[k][i];
-      frame.chart[i] = q, frame.distance[i] = d;
-      frame.node[i] = transform.worldToIndex(chart.toWorld(q)) / step;
-    }
+  tbb::parallel_for(size_t(0), count, [&](size_t i) {
+    frame.node[i] = transform.worldToIndex(chart.toWorld(frame.chart[i])) / step;
   });
   // Nodes are needed as far out as the band, and two nodes more for the splines between them.
   const double voxel = transform.voxelSize()[0] / chart.meanScale();

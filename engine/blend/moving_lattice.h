@@ -40,6 +40,12 @@ class MovingLattice {
                            int step) const;
 
  private:
+  /// One in-between's nodes.
+  struct Blend {
+    std::vector<Vec3d> chart;     ///< chart coordinates of the in-between
+    std::vector<float> distance;  ///< blended, chart units
+  };
+  Blend blend(const Weights& weights) const;
   Vec3d centroid(const Weights& weights, const Chart& chart) const;
   struct Frame;
   struct Found;

@@ -7,6 +7,7 @@ namespace slicemorph {
 /// The same surface point on every object, chart coordinates of each.
 struct Correspondence {
   std::vector<Vec3d> at;  ///< per object
+  Vec3d middle{0, 0, 0};  ///< where it is half way between all objects
   float weight = 1;
 };
 

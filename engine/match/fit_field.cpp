@@ -120,20 +120,35 @@ Displacements fitFields(const Lattice& lattice, const Sites& sites, double stiff
   const size_t objects = sites.value.size();
   const NormalOperator op(lattice, sites, stiffness);
   Displacements result{lattice, start.of};
-  // The values sum to zero over the objects and the fit is linear: the last object follows from the others.
-  const size_t solved = objects - 1;
-  tbb::parallel_for(size_t(0), 3 * solved, [&](size_t task) {
+  // The fit is linear: the last object follows from the others and from the sum of all, which mostly is nothing.
+  std::vector<Vec3d> sums(sites.position.size(), Vec3d(0.0));
+  VectorField sum(lattice.count(), openvdb::Vec3s(0.f));
+  double most = 0, largest = 0;
+  for (size_t k = 0; k < objects; ++k) {
+    for (size_t i = 0; i < sums.size(); ++i) {
+      sums[i] += sites.value[k][i];
+      largest = std::max(largest, sites.value[k][i].lengthSqr());
+    }
+    for (size_t i = 0; i < sum.size(); ++i) sum[i] += start.of[k][i];
+  }
+  for (const Vec3d& s : sums) most = std::max(most, s.lengthSqr());
+  for (const auto& s : sum) most = std::max(most, double(s.lengthSqr()));
+  const bool bowed = most > 1e-8 * largest;
+  if (!bowed) std::fill(sum.begin(), sum.end(), openvdb::Vec3s(0.f));
+  tbb::parallel_for(size_t(0), 3 * (objects - 1 + bowed), [&](size_t task) {
     const size_t object = task / 3;
     const int component = int(task % 3);
+    const bool last = object == objects - 1;
+    const VectorField& from = last ? sum : start.of[object];
     std::vector<float> x(lattice.count());
-    for (size_t i = 0; i < x.size(); ++i) x[i] = start.of[object][i][component];
-    x = solve(op, op.rightHandSide(sites.value[object], component), std::move(x));
-    for (size_t i = 0; i < x.size(); ++i) result.of[object][i][component] = x[i];
+    for (size_t i = 0; i < x.size(); ++i) x[i] = from[i][component];
+    x = solve(op, op.rightHandSide(last ? sums : sites.value[object], component), std::move(x));
+    VectorField& to = last ? sum : result.of[object];
+    for (size_t i = 0; i < x.size(); ++i) to[i][component] = x[i];
   });
   for (size_t i = 0; i < lattice.count(); ++i) {
-    openvdb::Vec3s sum(0.f);
-    for (size_t k = 0; k < solved; ++k) sum += result.of[k][i];
-    result.of[solved][i] = -sum;
+    result.of.back()[i] = sum[i];
+    for (size_t k = 0; k + 1 < objects; ++k) result.of.back()[i] -= result.of[k][i];
   }
   return result;
 }

@@ -8,7 +8,7 @@ namespace slicemorph {
 struct Sites {
   std::vector<Vec3d> position;             ///< middle space
   std::vector<float> weight;               ///< >= 0
-  std::vector<std::vector<Vec3d>> value;   ///< per object, per site; sums to zero over the objects
+  std::vector<std::vector<Vec3d>> value;   ///< per object, per site
 };
 
 /// Least-squares fields, one per object: sum_i w_i |D(s_i) - v_i|^2 + stiffness * sum_nodes |laplacian D|^2, zero

@@ -23,14 +23,14 @@ void forEachCell(const Lattice& lattice, const Visit& visit) {
   });
 }
 
-/// The maps that must be free of folds: to every object, and to points on the way there from the middle.
+/// The maps that must be free of folds, as path weights: to every object, and to points on the way there from the middle.
 std::vector<Weights> guardedWeights(size_t objects) {
   std::vector<Weights> result;
   for (size_t k = 0; k < objects; ++k)
     for (double toward : {1.0, 0.5}) {
       Weights w(objects, (1 - toward) / double(objects));
       w[k] += toward;
-      result.push_back(w);
+      result.push_back(pathWeights(w));
     }
   return result;
 }
@@ -80,15 +80,15 @@ void smooth(const Lattice& lattice, VectorField& field, const std::vector<float>
   });
 }
 
-/// Smallest volume of a cell's tetrahedra after the map s -> s + sum_k w_k D_k(s), over their volume before.
-double smallestRatio(const Displacements& map, const Weights& weights, int x, int y, int z) {
+/// Smallest volume of a cell's tetrahedra after the map s -> s + sum_k path_k D_k(s), over their volume before.
+double smallestRatio(const Displacements& map, const Weights& path, int x, int y, int z) {
   const Lattice& lattice = map.lattice;
   Vec3d p[8];
   for (int c = 0; c < 8; ++c) {
     const int dx = c & 1, dy = c >> 1 & 1, dz = c >> 2;
     const size_t i = lattice.index(x + dx, y + dy, z + dz);
     p[c] = lattice.spacing * Vec3d(dx, dy, dz);
-    for (size_t k = 0; k < weights.size(); ++k) p[c] += weights[k] * Vec3d(map.of[k][i]);
+    for (size_t k = 0; k < path.size(); ++k) p[c] += path[k] * Vec3d(map.of[k][i]);
   }
   double smallest = 1e30;
   for (const auto& t : kKuhnTetrahedra)
@@ -113,6 +113,16 @@ std::vector<char> foldedCells(const Displacements& map, const std::vector<Weight
 }
 
 }  // namespace
+
+double leastRatio(const Displacements& map) {
+  std::vector<double> least(map.lattice.size[2], 1e30);
+  for (size_t k = 0; k < map.of.size(); ++k) {
+    Weights own(map.of.size(), 0);
+    own[k] = 1;
+    forEachCell(map.lattice, [&](int x, int y, int z) { least[z] = std::min(least[z], smallestRatio(map, own, x, y, z)); });
+  }
+  return *std::min_element(least.begin(), least.end());
+}
 
 int removeFolds(Displacements& map, double floor) {
   const std::vector<Weights> guarded = guardedWeights(map.of.size());

@@ -21,16 +21,72 @@ double costOf(const PlacedLimb& a, const PlacedLimb& b, double size) {
   return (kRootPrice * root.length() + kTipPrice * tip) / size + kLengthPrice * std::abs(std::log(a.length / b.length));
 }
 
-Vec3d directionAt(const std::vector<Vec3d>& line, size_t i) {
-  const Vec3d d = line[std::min(i + 1, line.size() - 1)] - line[i > 0 ? i - 1 : 0];
-  return d.length() > 0 ? d.unit() : Vec3d(1, 0, 0);
-}
-
 /// `v` turned the way that takes one direction to another.
-Vec3d carried(const Vec3d& v, const Vec3d& from, const Vec3d& to) {
+Mat3d turnBetween(const Vec3d& from, const Vec3d& to) {
   const Vec3d axis = from.cross(to);
   const double s = axis.length();
-  return s < 1e-9 ? v : rotationFromVector(axis / s * std::atan2(s, from.dot(to))) * v;
+  return s < 1e-9 ? Mat3d::identity() : rotationFromVector(axis / s * std::atan2(s, from.dot(to)));
+}
+
+/// A limb as a root, lengths, and frames that do not spin (first column along the limb), one a piece between two points.
+struct Stem {
+  Vec3d root;
+  std::vector<double> length;
+  std::vector<Mat3d> frame;
+};
+
+Stem stemOf(const std::vector<Vec3d>& line, const Mat3d& firstFrame) {
+  Stem stem{line[0], {}, {}};
+  Mat3d frame = firstFrame;
+  for (size_t i = 0; i + 1 < line.size(); ++i) {
+    const Vec3d d = line[i + 1] - line[i];
+    stem.length.push_back(d.length());
+    if (d.length() > 0) frame = turnBetween(frame.col(0), d.unit()) * frame;
+    stem.frame.push_back(frame);
+  }
+  return stem;
+}
+
+Mat3d meanFrame(const std::vector<Mat3d>& frames) {
+  Mat3d mean = frames[0];
+  for (int i = 0; i < 20; ++i) {
+    Vec3d step(0.0);
+    for (const Mat3d& f : frames) step += rotationVector(mean.transpose() * f) / double(frames.size());
+    mean = mean * rotationFromVector(step);
+  }
+  return mean;
+}
+
+/// Mean root and lengths; the first frame is the mean, and from piece to piece it turns by the mean of the turns.
+Stem meanStem(const std::vector<Stem>& stems) {
+  const double share = 1.0 / double(stems.size());
+  Stem mean = stems[0];
+  mean.root = Vec3d(0.0);
+  std::vector<Mat3d> first;
+  for (const Stem& s : stems) mean.root += share * s.root, first.push_back(s.frame[0]);
+  mean.frame[0] = meanFrame(first);
+  for (size_t i = 0; i < mean.length.size(); ++i) {
+    mean.length[i] = 0;
+    for (const Stem& s : stems) mean.length[i] += share * s.length[i];
+    if (i == 0) continue;
+    Vec3d turn(0.0);
+    for (const Stem& s : stems) turn += share * rotationVector(s.frame[i - 1].transpose() * s.frame[i]);
+    mean.frame[i] = mean.frame[i - 1] * rotationFromVector(turn);
+  }
+  return mean;
+}
+
+/// The middle line's points, each with four around it.
+std::vector<Vec3d> pointsOf(const Stem& stem, const std::vector<double>& radius) {
+  std::vector<Vec3d> points;
+  Vec3d p = stem.root;
+  for (size_t i = 0; i < radius.size(); ++i) {
+    const Mat3d& frame = stem.frame[std::min(i, stem.frame.size() - 1)];
+    const Vec3d x = radius[i] * frame.col(1), y = radius[i] * frame.col(2);
+    for (const Vec3d& around : {Vec3d(0.0), x, -x, y, -y}) points.push_back(p + around);
+    if (i < stem.length.size()) p += stem.length[i] * frame.col(0);
+  }
+  return points;
 }
 
 }  // namespace
@@ -46,22 +102,25 @@ std::vector<int> matchLimbs(const std::vector<PlacedLimb>& a, const std::vector<
   return partner;
 }
 
-std::vector<std::pair<Vec3d, Vec3d>> limbPoints(const PlacedLimb& a, const PlacedLimb& b) {
-  std::vector<std::pair<Vec3d, Vec3d>> points;
-  // One frame for both where they leave the body, then each its own way.
-  Vec3d ta = directionAt(a.chart, 0), tb = directionAt(b.chart, 0);
-  Vec3d side = std::abs(ta[0]) < 0.6 ? Vec3d(1, 0, 0) : Vec3d(0, 1, 0);
-  Vec3d ea = (side - side.dot(ta) * ta).unit(), eb = carried(ea, ta, tb);
-  for (size_t i = 0; i < a.chart.size(); ++i) {
-    const Vec3d na = directionAt(a.chart, i), nb = directionAt(b.chart, i);
-    ea = carried(ea, ta, na), eb = carried(eb, tb, nb);
-    ta = na, tb = nb;
-    points.emplace_back(a.chart[i], b.chart[i]);
-    const Vec3d fa = ta.cross(ea), fb = tb.cross(eb);
-    for (int q = 0; q < 4; ++q) {
-      const double x = q == 0 ? 1 : q == 1 ? -1 : 0, y = q == 2 ? 1 : q == 3 ? -1 : 0;
-      points.emplace_back(a.chart[i] + a.radius[i] * (x * ea + y * fa), b.chart[i] + b.radius[i] * (x * eb + y * fb));
-    }
+std::vector<Correspondence> limbPoints(const std::vector<PlacedLimb>& limbs) {
+  std::vector<Stem> stems;
+  for (const PlacedLimb& limb : limbs) {
+    const Vec3d d = limb.chart[1] - limb.chart[0];
+    const Vec3d along = d.length() > 0 ? d.unit() : Vec3d(1, 0, 0);
+    // One frame for all where they leave the body, then each its own way.
+    Mat3d frame = stems.empty() ? turnBetween({1, 0, 0}, along) : stems[0].frame[0];
+    frame = turnBetween(frame.col(0), along) * frame;
+    stems.push_back(stemOf(limb.chart, frame));
+  }
+  std::vector<double> meanRadius(limbs[0].radius.size(), 0);
+  for (const PlacedLimb& limb : limbs)
+    for (size_t i = 0; i < meanRadius.size(); ++i) meanRadius[i] += limb.radius[i] / double(limbs.size());
+  const std::vector<Vec3d> middle = pointsOf(meanStem(stems), meanRadius);
+  std::vector<Correspondence> points(middle.size());
+  for (size_t i = 0; i < middle.size(); ++i) points[i].middle = middle[i];
+  for (size_t k = 0; k < limbs.size(); ++k) {
+    const std::vector<Vec3d> own = pointsOf(stems[k], limbs[k].radius);
+    for (size_t i = 0; i < own.size(); ++i) points[i].at.push_back(own[i]);
   }
   return points;
 }

@@ -18,7 +18,9 @@ struct PlacedLimb {
 /// Returns per limb of the first object its partner among the second's; -1: none.
 std::vector<int> matchLimbs(const std::vector<PlacedLimb>& a, const std::vector<PlacedLimb>& b, double size);
 
-/// Points of two matched limbs: along their middle lines, and around these at the limbs' radii, in frames that do not spin.
-std::vector<std::pair<Vec3d, Vec3d>> limbPoints(const PlacedLimb& a, const PlacedLimb& b);
+/// Points of a limb as every object has it, along the middle line and around it at the limb's radii, in frames that do not
+/// spin. Half way the limb has the mean of their lengths and is bent and turned half as much as they are: it swings, and
+/// does not cut across.
+std::vector<Correspondence> limbPoints(const std::vector<PlacedLimb>& limbs);
 
 }  // namespace slicemorph

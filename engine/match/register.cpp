@@ -2,6 +2,7 @@
 
 #include "engine/errors.h"
 #include "engine/match/fit_field.h"
+#include "engine/match/flow.h"
 #include "engine/match/fold_guard.h"
 #include "engine/match/limb_pairs.h"
 #include "engine/match/soft_match.h"
@@ -36,6 +37,12 @@ const Round kRounds[] = {
 
 /// A look at how well two objects can be matched at all.
 const Round kQuickRounds[] = {{false, 0.25, 0.14, 3, 1500}, {false, 0.15, 0.10, 2, 1500}};
+
+/// Limbs are followed by fields of this spacing, and the map that follows them is kept on a lattice of this one.
+constexpr double kFlowSpacing = 0.08, kFlowLattice = 0.04;
+/// Per object: samples of the body, which keeps its place meanwhile; and how far it is from a limb, in the limb's radii.
+constexpr int kStillSamples = 900;
+constexpr double kStillReach = 1.5;
 
 /// A gain in overlap that is no accident.
 constexpr double kClearGain = 0.01;
@@ -172,31 +179,40 @@ class Registrar {
     std::vector<Correspondence> points;
     int followed = 0;
     for (size_t i = 0; i < limbs[0].size(); ++i) {
-      bool everywhere = true;
-      for (size_t k = 1; k < objects_; ++k) everywhere &= partner[k][i] >= 0;
-      if (!everywhere) continue;
+      std::vector<PlacedLimb> own{limbs[0][i]};
+      for (size_t k = 1; k < objects_ && partner[k][i] >= 0; ++k) own.push_back(limbs[k][size_t(partner[k][i])]);
+      if (own.size() < objects_) continue;
       ++followed;
-      std::vector<Correspondence> own;
-      for (size_t k = 1; k < objects_; ++k) {
-        const auto pairs = limbPoints(limbs[0][i], limbs[k][size_t(partner[k][i])]);
-        own.resize(pairs.size());
-        for (size_t n = 0; n < pairs.size(); ++n) {
-          if (k == 1) own[n].at.push_back(pairs[n].first);
-          own[n].at.push_back(pairs[n].second);
-        }
-      }
-      points.insert(points.end(), own.begin(), own.end());
+      const std::vector<Correspondence> more = limbPoints(own);
+      points.insert(points.end(), more.begin(), more.end());
     }
     std::string found;
     for (const auto& list : limbs) found += (found.empty() ? "" : " and ") + std::to_string(list.size());
     result_.notes.push_back("limbs: " + found + " found, " + std::to_string(followed) + " matched");
     if (followed == 0) return;
-    // From coarse to fine: a fine lattice alone would fold where legs swing past each other.
-    bool any = false;
-    for (const double spacing : {0.12, 0.08, 0.055, 0.04}) {
-      any |= takeAsFarAsBetter(fit(points, latticeOf(spacing), 0.1), 0, kClearGain, "limbs") > 0;
+    const Displacements map = flowed(result_.map, points, stillPoints(limbs), kFlowSpacing * size_, latticeOf(kFlowLattice));
+    Displacements safe = map;
+    removeFolds(safe);
+    if (takeAsFarAsBetter(safe, 0, kClearGain, "limbs") == 0) return;
+    limbPoints_ = std::move(points);
+    base_ = result_.map;
+    for (size_t k = 0; k < objects_; ++k) guesses_.emplace_back(base_, k);
+  }
+
+  /// Surface points well away from all limbs, middle space: the body, which does not swing with them.
+  std::vector<Vec3d> stillPoints(const std::vector<std::vector<PlacedLimb>>& limbs) const {
+    std::vector<Vec3d> still;
+    for (size_t k = 0; k < objects_; ++k) {
+      const MiddleSamples samples = middleSamples(k, kStillSamples);
+      for (size_t i = 0; i < samples.own.size(); ++i) {
+        bool away = true;
+        for (const PlacedLimb& limb : limbs[k])
+          for (size_t n = 0; n < limb.chart.size() && away; ++n)
+            away = (limb.chart[n] - samples.own[i]).length() > kStillReach * limb.radius[n] + 0.03 * size_;
+        if (away) still.push_back(samples.points.position[i]);
+      }
     }
-    if (any) limbPoints_ = std::move(points);
+    return still;
   }
 
   std::vector<PlacedLimb> placedLimbs(size_t k) const {
@@ -214,6 +230,11 @@ class Registrar {
       placed.push_back(std::move(p));
     }
     return placed;
+  }
+
+  bool toMiddleSpace(size_t k, const Vec3d& a, Vec3d& s) const {
+    s = guesses_.empty() ? a - result_.map.at(k, a) : guesses_[k].near(a);
+    return toMiddle(result_.map, k, a, s);
   }
 
   /// Takes a map to the degree to which the warped objects overlap better than before: not at all where they do not
@@ -250,43 +271,20 @@ class Registrar {
     Sites sites;
     sites.value.resize(objects_);
     for (const Correspondence& c : points) {
-      Vec3d s(0.0);
-      for (const Vec3d& p : c.at) s += p / double(objects_);
+      const Vec3d& s = c.middle;
       sites.position.push_back(s);
       sites.weight.push_back(c.weight);
-      for (size_t k = 0; k < objects_; ++k) sites.value[k].push_back(c.at[k] - s - base.at(k, s));
+      for (size_t k = 0; k < objects_; ++k) sites.value[k].push_back(c.at[k] - s - base_.at(k, s));
     }
     // As many samples a node whatever the counts: the stiffness then means the same for all rounds.
     Displacements map = fitFields(lattice, sites, stiffness, start);
+    const bool finer = base_.lattice.spacing < lattice.spacing;
+    if (finer) map = resampled(map, base_.lattice);
+    const Displacements& under = finer ? base_ : base;
     for (size_t k = 0; k < objects_; ++k)
-      for (size_t i = 0; i < lattice.count(); ++i) map.of[k][i] += base.of[k][i];
+      for (size_t i = 0; i < map.lattice.count(); ++i) map.of[k][i] += under.of[k][i];
     removeFolds(map);
     return map;
-  }
-
-  /// Middle point of a chart point of object k: Newton's method on s + D_k(s) = a.
-  bool toMiddleSpace(size_t k, const Vec3d& a, Vec3d& s) const {
-    const Displacements& map = result_.map;
-    const double h = 0.5 * map.lattice.spacing;
-    s = a - map.at(k, a);
-    for (int i = 0; i < 12; ++i) {
-      const Vec3d r = a - s - map.at(k, s);
-      if (r.length() < 1e-3 * map.lattice.spacing) return true;
-      Mat3d jacobian;
-      for (int axis = 0; axis < 3; ++axis) {
-        Vec3d e(0.0);
-        e[axis] = h;
-        Vec3d column = (map.at(k, s + e) - map.at(k, s - e)) / (2 * h);
-        column[axis] += 1;
-        for (int row = 0; row < 3; ++row) jacobian(row, axis) = column[row];
-      }
-      const double det = jacobian.det();
-      Vec3d step = det > 0.02 ? jacobian.inverse() * r : 0.5 * r;
-      const double longest = 2 * map.lattice.spacing;
-      if (step.length() > longest) step *= longest / step.length();
-      s += step;
-    }
-    return (a - s - map.at(k, s)).length() < 0.2 * map.lattice.spacing;
   }
 
   /// Samples of an object, in the middle space.
@@ -340,6 +338,7 @@ class Registrar {
         Correspondence c;
         const Vec3d& s = samples[j].points.position[i];
         for (size_t k = 0; k < objects_; ++k) c.at.push_back(k == j ? samples[j].own[i] : s + result_.map.at(k, s));
+        c.middle = s;
         c.weight = 1;
         all[j].push_back(std::move(c));
       }
@@ -347,6 +346,7 @@ class Registrar {
       for (size_t i = 0; i < targets.position.size(); ++i) {
         const Vec3d& t = targets.position[i];
         all[from][i].at[to] = t + result_.map.at(to, t);
+        all[from][i].middle += (t - samples[from].points.position[i]) / double(objects_);
         all[from][i].weight = std::min(all[from][i].weight, float(targets.trust[i]));
       }
     };
@@ -372,10 +372,13 @@ class Registrar {
         Correspondence& c = found[i];
         const Vec3d& s = samples[j].points.position[i];
         c.weight = 0;
+        c.middle = s;
         for (size_t k = 0; k < objects_; ++k) {
-          Vec3d at = k == j ? samples[j].own[i] : s + result_.map.at(k, s);
+          const Vec3d before = k == j ? samples[j].own[i] : s + result_.map.at(k, s);
+          Vec3d at = before;
           if (k != j) c.weight = std::max(c.weight, projectOnto(k, samples[j].points.normal[i], round.reach * size_, at));
           c.at.push_back(at);
+          c.middle += (at - before) / double(objects_);
         }
       });
       for (Correspondence& c : found)
@@ -445,6 +448,7 @@ class Registrar {
   double size_ = 1;      ///< cube root of the box's volume
   Displacements base_;
   std::vector<Correspondence> limbPoints_;  ///< of matched limbs, if following them has helped
+  std::vector<MiddleGuess> guesses_;        ///< per object, if limbs were followed
   double overlap_ = 0;
   bool quick_ = false;
   Registration result_;
