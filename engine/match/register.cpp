@@ -14,6 +14,8 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <optional>
+#include <utility>
 
 namespace slicemorph {
 
@@ -44,6 +46,10 @@ constexpr double kFlowSpacing = 0.08, kFlowLattice = 0.04;
 constexpr int kStillSamples = 900;
 constexpr double kStillReach = 1.5;
 
+/// A limb that an object lacks lies in it as a stub of at most this share of the limb's length, and not further away from
+/// where the limb is attached.
+constexpr double kStubLength = 0.35, kStubReach = 0.5;
+
 /// A gain in overlap that is no accident.
 constexpr double kClearGain = 0.01;
 
@@ -62,6 +68,7 @@ class Registrar {
       refine(round);
     }
     finish();
+    result_.map = std::move(now_.map), result_.notes = std::move(now_.notes);
     return std::move(result_);
   }
 
@@ -69,10 +76,20 @@ class Registrar {
     quick_ = true;
     start();
     for (const Round& round : kQuickRounds) refine(round);
-    return {result_.overlapBefore, overlap_};
+    return {result_.overlapBefore, now_.overlap};
   }
 
  private:
+  /// What the rounds change.
+  struct State {
+    Displacements map;
+    Displacements base;                     ///< what the rounds' fields are added to
+    std::vector<Correspondence> limbPoints; ///< where limbs are followed
+    std::vector<MiddleGuess> guesses;       ///< then, per object
+    double overlap = 0;
+    std::vector<std::string> notes;
+  };
+
   void start() {
     measureObjects();
     sliceObjects();
@@ -157,12 +174,12 @@ class Registrar {
     const BaseWarp base = makeBaseWarp(result_.stacks, result_.planes);
     const Lattice lattice = latticeOf(0.08);
     Displacements none{lattice, std::vector<VectorField>(objects_, VectorField(lattice.count(), openvdb::Vec3s(0.f)))};
-    result_.overlapBefore = overlap_ = overlapOf(none);
-    result_.map = none;
-    base_ = none;
+    result_.overlapBefore = now_.overlap = overlapOf(none);
+    now_.map = none;
+    now_.base = none;
     Displacements affine = baseDisplacements(base, lattice, box_);
     removeFolds(affine);
-    if (takeAsFarAsBetter(affine, 0, kClearGain, "per-slice affine") > 0) base_ = result_.map;
+    if (takeAsFarAsBetter(affine, 0, kClearGain, "per-slice affine") > 0) now_.base = now_.map;
     result_.pairs = matchContours(result_.stacks, base);
     const std::vector<Correspondence> points =
         pairCorrespondences(result_.pairs, result_.stacks, base, std::max(16, options_.samples / 4));
@@ -174,29 +191,119 @@ class Registrar {
   void followLimbs() {
     std::vector<std::vector<PlacedLimb>> limbs(objects_);
     tbb::parallel_for(size_t(0), objects_, [&](size_t k) { limbs[k] = placedLimbs(k); });
-    std::vector<std::vector<int>> partner;  // of the first object's limbs, per object
-    for (size_t k = 0; k < objects_; ++k) partner.push_back(matchLimbs(limbs[0], limbs[k], size_));
-    std::vector<Correspondence> points;
-    int followed = 0;
-    for (size_t i = 0; i < limbs[0].size(); ++i) {
-      std::vector<PlacedLimb> own{limbs[0][i]};
-      for (size_t k = 1; k < objects_ && partner[k][i] >= 0; ++k) own.push_back(limbs[k][size_t(partner[k][i])]);
-      if (own.size() < objects_) continue;
-      ++followed;
-      const std::vector<Correspondence> more = limbPoints(own);
-      points.insert(points.end(), more.begin(), more.end());
+    std::vector<Correspondence> matched, all;
+    int matches = 0, grown = 0;
+    for (const std::vector<int>& group : limbGroups(limbs)) {
+      const std::optional<std::vector<PlacedLimb>> own = completed(group, limbs);
+      if (!own) continue;
+      const std::vector<Correspondence> points = limbPoints(*own);
+      all.insert(all.end(), points.begin(), points.end());
+      if (std::count(group.begin(), group.end(), -1)) {
+        ++grown;
+        continue;
+      }
+      ++matches;
+      matched.insert(matched.end(), points.begin(), points.end());
     }
     std::string found;
     for (const auto& list : limbs) found += (found.empty() ? "" : " and ") + std::to_string(list.size());
-    result_.notes.push_back("limbs: " + found + " found, " + std::to_string(followed) + " matched");
-    if (followed == 0) return;
-    const Displacements map = flowed(result_.map, points, stillPoints(limbs), kFlowSpacing * size_, latticeOf(kFlowLattice));
-    Displacements safe = map;
-    removeFolds(safe);
-    if (takeAsFarAsBetter(safe, 0, kClearGain, "limbs") == 0) return;
-    limbPoints_ = std::move(points);
-    base_ = result_.map;
-    for (size_t k = 0; k < objects_; ++k) guesses_.emplace_back(base_, k);
+    now_.notes.push_back("limbs: " + found + " found, " + std::to_string(matches) + " matched, " +
+                         std::to_string(grown) + " to grow out of the body");
+    if (all.empty()) return;
+    const std::vector<Vec3d> still = stillPoints(limbs);
+    const State none = now_;
+    double most = tried(none) + kClearGain, without = most - kClearGain;
+    const auto consider = [&](const std::vector<Correspondence>& points, const char* name) {
+      const State state = following(none, points, still);
+      const double overlap = tried(state);
+      char text[128];
+      std::snprintf(text, sizeof text, "%s: overlap %.3f after a quick matching, else %.3f", name, overlap, without);
+      if (overlap > most) most = overlap, now_ = state;
+      now_.notes.push_back(text);
+    };
+    if (matches > 0) consider(matched, "matched limbs followed");
+    if (grown > 0) consider(all, "all limbs followed");
+  }
+
+  /// The state with a map that follows limbs.
+  State following(State state, const std::vector<Correspondence>& points, const std::vector<Vec3d>& still) const {
+    state.map = flowed(state.map, points, still, kFlowSpacing * size_, latticeOf(kFlowLattice));
+    removeFolds(state.map);
+    state.overlap = overlapOf(state.map);
+    state.base = state.map;
+    state.limbPoints = points;
+    for (size_t k = 0; k < objects_; ++k) state.guesses.emplace_back(state.map, k);
+    return state;
+  }
+
+  /// How well the objects overlap after a quick matching from there.
+  double tried(const State& state) {
+    const State before = std::exchange(now_, state);
+    for (const Round& round : kQuickRounds) refine(round);
+    return std::exchange(now_, before).overlap;
+  }
+
+  /// What takes part in one limb: per object the number of its limb; -1: it has none.
+  std::vector<std::vector<int>> limbGroups(const std::vector<std::vector<PlacedLimb>>& limbs) const {
+    std::vector<std::vector<int>> groups;
+    for (size_t i = 0; i < limbs[0].size(); ++i) {
+      groups.emplace_back(objects_, -1);
+      groups.back()[0] = int(i);
+    }
+    for (size_t k = 1; k < objects_; ++k) {
+      const std::vector<int> partner = matchLimbs(limbs[0], limbs[k], size_);
+      for (size_t i = 0; i < partner.size(); ++i) groups[i][k] = partner[i];
+      for (size_t j = 0; j < limbs[k].size(); ++j) {
+        if (std::find(partner.begin(), partner.end(), int(j)) != partner.end()) continue;
+        groups.emplace_back(objects_, -1);
+        groups.back()[k] = int(j);
+      }
+    }
+    return groups;
+  }
+
+  /// The group's limb on every object: its own, or a stub below the surface at the place where others have the limb.
+  std::optional<std::vector<PlacedLimb>> completed(const std::vector<int>& group,
+                                                   const std::vector<std::vector<PlacedLimb>>& limbs) const {
+    std::vector<PlacedLimb> result;
+    size_t has = 0;
+    while (group[has] < 0) ++has;
+    for (size_t k = 0; k < objects_; ++k) {
+      if (group[k] >= 0) {
+        result.push_back(limbs[k][size_t(group[k])]);
+        continue;
+      }
+      const std::optional<PlacedLimb> stub = stubOf(limbs[has][size_t(group[has])], k);
+      if (!stub) return {};
+      result.push_back(*stub);
+    }
+    return result;
+  }
+
+  /// Object k's place for a limb it lacks: a short one that lies wholly below the surface, where the limb would be attached.
+  std::optional<PlacedLimb> stubOf(const PlacedLimb& limb, size_t k) const {
+    const Vec3d root = limb.middle[0] + now_.map.at(k, limb.middle[0]);
+    const Vec3d world = fields_[k]->closest(charts_[k].toWorld(root));
+    const Vec3d surface = charts_[k].toChart(world);
+    if ((surface - root).length() > kStubReach * limb.length) return {};
+    const Vec3d out = charts_[k].normalToChart(surface, fields_[k]->gradient(world));
+    // How far it may go down: as long as it gets deeper.
+    const double unit = 1 / charts_[k].meanScale(), step = 0.02 * limb.length;
+    double depth = 0, deepest = 0;
+    while (depth < kStubLength * limb.length) {
+      const double below = -unit * fields_[k]->coarse(charts_[k].toWorld(surface - (depth + step) * out));
+      if (below < deepest) break;
+      deepest = below, depth += step;
+    }
+    if (depth < 4 * step) return {};
+    const double share = 0.7 * depth / limb.length;
+    PlacedLimb stub = limb;
+    const int n = int(limb.chart.size());
+    for (int i = 0; i < n; ++i) {
+      stub.chart[size_t(i)] = surface - depth * (0.85 - 0.7 * i / (n - 1.0)) * out;
+      stub.radius[size_t(i)] *= std::sqrt(share);
+    }
+    return stub;
   }
 
   /// Surface points well away from all limbs, middle space: the body, which does not swing with them.
@@ -233,39 +340,39 @@ class Registrar {
   }
 
   bool toMiddleSpace(size_t k, const Vec3d& a, Vec3d& s) const {
-    s = guesses_.empty() ? a - result_.map.at(k, a) : guesses_[k].near(a);
-    return toMiddle(result_.map, k, a, s);
+    s = now_.guesses.empty() ? a - now_.map.at(k, a) : now_.guesses[k].near(a);
+    return toMiddle(now_.map, k, a, s);
   }
 
   /// Takes a map to the degree to which the warped objects overlap better than before: not at all where they do not
   /// gain more than `nothing`, wholly from a gain of `all`. A yes or no would let noise decide between two results.
   double takeAsFarAsBetter(const Displacements& map, double nothing, double all, const char* name) {
     const double overlap = overlapOf(map);
-    const double x = std::min(std::max((overlap - overlap_ - nothing) / (all - nothing), 0.0), 1.0);
+    const double x = std::min(std::max((overlap - now_.overlap - nothing) / (all - nothing), 0.0), 1.0);
     const double share = x * x * (3 - 2 * x);
     char text[128];
     std::snprintf(text, sizeof text, "%s: overlap %.3f, taken to %.0f %%", name, overlap, 100 * share);
-    result_.notes.push_back(text);
+    now_.notes.push_back(text);
     if (share == 0) return 0;
     if (share == 1) {
-      result_.map = map;
-      overlap_ = overlap;
+      now_.map = map;
+      now_.overlap = overlap;
       return 1;
     }
-    Displacements blended = resampled(result_.map, map.lattice);
+    Displacements blended = resampled(now_.map, map.lattice);
     for (size_t k = 0; k < objects_; ++k)
       for (size_t i = 0; i < map.lattice.count(); ++i)
         blended.of[k][i] += float(share) * (map.of[k][i] - blended.of[k][i]);
     removeFolds(blended);
-    result_.map = std::move(blended);
-    overlap_ = overlapOf(result_.map);
+    now_.map = std::move(blended);
+    now_.overlap = overlapOf(now_.map);
     return share;
   }
 
   /// The smooth fold-free map that meets the correspondences, as displacement on top of the base warp.
   Displacements fit(const std::vector<Correspondence>& points, const Lattice& lattice, double stiffness) const {
-    const Displacements base = resampled(base_, lattice);
-    Displacements start = resampled(result_.map, lattice);
+    const Displacements base = resampled(now_.base, lattice);
+    Displacements start = resampled(now_.map, lattice);
     for (size_t k = 0; k < objects_; ++k)
       for (size_t i = 0; i < lattice.count(); ++i) start.of[k][i] -= base.of[k][i];
     Sites sites;
@@ -274,13 +381,13 @@ class Registrar {
       const Vec3d& s = c.middle;
       sites.position.push_back(s);
       sites.weight.push_back(c.weight);
-      for (size_t k = 0; k < objects_; ++k) sites.value[k].push_back(c.at[k] - s - base_.at(k, s));
+      for (size_t k = 0; k < objects_; ++k) sites.value[k].push_back(c.at[k] - s - now_.base.at(k, s));
     }
     // As many samples a node whatever the counts: the stiffness then means the same for all rounds.
     Displacements map = fitFields(lattice, sites, stiffness, start);
-    const bool finer = base_.lattice.spacing < lattice.spacing;
-    if (finer) map = resampled(map, base_.lattice);
-    const Displacements& under = finer ? base_ : base;
+    const bool finer = now_.base.lattice.spacing < lattice.spacing;
+    if (finer) map = resampled(map, now_.base.lattice);
+    const Displacements& under = finer ? now_.base : base;
     for (size_t k = 0; k < objects_; ++k)
       for (size_t i = 0; i < map.lattice.count(); ++i) map.of[k][i] += under.of[k][i];
     removeFolds(map);
@@ -319,7 +426,7 @@ class Registrar {
     std::vector<Correspondence> points =
         round.soft ? softCorrespondences(samples, round) : closestCorrespondences(samples, round);
     if (points.empty()) return;
-    points.insert(points.end(), limbPoints_.begin(), limbPoints_.end());
+    points.insert(points.end(), now_.limbPoints.begin(), now_.limbPoints.end());
     const Lattice lattice = latticeOf(round.spacing);
     const double density = double(points.size()) / 2000;
     char name[64];
@@ -337,7 +444,7 @@ class Registrar {
       for (size_t i = 0; i < samples[j].own.size(); ++i) {
         Correspondence c;
         const Vec3d& s = samples[j].points.position[i];
-        for (size_t k = 0; k < objects_; ++k) c.at.push_back(k == j ? samples[j].own[i] : s + result_.map.at(k, s));
+        for (size_t k = 0; k < objects_; ++k) c.at.push_back(k == j ? samples[j].own[i] : s + now_.map.at(k, s));
         c.middle = s;
         c.weight = 1;
         all[j].push_back(std::move(c));
@@ -345,7 +452,7 @@ class Registrar {
     const auto take = [&](size_t from, size_t to, const SoftTargets& targets) {
       for (size_t i = 0; i < targets.position.size(); ++i) {
         const Vec3d& t = targets.position[i];
-        all[from][i].at[to] = t + result_.map.at(to, t);
+        all[from][i].at[to] = t + now_.map.at(to, t);
         all[from][i].middle += (t - samples[from].points.position[i]) / double(objects_);
         all[from][i].weight = std::min(all[from][i].weight, float(targets.trust[i]));
       }
@@ -374,7 +481,7 @@ class Registrar {
         c.weight = 0;
         c.middle = s;
         for (size_t k = 0; k < objects_; ++k) {
-          const Vec3d before = k == j ? samples[j].own[i] : s + result_.map.at(k, s);
+          const Vec3d before = k == j ? samples[j].own[i] : s + now_.map.at(k, s);
           Vec3d at = before;
           if (k != j) c.weight = std::max(c.weight, projectOnto(k, samples[j].points.normal[i], round.reach * size_, at));
           c.at.push_back(at);
@@ -429,10 +536,10 @@ class Registrar {
   /// The lattice the frames move: as fine as the eye needs, still free of folds.
   void finish() {
     const double longest = std::max({box_.extents()[0], box_.extents()[1], box_.extents()[2]});
-    Displacements fine = resampled(result_.map, Lattice::over({box_.min() - margin_, box_.max() + margin_}, longest / 72));
+    Displacements fine = resampled(now_.map, Lattice::over({box_.min() - margin_, box_.max() + margin_}, longest / 72));
     removeFolds(fine, 0.1);
-    result_.map = std::move(fine);
-    result_.overlapAfter = overlapOf(result_.map);
+    now_.map = std::move(fine);
+    result_.overlapAfter = overlapOf(now_.map);
   }
 
   const Fields& fields_;
@@ -446,10 +553,7 @@ class Registrar {
   openvdb::BBoxd box_;   ///< of all objects, chart space
   Vec3d margin_;
   double size_ = 1;      ///< cube root of the box's volume
-  Displacements base_;
-  std::vector<Correspondence> limbPoints_;  ///< of matched limbs, if following them has helped
-  std::vector<MiddleGuess> guesses_;        ///< per object, if limbs were followed
-  double overlap_ = 0;
+  State now_;
   bool quick_ = false;
   Registration result_;
 };
