@@ -3,13 +3,14 @@
 #include "engine/slicemorph.h"
 #include "engine/spine/limbs.h"
 #include "engine/volume/distance_field.h"
+#include "engine/volume/voxelise.h"
+#include "tests/section_parts.h"
 #include "tests/shapes.h"
 
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cstdio>
-#include <set>
 
 namespace slicemorph {
 namespace {
@@ -25,14 +26,17 @@ Distance capsule(const Vec3d& a, const Vec3d& b, double radius) {
   };
 }
 
+constexpr double kLegLength = 0.62, kLegRadius = 0.065;
+
 /// Body along x, legs down along -z from its four corners, neck, head and tail. `swing`: of each leg, degrees forwards.
-Distance quadruped(const std::array<double, 4>& swing) {
+/// `legs`: how many of them it has.
+Distance quadruped(const std::array<double, 4>& swing, int legs = 4) {
   std::vector<Distance> parts{capsule({-0.55, 0, 0.45}, {0.5, 0, 0.45}, 0.17), capsule({0.5, 0, 0.5}, {0.78, 0, 0.85}, 0.09),
                               capsule({0.78, 0, 0.85}, {0.98, 0, 0.8}, 0.1), capsule({-0.6, 0, 0.5}, {-0.85, 0, 0.3}, 0.05)};
-  for (int leg = 0; leg < 4; ++leg) {
+  for (int leg = 0; leg < legs; ++leg) {
     const Vec3d hip(leg < 2 ? 0.42 : -0.48, leg % 2 ? 0.13 : -0.13, 0.4);
     const double a = swing[size_t(leg)] * kPi / 180;
-    parts.push_back(capsule(hip, hip + 0.62 * Vec3d(std::sin(a), 0, -std::cos(a)), 0.065));
+    parts.push_back(capsule(hip, hip + kLegLength * Vec3d(std::sin(a), 0, -std::cos(a)), kLegRadius));
   }
   return [=](const Vec3d& p) {
     double d = 1e30;
@@ -44,30 +48,6 @@ Distance quadruped(const std::array<double, 4>& swing) {
 Object object(const Distance& distance) {
   const double h = 1.9 / 128;
   return {"quadruped", shapes::levelSet(distance, openvdb::BBoxd(Vec3d(-1.1, -0.4, -0.4), Vec3d(1.2, 0.4, 1.1)), h)};
-}
-
-/// Separate parts of a horizontal section of the inside.
-int sectionParts(const FloatGrid& grid, double z) {
-  auto accessor = grid.getConstAccessor();
-  const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
-  const int k = int(std::lround(z / grid.voxelSize()[0]));
-  std::set<openvdb::Coord> left;
-  for (int i = box.min()[0]; i <= box.max()[0]; ++i)
-    for (int j = box.min()[1]; j <= box.max()[1]; ++j)
-      if (accessor.getValue({i, j, k}) < 0) left.insert({i, j, k});
-  int parts = 0;
-  while (!left.empty()) {
-    ++parts;
-    std::vector<openvdb::Coord> front{*left.begin()};
-    left.erase(left.begin());
-    while (!front.empty()) {
-      const openvdb::Coord c = front.back();
-      front.pop_back();
-      for (const openvdb::Coord& d : {openvdb::Coord(1, 0, 0), openvdb::Coord(-1, 0, 0), openvdb::Coord(0, 1, 0), openvdb::Coord(0, -1, 0)})
-        if (left.erase(c + d)) front.push_back(c + d);
-    }
-  }
-  return parts;
 }
 
 /// Four legs, the neck with the head, and the tail; each tip within two nodes of the coarse grid (1.9 / 112 apart, and
@@ -105,12 +85,38 @@ TEST(Limbs, QuadrupedWalksOnFourLegs) {
     const ShapeMeasures m = measureShape(*frame);
     const double volume = m.volume / ((1 - t) * volumeA + t * volumeB);
     // Half way down the legs, and a third of a leg above the lowest feet.
-    const int middle = sectionParts(*frame, 0.1), low = sectionParts(*frame, -0.1);
+    const int middle = sectionParts(*frame, 2, 0.1), low = sectionParts(*frame, 2, -0.1);
     std::printf("  t %.3f: pieces %d, genus %d, legs %d and %d, volume %.3f\n", t, m.pieces, m.genus, middle, low, volume);
     EXPECT_EQ(m.pieces, 1) << "t " << t;
     EXPECT_EQ(middle, 4) << "t " << t;
     EXPECT_EQ(low, 4) << "t " << t;
     EXPECT_GE(volume, 0.95) << "t " << t;
+  }
+}
+
+/// A leg that only one object has grows out of the body: its foot comes down steadily, and it is never apart.
+TEST(Limbs, ALegGrowsOutOfTheBody) {
+  const Object three = object(quadruped({0, 0, 0, 0}, 3)), four = object(quadruped({0, 0, 0, 0}));
+  const MorphPlan plan({three, four});
+  const double h = four.levelSet->voxelSize()[0], belly = 0.45 - 0.17, foot = 0.4 - kLegLength - kLegRadius;
+  double before = 0;
+  for (int i = 0; i <= 12; ++i) {
+    const double t = i / 12.0;
+    const FloatGrid::Ptr frame = plan.frame({1 - t, t}).surface;
+    const ShapeMeasures m = measureShape(*frame);
+    // How far below the belly the fourth leg's corner of the body reaches.
+    const Mesh mesh = surfaceOf(*frame);
+    double lowest = belly;
+    for (const auto& p : mesh.points)
+      if (p[0] < -0.2 && p[1] > 0.04) lowest = std::min(lowest, double(p[2]));
+    const double length = (belly - lowest) / (belly - foot);
+    std::printf("  t %.3f: pieces %d, genus %d, leg %.3f of its length\n", t, m.pieces, m.genus, length);
+    EXPECT_EQ(m.pieces, 1) << "t " << t;
+    EXPECT_EQ(m.genus, 0) << "t " << t;
+    // Its root lies below the surface: it shows a little later than at once, and then grows evenly.
+    EXPECT_NEAR(length, t, 0.2) << "t " << t;
+    EXPECT_GE(length, before - h) << "t " << t;
+    before = length;
   }
 }
 

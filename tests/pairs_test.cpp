@@ -1,11 +1,14 @@
 // Real pairs, at the resolution and with the limits that the project promises: 256 voxels, 25 times. The meshes are read
 // from ../shared/data/mesh; without them the tests are skipped.
 #include "engine/measure/measure.h"
+#include "engine/render/render.h"
 #include "engine/slicemorph.h"
+#include "engine/spine/limbs.h"
 #include "engine/volume/distance_field.h"
 #include "engine/volume/voxelise.h"
 #include "io/input.h"
 #include "io/mesh_reader.h"
+#include "tests/section_parts.h"
 
 #include <gtest/gtest.h>
 
@@ -21,6 +24,9 @@ struct Pair {
   const char* from;
   const char* to;
   bool sameSize = true;     ///< else volumes and changes are compared free of size
+  int limbs = 0;            ///< that every in-between must have: legs, arms, neck or head, tail
+  double section = 0;       ///< height of a horizontal section (y is up), of the whole, that must show `legs` parts
+  int legs = 0;
 };
 
 class RealPair : public testing::TestWithParam<Pair> {};
@@ -75,6 +81,13 @@ TEST_P(RealPair, StaysOneSolidThing) {
       change.push_back(pair.sameSize ? difference : difference / std::sqrt(m.volume * volume.back()));
       genusChanges += m.genus != genus;
     }
+    if (pair.limbs > 0) {
+      EXPECT_EQ(int(findLimbs(DistanceField(frame.surface)).size()), pair.limbs) << "t " << t;
+    }
+    if (pair.legs > 0) {
+      const openvdb::BBoxd box = surfaceBox(*frame.surface);
+      EXPECT_EQ(sectionParts(*frame.surface, 1, box.min()[1] + pair.section * box.extents()[1]), pair.legs) << "t " << t;
+    }
     genus = m.genus;
     volume.push_back(m.volume);
     before = frame.surface;
@@ -101,8 +114,9 @@ TEST_P(RealPair, StaysOneSolidThing) {
 
 // Where sizes differ, the largest change over the mean is printed and not judged: it follows the size.
 INSTANTIATE_TEST_SUITE_P(Meshes, RealPair,
-                         testing::Values(Pair{"spot.obj", "bob_small.ply"}, Pair{"human_man.obj", "human_woman.obj"},
-                                         Pair{"hand1.off", "hand2.off"}, Pair{"horse_ref.obj", "horse-01.obj"},
+                         testing::Values(Pair{"spot.obj", "bob_small.ply"}, Pair{"human_man.obj", "human_woman.obj", true, 5, 0.25, 2},
+                                         Pair{"hand1.off", "hand2.off"},
+                                         Pair{"horse_ref.obj", "horse-01.obj", true, 6, 0.22, 4},
                                          Pair{"fandisk.obj", "armadillo.obj", false},
                                          Pair{"stanford-bunny.obj", "armadillo.obj", false}));
 

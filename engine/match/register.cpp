@@ -50,6 +50,9 @@ constexpr double kStillReach = 1.5;
 /// where the limb is attached.
 constexpr double kStubLength = 0.35, kStubReach = 0.5;
 
+/// A gain in overlap after a quick matching that is one after the whole matching, too.
+constexpr double kNoDoubt = 0.1;
+
 /// A gain in overlap that is no accident.
 constexpr double kClearGain = 0.01;
 
@@ -60,13 +63,20 @@ class Registrar {
 
   Registration run() {
     start();
-    followLimbs();
+    State best;
+    const std::vector<State> candidates = withLimbs();
+    const double rounds = double(std::size(kRounds) * candidates.size());
     int n = 0;
-    for (const Round& round : kRounds) {
-      if (progress_.cancelled()) throw Cancelled();
-      progress_.report("match", 0.2 + 0.8 * n++ / std::size(kRounds));
-      refine(round);
+    for (const State& candidate : candidates) {
+      now_ = candidate;
+      for (const Round& round : kRounds) {
+        if (progress_.cancelled()) throw Cancelled();
+        progress_.report("match", 0.2 + 0.8 * n++ / rounds);
+        refine(round);
+      }
+      if (now_.overlap > best.overlap + kClearGain) best = std::move(now_);
     }
+    now_ = std::move(best);
     finish();
     result_.map = std::move(now_.map), result_.notes = std::move(now_.notes);
     return std::move(result_);
@@ -188,7 +198,8 @@ class Registrar {
   }
 
   /// Limbs are matched as wholes: a leg meets the leg that leaves the body at the same place, however far it has swung.
-  void followLimbs() {
+  /// Returns the state that follows them, the one that does not, or, in case of doubt, both.
+  std::vector<State> withLimbs() {
     std::vector<std::vector<PlacedLimb>> limbs(objects_);
     tbb::parallel_for(size_t(0), objects_, [&](size_t k) { limbs[k] = placedLimbs(k); });
     std::vector<Correspondence> matched, all;
@@ -209,20 +220,24 @@ class Registrar {
     for (const auto& list : limbs) found += (found.empty() ? "" : " and ") + std::to_string(list.size());
     now_.notes.push_back("limbs: " + found + " found, " + std::to_string(matches) + " matched, " +
                          std::to_string(grown) + " to grow out of the body");
-    if (all.empty()) return;
+    if (all.empty()) return {now_};
     const std::vector<Vec3d> still = stillPoints(limbs);
-    const State none = now_;
-    double most = tried(none) + kClearGain, without = most - kClearGain;
+    const double without = tried(now_);
+    double most = without;
+    std::optional<State> best;
     const auto consider = [&](const std::vector<Correspondence>& points, const char* name) {
-      const State state = following(none, points, still);
+      State state = following(now_, points, still);
       const double overlap = tried(state);
       char text[128];
       std::snprintf(text, sizeof text, "%s: overlap %.3f after a quick matching, else %.3f", name, overlap, without);
-      if (overlap > most) most = overlap, now_ = state;
-      now_.notes.push_back(text);
+      state.notes.push_back(text);
+      if (overlap > most + kClearGain) most = overlap, best = std::move(state);
     };
     if (matches > 0) consider(matched, "matched limbs followed");
     if (grown > 0) consider(all, "all limbs followed");
+    if (!best) return {now_};
+    if (most > without + kNoDoubt) return {*best};
+    return {now_, *best};
   }
 
   /// The state with a map that follows limbs.
@@ -237,10 +252,10 @@ class Registrar {
   }
 
   /// How well the objects overlap after a quick matching from there.
-  double tried(const State& state) {
-    const State before = std::exchange(now_, state);
+  double tried(State state) {
+    State before = std::exchange(now_, std::move(state));
     for (const Round& round : kQuickRounds) refine(round);
-    return std::exchange(now_, before).overlap;
+    return std::exchange(now_, std::move(before)).overlap;
   }
 
   /// What takes part in one limb: per object the number of its limb; -1: it has none.
