@@ -225,16 +225,19 @@ class Registrar {
     const double without = tried(now_);
     double most = without;
     std::optional<State> best;
+    std::vector<std::string> notes;
     const auto consider = [&](const std::vector<Correspondence>& points, const char* name) {
       State state = following(now_, points, still);
       const double overlap = tried(state);
       char text[128];
       std::snprintf(text, sizeof text, "%s: overlap %.3f after a quick matching, else %.3f", name, overlap, without);
-      state.notes.push_back(text);
+      notes.push_back(text);
       if (overlap > most + kClearGain) most = overlap, best = std::move(state);
     };
     if (matches > 0) consider(matched, "matched limbs followed");
     if (grown > 0) consider(all, "all limbs followed");
+    for (State* state : {&now_, best ? &*best : nullptr})
+      if (state) state->notes.insert(state->notes.end(), notes.begin(), notes.end());
     if (!best) return {now_};
     if (most > without + kNoDoubt) return {*best};
     return {now_, *best};
