@@ -8,6 +8,7 @@
 #include "tests/shapes.h"
 
 #include <gtest/gtest.h>
+#include <openvdb/tools/Interpolation.h>
 
 #include <cstdio>
 
@@ -69,6 +70,57 @@ Vec3d centroid(const Mesh& mesh) {
   return sum / volume;
 }
 
+/// Area centroid of the plane section through a point, as far as it lies within `reach` of it: each triangle's piece of
+/// the outline counts for itself.
+Vec3d sectionCentroid(const Mesh& mesh, const Vec3d& point, const Vec3d& normal, double reach) {
+  double area = 0;
+  Vec3d sum(0.0);
+  for (const auto& t : mesh.triangles) {
+    Vec3d p[3], crossing[2];
+    double side[3];
+    for (int i = 0; i < 3; ++i) p[i] = Vec3d(mesh.points[t[i]]) - point, side[i] = p[i].dot(normal);
+    if (p[0].length() > reach) continue;
+    int found = 0;
+    for (int i = 0; i < 3; ++i)
+      if (const int j = (i + 1) % 3; (side[i] < 0) != (side[j] < 0))
+        crossing[side[i] < 0] = p[i] + side[i] / (side[i] - side[j]) * (p[j] - p[i]), ++found;
+    if (found < 2) continue;
+    const double part = 0.5 * crossing[0].cross(crossing[1]).dot(normal);
+    area += part, sum += part * (crossing[0] + crossing[1]) / 3.0;
+  }
+  return point + sum / area;
+}
+
+/// Length of a bar's own axis, from its surface alone: the line through the centroids of sections, cut near where they
+/// ought to lie and as they ought to lie (`truth`: places along the bar), then on from both ends as it last bent, out
+/// through the caps, where the level set turns positive. A bar stretched, shortened, kinked or curled does not come out
+/// right, nor does one whose bend is another one's, as long as sections still meet it.
+template <typename Place>
+double axisLength(const FloatGrid& grid, const Mesh& mesh, const Place& truth, double half, double reach) {
+  constexpr int kSections = 19;
+  constexpr double kStep = 0.1, kNearest = 0.9;
+  std::vector<Vec3d> axis;
+  for (int i = 0; i < kSections; ++i) {
+    const double s = half * (kStep * i - kNearest);
+    axis.push_back(sectionCentroid(mesh, truth(s), (truth(s + 1e-3) - truth(s - 1e-3)).unit(), reach));
+  }
+  const openvdb::tools::GridSampler<FloatGrid, openvdb::tools::BoxSampler> distance(grid);
+  double length = 0;
+  for (size_t i = 0; i + 1 < axis.size(); ++i) {
+    // An arc of the same turn is longer than its chord.
+    const Vec3d before = axis[i] - axis[i ? i - 1 : 0], chord = axis[i + 1] - axis[i];
+    const double turn = i ? std::acos(std::min(before.unit().dot(chord.unit()), 1.0)) : 0;
+    length += chord.length() * (1 + turn * turn / 24);
+  }
+  for (int end = 0; end < 2; ++end, std::reverse(axis.begin(), axis.end())) {
+    const Vec3d here = axis[0], last = axis[0] - axis[1], bend = axis[0] - 2.0 * axis[1] + axis[2];
+    const auto ahead = [&](double steps) { return here + steps * last + (0.5 * steps * (steps + 1)) * bend; };
+    for (double f = 0; f < 5 && distance.wsSample(ahead(f)) < 0; f += 0.01)
+      length += (ahead(f + 0.01) - ahead(f)).length();
+  }
+  return length;
+}
+
 class Bends : public testing::TestWithParam<Case> {};
 
 /// Every in-between against the bar bent by its share; the second object also turned (rotation vector) and moved.
@@ -81,17 +133,23 @@ void expectBends(const Case& c, bool keyed, const Vec3d& turn, const Vec3d& offs
   const double volumeA = measureShape(*first.levelSet).volume, volumeB = measureShape(*second.levelSet).volume;
   for (double t : {0.25, 0.5, 0.75}) {
     Mesh truth = placed(shapes::bent(straight, c.from.mixed(c.to, t)), rotationFromVector(t * turn), {0, 0, 0});
-    truth = placed(truth, Mat3d::identity(), (1 - t) * centroid(a) + t * centroid(b) - centroid(truth));
+    const Vec3d shift = (1 - t) * centroid(a) + t * centroid(b) - centroid(truth);
+    truth = placed(truth, Mat3d::identity(), shift);
     const FloatGrid::Ptr frame = plan.frame({1 - t, t}).surface;
     const Mesh mesh = surfaceOf(*frame);
     const SurfaceDistance d = surfaceDistance(mesh, truth);
     const double h = frame->voxelSize()[0], linear = (1 - t) * volumeA + t * volumeB;
     const double volume = measureMesh(mesh).volume;
-    std::printf("  %s t %.2f: mean %.3f, max %.3f voxels, volume %.4f\n", c.name.c_str(), t, d.mean / h, d.max / h,
-                volume / linear);
+    const Curl curl = c.from.mixed(c.to, t);
+    const auto place = [&](double s) { return rotationFromVector(t * turn) * curl.place({s, 0, 0}) + shift; };
+    const double reach = 1.5 * std::hypot(1.35 * c.section[1], c.section[2]);
+    const double length = axisLength(*frame, mesh, place, c.half, reach) / (2 * c.half);
+    std::printf("  %s t %.2f: mean %.3f, max %.3f voxels, volume %.4f, length %.4f\n", c.name.c_str(), t, d.mean / h,
+                d.max / h, volume / linear, length);
     EXPECT_LE(d.mean / h, c.mean) << "t " << t;
     EXPECT_LE(d.max / h, c.max) << "t " << t;
     EXPECT_NEAR(volume / linear, 1, 0.01) << "t " << t;
+    EXPECT_NEAR(length, 1, 0.01) << "t " << t;
   }
 }
 
@@ -99,9 +157,9 @@ TEST_P(Bends, HalfWayIsBentByHalf) { expectBends(GetParam(), false, {0, 0, 0}, {
 
 TEST_P(Bends, AlsoWhenTurnedAndMoved) {
   Case c = GetParam();
-  // Known misses of the 0.1 and 1 voxel asked for: the keyed bar of 90 degrees and the keyed horn.
-  if (c.name == "twist90") c.mean = 0.16;
-  if (c.name == "horn") c.mean = 0.18, c.max = 1.4;
+  // A known miss of the 0.1 voxel asked for: the axis through the keyed sections' centroids winds about the bar's own, so
+  // that slices lean by a degree.
+  if (c.name == "helix") c.mean = 0.12;
   expectBends(c, true, Vec3d(1, 2, 3).unit() * radians(100), {0.7, -1.3, 0.4});
 }
 
@@ -114,7 +172,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"twist150", by(0), by(0, 150)}, Case{"other", by(70), by(-70)},
                     Case{"both", by(0), by(90, 90)},
                     Case{"S", by(0), Curl({{-1e9, 0, Vec3d(0, 0, radians(90))}, {0, 1e9, Vec3d(0, 0, -radians(90))}})},
-                    Case{"helix", by(0), Curl(Vec3d(1.8, 0, 2.57)), 1, kThin, {0, 0, 0}, 0.22, 1.4}  /* a known miss */,
+                    Case{"helix", by(0), Curl(Vec3d(1.8, 0, 2.57)), 1, kThin, {0, 0, 0}},
                     Case{"horn", by(0), by(200), 1, {0, 0.22, 0.16}, {0, 0.05, 0.04}}),
     [](const auto& info) { return info.param.name; });
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace slicemorph {
 
@@ -18,6 +19,8 @@ constexpr int kFastest = 4;  ///< change of angle from slice to slice, in steps 
 constexpr double kStepPrice = 0.0005;
 /// Overlap that half a turn away from the preferred angle must win.
 constexpr double kAnglePrice = 0.02;
+/// Slices whose overlap falls by less than this to both sides of the best angle, in the mean, are round.
+constexpr double kLeastFall = 0.01;
 
 /// One slice in polar coordinates about its own middle: how much is inside.
 struct PolarSlice {
@@ -78,10 +81,12 @@ int stepsBetween(int from, int to) {
   return d > kAngles / 2 ? d - kAngles : d;
 }
 
-/// Where between its neighbours the highest of three values lies.
-double peakBetween(double before, double here, double after) {
-  const double curve = before - 2 * here + after;
-  return curve < -1e-9 ? std::min(std::max(0.5 * (before - after) / curve, -0.5), 0.5) : 0;
+/// How many steps past the highest of the values on the circle its peak lies: where both flanks are alike, so that it is
+/// right for round peaks and for pointed ones, as slices with straight sides have.
+double peakBeside(const std::vector<double>& v, int s) {
+  const auto at = [&](int d) { return v[size_t((s + d + kAngles) % kAngles)]; };
+  const double lean = at(2) + at(1) - at(-1) - at(-2), fall = at(-1) - at(-2) + at(1) - at(2);
+  return fall > 1e-9 ? std::min(std::max(0.5 * lean / fall, -1.0), 1.0) : 0;
 }
 
 }  // namespace
@@ -120,10 +125,7 @@ Roll findRoll(const DistanceField& a, const Chart& chartA, const DistanceField& 
   int best = 0;
   for (int s = 1; s < kAngles; ++s)
     if (mean[size_t(s)] - price[size_t(s)] > mean[size_t(best)] - price[size_t(best)]) best = s;
-  const auto around = [&](const std::vector<double>& v, int s) {
-    return peakBetween(v[size_t((s + kAngles - 1) % kAngles)], v[size_t(s)], v[size_t((s + 1) % kAngles)]);
-  };
-  roll.steady = 2 * kPi / kAngles * (best + around(mean, best));
+  roll.steady = 2 * kPi / kAngles * (best + peakBeside(mean, best));
   roll.steadyOverlap = mean[size_t(best)];
   // On round slices no angle is better than another: then the preferred one is kept to its last digit.
   const auto [least, most] = std::minmax_element(mean.begin(), mean.end());
@@ -150,19 +152,24 @@ Roll findRoll(const DistanceField& a, const Chart& chartA, const DistanceField& 
   way.back() = int(std::max_element(value.back().begin(), value.back().end()) - value.back().begin());
   for (int i = kSlices - 1; i > 0; --i) way[size_t(i) - 1] = from[size_t(i)][size_t(way[size_t(i)])];
   std::vector<double> angle(kSlices), trust(kSlices);
+  int steps = 0;
   for (int i = 0; i < kSlices; ++i) {
     const int s = way[size_t(i)];
-    const double own = 2 * kPi / kAngles * (s + around(score[size_t(i)], s));
     const double here = score[size_t(i)][size_t(s)];
-    angle[size_t(i)] = i == 0 ? 2 * kPi / kAngles * s + wrapped(own - 2 * kPi / kAngles * s)
-                              : angle[size_t(i) - 1] + 2 * kPi / kAngles * stepsBetween(way[size_t(i) - 1], s);
+    steps += i == 0 ? s : stepsBetween(way[size_t(i) - 1], s);
+    angle[size_t(i)] = 2 * kPi / kAngles * (steps + peakBeside(score[size_t(i)], s));
     roll.alongOverlap += weight[size_t(i)] * here / total;
     // A slice tells its angle as well as its overlap falls to both sides of it.
     const double fall = here - 0.5 * (score[size_t(i)][size_t((s + 4) % kAngles)] +
                                       score[size_t(i)][size_t((s + kAngles - 4) % kAngles)]);
     trust[size_t(i)] = weight[size_t(i)] * kSlices / total * std::max(fall, 0.0);
   }
-  for (int i = 0; i < kSlices; ++i) angle[size_t(i)] += 2 * kPi / kAngles * around(score[size_t(i)], way[size_t(i)]);
+  // Round slices tell no angle of their own.
+  const double told = std::accumulate(trust.begin(), trust.end(), 0.0) / kSlices;
+  if (told < kLeastFall) {
+    roll.along.assign(Bend::kStations, roll.steady);
+    return roll;
+  }
   // Smooth at the stations: the slices' angles by their trust, and least second differences.
   const int n = Bend::kStations;
   Eigen::MatrixXd m = Eigen::MatrixXd::Zero(n, n);

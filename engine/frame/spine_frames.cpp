@@ -18,6 +18,9 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kLeastBow = 0.15;
 /// Overlap of the slices that turning or bending by 90 degrees must win.
 constexpr double kTurnPrice = 0.02;
+/// A roll that changes by less than this along the spine, radians, is no twist: it is what the frames drift where the
+/// spine's own bend is a little off, and is taken out of them.
+constexpr double kLeastTwist = 0.1;
 /// Overlap of the slices that twisting must win.
 constexpr double kTwistGain = 0.03;
 
@@ -66,9 +69,14 @@ Laid laidOn(const DistanceField& fieldA, const Chart& a, const DistanceField& fi
       const auto valueOf = [&](const Chart& chart, double agreement) {
         return agreement - kTurnPrice * (turnBetween(a, chart) + bendBetween(a, chart)) / (kPi / 2);
       };
+      const auto [least, greatest] = std::minmax_element(roll.along.begin(), roll.along.end());
+      const bool small = *greatest - *least < kLeastTwist && roll.alongOverlap >= roll.steadyOverlap;
+      // Its middle keeps the steady angle to the last digit: an object that need not turn does not.
+      std::vector<double> drift = roll.along;
+      for (double& angle : drift) angle += roll.steady - roll.along[roll.along.size() / 2];
       const Chart steady = rolled(way, roll.steady), along = twisted(way, half, roll.along);
       if (const double v = valueOf(steady, roll.steadyOverlap); v > most)
-        most = v, overlap = roll.steadyOverlap, laid.steady = steady;
+        most = v, overlap = roll.steadyOverlap, laid.steady = small ? twisted(way, half, drift) : steady;
       if (const double v = valueOf(along, roll.alongOverlap); v > mostAlong) {
         mostAlong = v, overlapAlong = roll.alongOverlap, laid.twisted = along;
         char text[96];

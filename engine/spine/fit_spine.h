@@ -15,8 +15,8 @@ struct FittedSpine {
 };
 
 /// The axis through the area centroids of the slices perpendicular to itself: started from the geodesic distances to the
-/// object's two ends, then sliced again until it rests. Nothing where the object has no such axis: where its slices
-/// would cross inside it, or miss or count twice more than 3 % of its volume.
+/// object's two ends, then sliced again until it rests. Nothing where the object has no such axis: where it hardly spreads
+/// more along than across, where its slices would cross inside it, or miss or count twice more than 3 % of its volume.
 std::optional<FittedSpine> fitSpine(const DistanceField& field);
 
 }  // namespace slicemorph
