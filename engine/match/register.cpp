@@ -50,6 +50,10 @@ constexpr double kStillReach = 1.5;
 /// where the limb is attached.
 constexpr double kStubLength = 0.35, kStubReach = 0.5;
 
+/// What a limb that grows out of the body is worth although it costs overlap: the air beside it has no place on the object
+/// that lacks it.
+constexpr double kGrownBonus = 0.03;
+
 /// A gain in overlap after a quick matching that is one after the whole matching, too.
 constexpr double kNoDoubt = 0.1;
 
@@ -74,7 +78,7 @@ class Registrar {
         progress_.report("match", 0.2 + 0.8 * n++ / rounds);
         refine(round);
       }
-      if (now_.overlap > best.overlap + kClearGain) best = std::move(now_);
+      if (now_.value() > best.value() + kClearGain) best = std::move(now_);
     }
     now_ = std::move(best);
     finish();
@@ -97,7 +101,10 @@ class Registrar {
     std::vector<Correspondence> limbPoints; ///< where limbs are followed
     std::vector<MiddleGuess> guesses;       ///< then, per object
     double overlap = 0;
+    double bonus = 0;                       ///< what the overlap does not show
     std::vector<std::string> notes;
+
+    double value() const { return overlap + bonus; }
   };
 
   void start() {
@@ -198,7 +205,7 @@ class Registrar {
   }
 
   /// Limbs are matched as wholes: a leg meets the leg that leaves the body at the same place, however far it has swung.
-  /// Returns the state that follows them, the one that does not, or, in case of doubt, both.
+  /// Returns the state that follows them where that wins beyond doubt, or all those that may turn out best.
   std::vector<State> withLimbs() {
     std::vector<std::vector<PlacedLimb>> limbs(objects_);
     tbb::parallel_for(size_t(0), objects_, [&](size_t k) { limbs[k] = placedLimbs(k); });
@@ -222,25 +229,28 @@ class Registrar {
                          std::to_string(grown) + " to grow out of the body");
     if (all.empty()) return {now_};
     const std::vector<Vec3d> still = stillPoints(limbs);
-    const double without = tried(now_);
-    double most = without;
-    std::optional<State> best;
+    const double without = tried(now_).overlap;
+    double most = without + kNoDoubt;
+    std::vector<State> candidates{now_};
     std::vector<std::string> notes;
-    const auto consider = [&](const std::vector<Correspondence>& points, const char* name) {
+    const auto consider = [&](const std::vector<Correspondence>& points, double bonus, const char* name) {
       State state = following(now_, points, still);
-      const double overlap = tried(state);
+      state.bonus = bonus;
+      const State after = tried(state);
       char text[128];
-      std::snprintf(text, sizeof text, "%s: overlap %.3f after a quick matching, else %.3f", name, overlap, without);
+      std::snprintf(text, sizeof text, "%s: overlap %.3f after a quick matching, else %.3f", name, after.overlap, without);
       notes.push_back(text);
-      if (overlap > most + kClearGain) most = overlap, best = std::move(state);
+      if (after.value() > most + kClearGain) {
+        most = after.value();
+        candidates = {std::move(state)};
+      } else if (most == without + kNoDoubt && after.value() > without + kClearGain) {
+        candidates.push_back(std::move(state));
+      }
     };
-    if (matches > 0) consider(matched, "matched limbs followed");
-    if (grown > 0) consider(all, "all limbs followed");
-    for (State* state : {&now_, best ? &*best : nullptr})
-      if (state) state->notes.insert(state->notes.end(), notes.begin(), notes.end());
-    if (!best) return {now_};
-    if (most > without + kNoDoubt) return {*best};
-    return {now_, *best};
+    if (matches > 0) consider(matched, 0, "matched limbs followed");
+    if (grown > 0) consider(all, kGrownBonus, "all limbs followed");
+    for (State& state : candidates) state.notes.insert(state.notes.end(), notes.begin(), notes.end());
+    return candidates;
   }
 
   /// The state with a map that follows limbs.
@@ -254,11 +264,11 @@ class Registrar {
     return state;
   }
 
-  /// How well the objects overlap after a quick matching from there.
-  double tried(State state) {
+  /// The state after a quick matching from there.
+  State tried(State state) {
     State before = std::exchange(now_, std::move(state));
     for (const Round& round : kQuickRounds) refine(round);
-    return std::exchange(now_, std::move(before)).overlap;
+    return std::exchange(now_, std::move(before));
   }
 
   /// What takes part in one limb: per object the number of its limb; -1: it has none.
