@@ -67,9 +67,11 @@ SliceAffine bounded(const SliceAffine& a, const SliceAffine& middle) {
 
 }  // namespace
 
-BaseWarp makeBaseWarp(const std::vector<ContourStack>& stacks, const SlicePlanes& planes) {
+BaseWarp makeBaseWarp(const std::vector<ContourStack>& stacks, const SlicePlanes& planes,
+                      const std::vector<std::vector<double>>& place) {
   BaseWarp base;
   base.z0 = planes.z0;
+  base.place = place;
   const size_t slices = planes.z0.size();
   for (const ContourStack& stack : stacks) {
     std::vector<SliceMoments> moments;
@@ -120,7 +122,9 @@ Displacements baseDisplacements(const BaseWarp& base, const Lattice& lattice, co
         }
         for (size_t k = 0; k < objects; ++k) {
           const Vec2d e = fade * (d[k] - mean);
-          map.of[k][lattice.index(x, y, z)] = openvdb::Vec3s(0.f, float(e[0]), float(e[1]));
+          const std::vector<double>& place = base.place[k];
+          const double along = fade * ((1 - t) * (place[i] - base.z0[i]) + t * (place[i + 1] - base.z0[i + 1]));
+          map.of[k][lattice.index(x, y, z)] = openvdb::Vec3s(float(along), float(e[0]), float(e[1]));
         }
       }
   return map;

@@ -17,12 +17,15 @@ struct SliceAffine {
 /// The base warp: every slice's mean and symmetric square root of its covariance, smoothed along the spine over about
 /// four slices. An object without anything on a slice takes the nearest slices' values.
 struct BaseWarp {
-  std::vector<double> z0;
+  std::vector<double> z0;                         ///< of the middle slices
+  std::vector<std::vector<double>> place;         ///< per object: z0 of its slice that belongs to each
   std::vector<std::vector<SliceAffine>> objects;  ///< per object, per slice
   std::vector<SliceAffine> middle;                ///< their mean, per slice
 };
 
-BaseWarp makeBaseWarp(const std::vector<ContourStack>& stacks, const SlicePlanes& planes);
+/// `place`: as in BaseWarp.
+BaseWarp makeBaseWarp(const std::vector<ContourStack>& stacks, const SlicePlanes& planes,
+                      const std::vector<std::vector<double>>& place);
 
 /// The base warp as displacements; fades to nothing from the edge of `box` (where the objects are) to the lattice's.
 Displacements baseDisplacements(const BaseWarp& base, const Lattice& lattice, const openvdb::BBoxd& box);

@@ -144,7 +144,7 @@ std::vector<Correspondence> pairCorrespondences(const std::vector<ContourPair>& 
         const Vec2d q((m.yy * d[0] - m.xy * d[1]) / det, (m.xx * d[1] - m.xy * d[0]) / det);
         const Vec2d follows = o.mean + Vec2d(o.xx * q[0] + o.xy * q[1], o.xy * q[0] + o.yy * q[1]);
         const Vec2d at = k == pair.objectA ? pa : k == pair.objectB ? pb : follows;
-        c.at.emplace_back(base.z0[pair.slice], at[0], at[1]);
+        c.at.emplace_back(base.place[k][pair.slice], at[0], at[1]);
         c.middle += c.at.back() / double(stacks.size());
       }
       perPair[p].push_back(std::move(c));

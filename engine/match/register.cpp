@@ -1,6 +1,7 @@
 #include "engine/match/register.h"
 
 #include "engine/errors.h"
+#include "engine/match/along_spine.h"
 #include "engine/match/fit_field.h"
 #include "engine/match/flow.h"
 #include "engine/match/fold_guard.h"
@@ -173,8 +174,19 @@ class Registrar {
     progress_.report("slice", 0.05);
     result_.planes = placeSlices(chartBoxes_, options_.slices);
     result_.stacks.resize(objects_);
+    place_.assign(objects_, result_.planes.z0);
+    if (!quick_) {
+      const AlongSpine along = matchAlongSpine(fields_, charts_, result_.planes);
+      char text[128];
+      std::snprintf(text, sizeof text, "slices at equal places overlap %.3f, matched along the spine %.3f", along.before,
+                    along.after);
+      now_.notes.push_back(text);
+      place_ = along.place;
+    }
     for (size_t k = 0; k < objects_; ++k) {
-      const std::vector<SliceImage> images = sampleSlices(*fields_[k], charts_[k], result_.planes);
+      SlicePlanes own = result_.planes;
+      own.z0 = place_[k];
+      const std::vector<SliceImage> images = sampleSlices(*fields_[k], charts_[k], own);
       result_.stacks[k].resize(images.size());
       tbb::parallel_for(size_t(0), images.size(), [&](size_t i) {
         result_.stacks[k][i] = traceContours(images[i], result_.planes);
@@ -188,7 +200,7 @@ class Registrar {
 
   void startFromContours() {
     progress_.report("match contours", 0.1);
-    const BaseWarp base = makeBaseWarp(result_.stacks, result_.planes);
+    const BaseWarp base = makeBaseWarp(result_.stacks, result_.planes, place_);
     const Lattice lattice = latticeOf(0.08);
     Displacements none{lattice, std::vector<VectorField>(objects_, VectorField(lattice.count(), openvdb::Vec3s(0.f)))};
     result_.overlapBefore = now_.overlap = overlapOf(none);
@@ -578,6 +590,7 @@ class Registrar {
   std::vector<OrientedPoints> samples_;  ///< per object: its surface in chart coordinates
   std::vector<double> area_;             ///< per object, chart units
   std::vector<openvdb::BBoxd> chartBoxes_;
+  std::vector<std::vector<double>> place_;  ///< per object and slice: z0
   openvdb::BBoxd box_;   ///< of all objects, chart space
   Vec3d margin_;
   double size_ = 1;      ///< cube root of the box's volume

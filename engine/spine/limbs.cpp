@@ -14,6 +14,9 @@ namespace {
 constexpr double kProminent = 0.12;
 /// A branch is at least this many times longer than wide.
 constexpr double kSlender = 1.2;
+/// And thinner than the body: its width is less than this share of the body's greatest depth, doubled. What is as thick is
+/// the body's own end.
+constexpr double kThin = 0.9;
 
 /// Nodes that hang together beyond some distance from the body, grown from a tip inwards.
 struct Branch {
@@ -77,7 +80,8 @@ std::vector<Limb> findLimbs(const DistanceField& field) {
     if (branch.ended) return;
     branch.ended = true;
     const Limb limb = limbOf(nodes, distance, branch, root);
-    if (limb.length > kSlender * widthOf(limb)) limbs.push_back(limb);
+    const double width = widthOf(limb);
+    if (limb.length > kSlender * width && width < kThin * 2 * nodes.depth[body]) limbs.push_back(limb);
   };
   for (size_t i : order) {
     int mine = -1;
