@@ -5,9 +5,11 @@
 #include "engine/spine/chart.h"
 #include "engine/volume/voxelise.h"
 #include "tests/bent_shapes.h"
+#include "tests/same_values.h"
 #include "tests/shapes.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 #include <openvdb/tools/Interpolation.h>
 
 #include <cstdio>
@@ -175,6 +177,35 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"helix", by(0), Curl(Vec3d(1.8, 0, 2.57)), 1, kThin, {0, 0, 0}},
                     Case{"horn", by(0), by(200), 1, {0, 0.22, 0.16}, {0, 0.05, 0.04}}),
     [](const auto& info) { return info.param.name; });
+
+/// Bent charts, limbs and all: a plan of its own for every thread count.
+TEST(Curved, ThreadsDoNotChangeAValue) {
+  const Case c{"bend120", by(0), by(120)};
+  const Mesh straight = bar(c, true);
+  const Object a = object(straight), b = object(shapes::bent(straight, c.to));
+  FloatGrid::Ptr first;
+  for (size_t threads : {1, 2, 4}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    const FloatGrid::Ptr frame = MorphPlan({a, b}).frame({0.6, 0.4}).surface;
+    if (!first) first = frame;
+    EXPECT_TRUE(sameValues(*frame, *first)) << threads << " threads";
+  }
+}
+
+/// Shapes without a clear axis get no curved spine: the result is the straight one's, so no measure can be worse.
+TEST(Curved, RoundAndStoutShapesStayStraight) {
+  const double h = 2.0 / kResolution;
+  const auto grid = [&](const shapes::Distance& d) { return Object{"shape", shapes::levelSet(d, shapes::cube({0, 0, 0}, 1.1), h)}; };
+  const std::vector<Object> objects{grid(shapes::sphere({0, 0, 0}, 1)), grid(shapes::torus({0, 0, 0}, 0.7, 0.3)),
+                                    grid(shapes::box({0.8, 0.8, 0.8}, 0.05))};
+  for (size_t i = 0; i < objects.size(); ++i) {
+    MorphOptions straight;
+    straight.spine = SpineKind::kStraight;
+    const std::vector<Object> pair{objects[i], objects[(i + 1) % objects.size()]};
+    const FloatGrid::Ptr own = MorphPlan(pair).frame({0.5, 0.5}).surface;
+    EXPECT_TRUE(sameValues(*own, *MorphPlan(pair, straight).frame({0.5, 0.5}).surface)) << "pair " << i;
+  }
+}
 
 }  // namespace
 }  // namespace slicemorph

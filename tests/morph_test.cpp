@@ -5,6 +5,7 @@
 #include "engine/slicemorph.h"
 #include "engine/spine/chart.h"
 #include "engine/volume/voxelise.h"
+#include "tests/same_values.h"
 #include "tests/shapes.h"
 #include "tests/surface_checks.h"
 
@@ -37,13 +38,6 @@ Errors errorsTo(const FloatGrid& grid, const Distance& truth) {
     e.max = std::max(e.max, d);
   }
   return e;
-}
-
-bool sameValues(const FloatGrid& a, const FloatGrid& b) {
-  if (a.transform() != b.transform() || !a.tree().hasSameTopology(b.tree())) return false;
-  for (auto it = a.cbeginValueOn(); it; ++it)
-    if (b.tree().getValue(it.getCoord()) != *it) return false;
-  return true;
 }
 
 TEST(Morph, SphereShrinksLinearly) {

@@ -88,6 +88,50 @@ void againstLevelSet(const std::vector<Object>& objects) {
               ours / theirs, ours, theirs, peer.restDistance, peer.steps);
 }
 
+/// A rod, straight or bent to an arc of this many radians.
+Object rod(double bend, double voxelSize) {
+  constexpr double kLength = 2, kThick = 0.18;
+  constexpr int kSides = 24, kRings = 120;
+  Mesh mesh;
+  const auto place = [&](double s, double y, double z) {
+    if (bend == 0) return openvdb::Vec3s(float(s), float(y), float(z));
+    const double radius = kLength / bend, a = s / radius;
+    return openvdb::Vec3s(float((radius - y) * std::sin(a)), float(radius - (radius - y) * std::cos(a)), float(z));
+  };
+  for (int i = 0; i <= kRings; ++i)
+    for (int j = 0; j < kSides; ++j) {
+      const double s = kLength * (double(i) / kRings - 0.5), angle = 2 * 3.14159265358979 * j / kSides;
+      mesh.points.push_back(place(s, kThick * std::cos(angle), 0.7 * kThick * std::sin(angle)));
+    }
+  const auto point = [&](int ring, int side) { return unsigned(ring * kSides + side % kSides); };
+  for (int i = 0; i < kRings; ++i)
+    for (int j = 0; j < kSides; ++j) {
+      mesh.triangles.emplace_back(point(i, j), point(i + 1, j), point(i + 1, j + 1));
+      mesh.triangles.emplace_back(point(i, j), point(i + 1, j + 1), point(i, j + 1));
+    }
+  for (int end : {0, kRings}) {
+    mesh.points.push_back(place(kLength * (double(end) / kRings - 0.5), 0, 0));
+    const unsigned middle = unsigned(mesh.points.size()) - 1;
+    for (int j = 0; j < kSides; ++j) {
+      if (end == 0) mesh.triangles.emplace_back(middle, point(end, j), point(end, j + 1));
+      else mesh.triangles.emplace_back(middle, point(end, j + 1), point(end, j));
+    }
+  }
+  return {"rod", voxelise(mesh, voxelSize)};
+}
+
+/// Setting up a morph that takes curved spines, beside the same with straight ones.
+void curvedAgainstStraight() {
+  const std::vector<Object> objects{rod(0, 2.0 / 256), rod(2.1, 2.0 / 256)};
+  MorphOptions straight;
+  straight.spine = SpineKind::kStraight;
+  const double curved = timeOf([&] { MorphPlan plan(objects); }), peer = timeOf([&] { MorphPlan plan(objects, straight); });
+  std::printf("plan, curved / straight          %6.3f   goal <= 3      (%.2f s / %.2f s)\n", curved / peer, curved, peer);
+  const FrameCost bent = frameCost(MorphPlan(objects));
+  std::printf("frame, curved / meshToLevelSet   %6.3f   goal <= 1.5    (%.3f s / %.3f s)\n", bent.ours / bent.voxelising,
+              bent.ours, bent.voxelising);
+}
+
 void run(const std::vector<std::string>& inputs, bool quick) {
   std::vector<double> costs;
   for (int resolution : {128, 256, 512}) {
@@ -109,6 +153,7 @@ void run(const std::vector<std::string>& inputs, bool quick) {
   const std::vector<Object> objects = load(inputs, 256);
   againstSdf(objects, frameCost(MorphPlan(objects)));
   std::fflush(stdout);
+  curvedAgainstStraight();
   if (!quick) againstLevelSet(objects);
 }
 
