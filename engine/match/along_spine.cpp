@@ -18,6 +18,8 @@ constexpr int kFarthest = kSlices * kFine / 3, kFastest = 3;
 constexpr double kStretchPrice = 0.1, kShiftPrice = 0.1;
 /// Gain in the slices' mean overlap up to which nothing is taken, and from which all is.
 constexpr double kNoGain = 0.04, kClearGain = 0.1;
+/// The same for the overlap itself: slices that overlap less are not alike, whatever is gained.
+constexpr double kUnlike = 0.35, kAlike = 0.45;
 /// Of the Gaussian that smooths the shifts, in slices.
 constexpr double kSmooth = 1.2;
 
@@ -94,6 +96,12 @@ HalfShifts halfShifts(const Coverage& a, const Coverage& b, size_t pixels) {
   return result;
 }
 
+/// 0 up to `none`, 1 from `all`, smooth between.
+double degree(double value, double none, double all) {
+  const double x = std::min(std::max((value - none) / (all - none), 0.0), 1.0);
+  return x * x * (3 - 2 * x);
+}
+
 /// Value at `x` of a rising polyline, going on with the slope 1 beyond its ends.
 double valueAt(const std::vector<double>& xs, const std::vector<double>& ys, double x) {
   if (x <= xs.front()) return ys.front() + x - xs.front();
@@ -124,8 +132,7 @@ AlongSpine matchAlongSpine(const Fields& fields, const std::vector<Chart>& chart
   for (size_t k = 1; k < objects; ++k) {
     const HalfShifts h = halfShifts(slices[0], slices[k], size_t(fine.nx) * fine.ny);
     result.before += h.before / double(objects - 1), result.after += h.after / double(objects - 1);
-    const double x = std::min(std::max((h.after - h.before - kNoGain) / (kClearGain - kNoGain), 0.0), 1.0);
-    const double share = x * x * (3 - 2 * x);
+    const double share = degree(h.after - h.before, kNoGain, kClearGain) * degree(h.after, kUnlike, kAlike);
     taken = std::max(taken, share);
     std::vector<double> a, b;
     for (int i = 0; i < kSlices; ++i) {

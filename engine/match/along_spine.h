@@ -13,7 +13,7 @@ struct AlongSpine {
 
 /// Finds them by dynamic programming against the first object: the greatest overlap of the slices as they are, less a price
 /// for stretching; every slice moves by at most a sixth of the way. The places are taken to the degree to which the overlap
-/// gains: equal places where it does not.
+/// gains and is great: equal places where it does not gain, or where the slices are not alike anyhow.
 AlongSpine matchAlongSpine(const Fields& fields, const std::vector<Chart>& charts, const SlicePlanes& planes);
 
 }  // namespace slicemorph

@@ -57,6 +57,8 @@ constexpr double kGrownBonus = 0.03;
 
 /// A gain in overlap after a quick matching that is one after the whole matching, too.
 constexpr double kNoDoubt = 0.1;
+/// And one that is worth a whole matching to see.
+constexpr double kWorthTrying = 0.04;
 
 /// A gain in overlap that is no accident.
 constexpr double kClearGain = 0.01;
@@ -255,7 +257,7 @@ class Registrar {
       if (after.value() > most + kClearGain) {
         most = after.value();
         candidates = {std::move(state)};
-      } else if (most == without + kNoDoubt && after.value() > without + kClearGain) {
+      } else if (most == without + kNoDoubt && after.value() > without + kWorthTrying) {
         candidates.push_back(std::move(state));
       }
     };
