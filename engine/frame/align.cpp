@@ -302,7 +302,8 @@ std::vector<Turn> proposeTurns(const DistanceField& fieldA, const DistanceField&
 }
 
 double priceOf(double angle) {
-  return angle > 1e-9 ? kTurnMargin + kPricePerRightAngle * angle / (kPi / 2) : 0;
+  constexpr double kNoTurn = 0.5 * kPi / 180;
+  return kTurnMargin * std::min(angle / kNoTurn, 1.0) + kPricePerRightAngle * angle / (kPi / 2);
 }
 
 Frames frameObjects(const Fields& fields, const std::vector<Mat3d>& turns, const MorphOptions& options) {

@@ -17,8 +17,8 @@ struct Registration {
 };
 
 /// Slices the objects, traces and matches their contours, and grows from the trusted pairs a fold-free map between
-/// them: base warp, accepted contour pairs, limbs as wholes, soft matches from coarse to fine, closest points. Each is kept only
-/// where the warped objects overlap better than before.
+/// them: like slices along the spine, base warp, accepted contour pairs, limbs as wholes, soft matches from coarse to
+/// fine, closest points. Each is kept only where the warped objects overlap better than before.
 Registration registerObjects(const Fields& fields, const Frames& frames, const MorphOptions& options,
                              Progress& progress);
 
