@@ -5,7 +5,7 @@
 #include "engine/match/fit_field.h"
 #include "engine/match/flow.h"
 #include "engine/match/fold_guard.h"
-#include "engine/match/limb_pairs.h"
+#include "engine/match/limb_groups.h"
 #include "engine/match/soft_match.h"
 
 #include <tbb/parallel_for.h>
@@ -15,7 +15,6 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
-#include <optional>
 #include <utility>
 
 namespace slicemorph {
@@ -46,10 +45,6 @@ constexpr double kFlowSpacing = 0.08, kFlowLattice = 0.04;
 /// Per object: samples of the body, which keeps its place meanwhile; and how far it is from a limb, in the limb's radii.
 constexpr int kStillSamples = 900;
 constexpr double kStillReach = 1.5;
-
-/// A limb that an object lacks lies in it as a stub of at most this share of the limb's length, and not further away from
-/// where the limb is attached.
-constexpr double kStubLength = 0.35, kStubReach = 0.5;
 
 /// What a limb that grows out of the body is worth although it costs overlap: the air beside it has no place on the object
 /// that lacks it.
@@ -221,21 +216,14 @@ class Registrar {
   /// Limbs are matched as wholes: a leg meets the leg that leaves the body at the same place, however far it has swung.
   /// Returns the state that follows them where that wins beyond doubt, or all those that may turn out best.
   std::vector<State> withLimbs() {
-    std::vector<std::vector<PlacedLimb>> limbs(objects_);
-    tbb::parallel_for(size_t(0), objects_, [&](size_t k) { limbs[k] = placedLimbs(k); });
+    const std::vector<std::vector<PlacedLimb>> limbs = placedLimbs(fields_, charts_, now_.map);
     std::vector<Correspondence> matched, all;
     int matches = 0, grown = 0;
-    for (const std::vector<int>& group : limbGroups(limbs)) {
-      const std::optional<std::vector<PlacedLimb>> own = completed(group, limbs);
-      if (!own) continue;
-      const std::vector<Correspondence> points = limbPoints(*own);
+    for (const LimbGroup& group : groupLimbs(limbs, fields_, charts_, now_.map, size_)) {
+      const std::vector<Correspondence> points = limbPoints(group.limb);
       all.insert(all.end(), points.begin(), points.end());
-      if (std::count(group.begin(), group.end(), -1)) {
-        ++grown;
-        continue;
-      }
-      ++matches;
-      matched.insert(matched.end(), points.begin(), points.end());
+      ++(group.grows ? grown : matches);
+      if (!group.grows) matched.insert(matched.end(), points.begin(), points.end());
     }
     std::string found;
     for (const auto& list : limbs) found += (found.empty() ? "" : " and ") + std::to_string(list.size());
@@ -285,69 +273,6 @@ class Registrar {
     return std::exchange(now_, std::move(before));
   }
 
-  /// What takes part in one limb: per object the number of its limb; -1: it has none.
-  std::vector<std::vector<int>> limbGroups(const std::vector<std::vector<PlacedLimb>>& limbs) const {
-    std::vector<std::vector<int>> groups;
-    for (size_t i = 0; i < limbs[0].size(); ++i) {
-      groups.emplace_back(objects_, -1);
-      groups.back()[0] = int(i);
-    }
-    for (size_t k = 1; k < objects_; ++k) {
-      const std::vector<int> partner = matchLimbs(limbs[0], limbs[k], size_);
-      for (size_t i = 0; i < partner.size(); ++i) groups[i][k] = partner[i];
-      for (size_t j = 0; j < limbs[k].size(); ++j) {
-        if (std::find(partner.begin(), partner.end(), int(j)) != partner.end()) continue;
-        groups.emplace_back(objects_, -1);
-        groups.back()[k] = int(j);
-      }
-    }
-    return groups;
-  }
-
-  /// The group's limb on every object: its own, or a stub below the surface at the place where others have the limb.
-  std::optional<std::vector<PlacedLimb>> completed(const std::vector<int>& group,
-                                                   const std::vector<std::vector<PlacedLimb>>& limbs) const {
-    std::vector<PlacedLimb> result;
-    size_t has = 0;
-    while (group[has] < 0) ++has;
-    for (size_t k = 0; k < objects_; ++k) {
-      if (group[k] >= 0) {
-        result.push_back(limbs[k][size_t(group[k])]);
-        continue;
-      }
-      const std::optional<PlacedLimb> stub = stubOf(limbs[has][size_t(group[has])], k);
-      if (!stub) return {};
-      result.push_back(*stub);
-    }
-    return result;
-  }
-
-  /// Object k's place for a limb it lacks: a short one that lies wholly below the surface, where the limb would be attached.
-  std::optional<PlacedLimb> stubOf(const PlacedLimb& limb, size_t k) const {
-    const Vec3d root = limb.middle[0] + now_.map.at(k, limb.middle[0]);
-    const Vec3d world = fields_[k]->closest(charts_[k].toWorld(root));
-    const Vec3d surface = charts_[k].toChart(world);
-    if ((surface - root).length() > kStubReach * limb.length) return {};
-    const Vec3d out = charts_[k].normalToChart(surface, fields_[k]->gradient(world));
-    // How far it may go down: as long as it gets deeper.
-    const double unit = 1 / charts_[k].meanScale(), step = 0.02 * limb.length;
-    double depth = 0, deepest = 0;
-    while (depth < kStubLength * limb.length) {
-      const double below = -unit * fields_[k]->coarse(charts_[k].toWorld(surface - (depth + step) * out));
-      if (below < deepest) break;
-      deepest = below, depth += step;
-    }
-    if (depth < 4 * step) return {};
-    const double share = 0.7 * depth / limb.length;
-    PlacedLimb stub = limb;
-    const int n = int(limb.chart.size());
-    for (int i = 0; i < n; ++i) {
-      stub.chart[size_t(i)] = surface - depth * (0.85 - 0.7 * i / (n - 1.0)) * out;
-      stub.radius[size_t(i)] *= std::sqrt(share);
-    }
-    return stub;
-  }
-
   /// Surface points well away from all limbs, middle space: the body, which does not swing with them.
   std::vector<Vec3d> stillPoints(const std::vector<std::vector<PlacedLimb>>& limbs) const {
     std::vector<Vec3d> still;
@@ -362,23 +287,6 @@ class Registrar {
       }
     }
     return still;
-  }
-
-  std::vector<PlacedLimb> placedLimbs(size_t k) const {
-    std::vector<PlacedLimb> placed;
-    for (const Limb& limb : findLimbs(*fields_[k])) {
-      PlacedLimb p;
-      for (size_t i = 0; i < limb.line.size(); ++i) {
-        p.chart.push_back(charts_[k].toChart(limb.line[i]));
-        Vec3d middle;
-        toMiddleSpace(k, p.chart.back(), middle);
-        p.middle.push_back(middle);
-        p.radius.push_back(limb.radius[i] / charts_[k].meanScale());
-        if (i > 0) p.length += (p.middle[i] - p.middle[i - 1]).length();
-      }
-      placed.push_back(std::move(p));
-    }
-    return placed;
   }
 
   bool toMiddleSpace(size_t k, const Vec3d& a, Vec3d& s) const {

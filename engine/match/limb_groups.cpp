@@ -1,8 +1,12 @@
-#include "engine/match/limb_pairs.h"
+#include "engine/match/limb_groups.h"
 
 #include "engine/match/assignment.h"
 
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace slicemorph {
 
@@ -21,11 +25,12 @@ double costOf(const PlacedLimb& a, const PlacedLimb& b, double size) {
   return (kRootPrice * root.length() + kTipPrice * tip) / size + kLengthPrice * std::abs(std::log(a.length / b.length));
 }
 
-/// `v` turned the way that takes one direction to another.
+/// The least turn that takes one direction to another.
 Mat3d turnBetween(const Vec3d& from, const Vec3d& to) {
-  const Vec3d axis = from.cross(to);
-  const double s = axis.length();
-  return s < 1e-9 ? Mat3d::identity() : rotationFromVector(axis / s * std::atan2(s, from.dot(to)));
+  Vec3d axis = from.cross(to);
+  const double s = axis.length(), angle = std::atan2(s, from.dot(to));
+  if (s < 1e-9) axis = from.cross(std::abs(from[0]) < 0.6 ? Vec3d(1, 0, 0) : Vec3d(0, 1, 0));
+  return rotationFromVector(axis.unit() * angle);
 }
 
 /// A limb as a root, lengths, and frames that do not spin (first column along the limb), one a piece between two points.
@@ -89,8 +94,11 @@ std::vector<Vec3d> pointsOf(const Stem& stem, const std::vector<double>& radius)
   return points;
 }
 
-}  // namespace
+/// A limb that an object lacks lies in it as a stub of at most this share of the limb's length, and not further away from
+/// where the limb is attached.
+constexpr double kStubLength = 0.35, kStubReach = 0.5;
 
+/// Per limb of the first object its partner among the second's; -1: none.
 std::vector<int> matchLimbs(const std::vector<PlacedLimb>& a, const std::vector<PlacedLimb>& b, double size) {
   if (a.empty() || b.empty()) return std::vector<int>(a.size(), -1);
   std::vector<std::vector<double>> cost(a.size(), std::vector<double>(b.size() + a.size(), kAlonePrice));
@@ -100,6 +108,96 @@ std::vector<int> matchLimbs(const std::vector<PlacedLimb>& a, const std::vector<
   for (int& p : partner)
     if (p >= int(b.size())) p = -1;
   return partner;
+}
+
+/// What takes part in one limb: per object the number of its limb; -1: it has none.
+std::vector<std::vector<int>> partnersOf(const std::vector<std::vector<PlacedLimb>>& limbs, double size) {
+  std::vector<std::vector<int>> groups;
+  for (size_t i = 0; i < limbs[0].size(); ++i) {
+    groups.emplace_back(limbs.size(), -1);
+    groups.back()[0] = int(i);
+  }
+  for (size_t k = 1; k < limbs.size(); ++k) {
+    const std::vector<int> partner = matchLimbs(limbs[0], limbs[k], size);
+    for (size_t i = 0; i < partner.size(); ++i) groups[i][k] = partner[i];
+    for (size_t j = 0; j < limbs[k].size(); ++j) {
+      if (std::find(partner.begin(), partner.end(), int(j)) != partner.end()) continue;
+      groups.emplace_back(limbs.size(), -1);
+      groups.back()[k] = int(j);
+    }
+  }
+  return groups;
+}
+
+/// Object k's place for a limb it lacks: a short one that lies wholly below the surface, where the limb would be attached.
+std::optional<PlacedLimb> stubOf(const PlacedLimb& limb, size_t k, const DistanceField& field, const Chart& chart,
+                                 const Displacements& map) {
+  const Vec3d root = limb.middle[0] + map.at(k, limb.middle[0]);
+  const Vec3d world = field.closest(chart.toWorld(root));
+  const Vec3d surface = chart.toChart(world);
+  if ((surface - root).length() > kStubReach * limb.length) return {};
+  const Vec3d out = chart.normalToChart(surface, field.gradient(world));
+  // How far it may go down: as long as it gets deeper.
+  const double unit = 1 / chart.meanScale(), step = 0.02 * limb.length;
+  double depth = 0, deepest = 0;
+  while (depth < kStubLength * limb.length) {
+    const double below = -unit * field.coarse(chart.toWorld(surface - (depth + step) * out));
+    if (below < deepest) break;
+    deepest = below, depth += step;
+  }
+  if (depth < 4 * step) return {};
+  const double share = 0.7 * depth / limb.length;
+  PlacedLimb stub = limb;
+  const int n = int(limb.chart.size());
+  for (int i = 0; i < n; ++i) {
+    stub.chart[size_t(i)] = surface - depth * (0.85 - 0.7 * i / (n - 1.0)) * out;
+    stub.radius[size_t(i)] *= std::sqrt(share);
+  }
+  return stub;
+}
+
+}  // namespace
+
+std::vector<std::vector<PlacedLimb>> placedLimbs(const Fields& fields, const std::vector<Chart>& charts,
+                                                 const Displacements& map) {
+  std::vector<std::vector<PlacedLimb>> placed(fields.size());
+  tbb::parallel_for(size_t(0), fields.size(), [&](size_t k) {
+    for (const Limb& limb : findLimbs(*fields[k])) {
+      PlacedLimb p;
+      for (size_t i = 0; i < limb.line.size(); ++i) {
+        p.chart.push_back(charts[k].toChart(limb.line[i]));
+        Vec3d middle = p.chart.back() - map.at(k, p.chart.back());
+        toMiddle(map, k, p.chart.back(), middle);
+        p.middle.push_back(middle);
+        p.radius.push_back(limb.radius[i] / charts[k].meanScale());
+        if (i > 0) p.length += (p.middle[i] - p.middle[i - 1]).length();
+      }
+      placed[k].push_back(std::move(p));
+    }
+  });
+  return placed;
+}
+
+std::vector<LimbGroup> groupLimbs(const std::vector<std::vector<PlacedLimb>>& limbs, const Fields& fields,
+                                  const std::vector<Chart>& charts, const Displacements& map, double size) {
+  std::vector<LimbGroup> groups;
+  for (const std::vector<int>& partners : partnersOf(limbs, size)) {
+    size_t has = 0;
+    while (partners[has] < 0) ++has;
+    LimbGroup group;
+    for (size_t k = 0; k < limbs.size(); ++k) {
+      if (partners[k] >= 0) {
+        group.limb.push_back(limbs[k][size_t(partners[k])]);
+        continue;
+      }
+      group.grows = true;
+      const std::optional<PlacedLimb> stub = stubOf(limbs[has][size_t(partners[has])], k, *fields[k], charts[k], map);
+      if (!stub) break;
+      group.limb.push_back(*stub);
+    }
+    if (group.limb.size() == limbs.size()) groups.push_back(std::move(group));
+  }
+  return groups;
 }
 
 std::vector<Correspondence> limbPoints(const std::vector<PlacedLimb>& limbs) {
