@@ -6,6 +6,7 @@
 #include "engine/match/register.h"
 #include "engine/rebuild/crumbs.h"
 #include "engine/rebuild/rebuild.h"
+#include "engine/rebuild/warp_grid.h"
 #include "engine/volume/same_grid.h"
 
 #include <tbb/parallel_for.h>
@@ -95,6 +96,24 @@ InBetween MorphPlan::frame(const Weights& weights) const {
   InBetween result{rebuildLevelSet(nodes, p.fields, factors, *transform), nodes.foldShare};
   result.crumbs = removeCrumbs(*result.surface, p.piecesOf(w));
   return result;
+}
+
+openvdb::GridBase::ConstPtr MorphPlan::carried(const std::vector<openvdb::GridBase::ConstPtr>& grids,
+                                               const Weights& weights, bool conserve) const {
+  const Impl& p = *impl_;
+  const Weights w = p.shapeWeights(weights);
+  if (grids.size() != weights.size())
+    throw InputError(std::to_string(grids.size()) + " grids were given for " + std::to_string(weights.size()) + " objects");
+  std::vector<CarriedGrid> carried;
+  for (size_t k = 0; k < grids.size(); ++k) {
+    if (weights[k] > 1 - 1e-9 && grids[k]) return grids[k];
+    if (!grids[k] || weights[k] == 0) continue;
+    const size_t shape = p.shapeOf[k];
+    carried.push_back({grids[k], shape, p.fields[shape]->anchor(), weights[k]});
+  }
+  if (carried.empty()) throw InputError("none of the objects has a grid to carry");
+  const openvdb::math::Transform::Ptr transform = commonTransform(carried);
+  return warpGrids(carried, nodesOf(carried, p.lattice.get(), w, *transform), *transform, conserve);
 }
 
 Weights MorphPlan::Impl::shapeWeights(const Weights& weights) const {

@@ -57,6 +57,15 @@ class MorphPlan {
   /// The in-between of the given weights (one per object, each >= 0, of sum 1 within 1e-6; else InputError).
   InBetween frame(const Weights& weights) const;
 
+  /// In-between of values that ride with the objects, a density say: each grid goes along with its object's shape, and
+  /// the values are blended where they meet. `grids`: one per object, of one type (float, double, vec3s, vec3d; any
+  /// transform), null where the object has none. The result lies on their common transform, or, where they differ, on the
+  /// world's axes with the weighted mean of their voxel sizes. At weight 1 it is that object's grid itself. `conserve`: the
+  /// sum of all values times the voxels' volume is the weighted sum of the objects' own; for densities.
+  /// Throws InputError for grids of other types or of different ones, for too many or too few, for weights as frame().
+  openvdb::GridBase::ConstPtr carried(const std::vector<openvdb::GridBase::ConstPtr>& grids, const Weights& weights,
+                                      bool conserve = false) const;
+
   size_t objectCount() const;
   std::vector<SlicePicture> slicePictures() const;
   /// What was decided, one sentence each (axes, alignment, share of trusted pairs).

@@ -28,6 +28,7 @@ double volumeOf(const Vec3d* p, const int* t) {
 MovingLattice::MovingLattice(const Displacements& map, const Fields& fields, const std::vector<Chart>& charts)
     : lattice_(map.lattice), charts_(charts), objects_(fields.size()), chart_(map.of), place_(map.of), distance_(objects_) {
   for (size_t k = 0; k < objects_; ++k) {
+    anchor_.push_back(fields[k]->anchor());
     distance_[k].resize(lattice_.count());
     const double unit = 1 / charts[k].meanScale();
     tbb::parallel_for(0, int(lattice_.size[2]), [&](int z) {
@@ -129,18 +130,27 @@ struct MovingLattice::Found {
   std::vector<openvdb::Vec3s> place;  ///< per node and object
 };
 
-NodeMap MovingLattice::nodesNearSurface(const Weights& weights, const Chart& chart,
-                                        const openvdb::math::Transform& transform, int step) const {
-  NodeMap map;
-  map.step = step;
-  map.objects = objects_;
+MovingLattice::Frame MovingLattice::frameOf(const Weights& weights, const Chart& chart,
+                                            const openvdb::math::Transform& transform, NodeMap& map) const {
   const size_t count = lattice_.count();
   Blend blended = blend(weights);
   Frame frame{weights, std::vector<Vec3d>(count), std::move(blended.chart), std::move(blended.distance),
               std::vector<char>(count, 0), &map};
   tbb::parallel_for(size_t(0), count, [&](size_t i) {
-    frame.node[i] = transform.worldToIndex(chart.toWorld(frame.chart[i])) / step;
+    frame.node[i] = transform.worldToIndex(chart.toWorld(frame.chart[i])) / map.step;
   });
+  if (!chart.bend.straight())
+    for (const Chart& c : charts_)
+      map.jump.push_back(kStretch * map.step * transform.voxelSize()[0] * c.meanScale() / chart.meanScale());
+  return frame;
+}
+
+NodeMap MovingLattice::nodesNearSurface(const Weights& weights, const Chart& chart,
+                                        const openvdb::math::Transform& transform, int step) const {
+  NodeMap map;
+  map.step = step;
+  map.objects = objects_;
+  Frame frame = frameOf(weights, chart, transform, map);
   // Nodes are needed as far out as the band, and two nodes more for the splines between them.
   const double voxel = transform.voxelSize()[0] / chart.meanScale();
   const float reach = float((kHalfWidth + 2 * step * std::sqrt(3.0)) * voxel);
@@ -183,12 +193,58 @@ NodeMap MovingLattice::nodesNearSurface(const Weights& weights, const Chart& cha
   if (allCrossed == 0) return map;
   map.origin = openvdb::Coord::floor(box.min());
   map.size = openvdb::Coord::ceil(box.max()) - map.origin + openvdb::Coord(1);
+  findNodes(frame, map);
+  return map;
+}
+
+openvdb::BBoxd MovingLattice::boxOf(size_t object, const openvdb::BBoxd& world, const Weights& weights, const Chart& chart,
+                                    const openvdb::math::Transform& transform) const {
+  openvdb::BBoxd box;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3d at(world.min()[0] + (corner & 1) * world.extents()[0], world.min()[1] + (corner >> 1 & 1) * world.extents()[1],
+                   world.min()[2] + (corner >> 2) * world.extents()[2]);
+    box.expand(transform.worldToIndex(chart.toWorld(charts_[object].toChart(at))));
+  }
+  // Nodes within a cell of it, too: what lies between nodes may reach as far.
+  const Vec3d cell(lattice_.spacing * charts_[object].meanScale());
+  const openvdb::BBoxd wide(world.min() - cell, world.max() + cell);
+  const Blend blended = blend(weights);
+  for (size_t i = 0; i < lattice_.count(); ++i)
+    if (wide.isInside(anchor_[object] + Vec3d(place_[object][i])))
+      box.expand(transform.worldToIndex(chart.toWorld(blended.chart[i])));
+  return box;
+}
+
+NodeMap MovingLattice::nodesWithin(const openvdb::CoordBBox& box, const Weights& weights, const Chart& chart,
+                                   const openvdb::math::Transform& transform, int step) const {
+  NodeMap map;
+  map.step = step;
+  map.objects = objects_;
+  Frame frame = frameOf(weights, chart, transform, map);
+  std::fill(frame.near.begin(), frame.near.end(), 1);
+  // One node more on every side, for the splines.
+  map.origin = openvdb::Coord::floor(box.min().asVec3d() / step) - openvdb::Coord(1);
+  map.size = openvdb::Coord::ceil(box.max().asVec3d() / step) + openvdb::Coord(2) - map.origin;
+  findNodes(frame, map);
+  tbb::parallel_for(0, int(map.size[2]), [&](int z) {
+    for (int y = 0; y < map.size[1]; ++y)
+      for (int x = 0; x < map.size[0]; ++x) {
+        const openvdb::Coord c = map.origin + openvdb::Coord(x, y, z);
+        const size_t n = map.index(c[0], c[1], c[2]);
+        if (map.known[n]) continue;
+        const Vec3d q = chart.toChart(transform.indexToWorld(step * c.asVec3d()));
+        for (size_t k = 0; k < objects_; ++k)
+          map.at[n * objects_ + k] = openvdb::Vec3s(charts_[k].toWorld(q) - anchor_[k]);
+        map.known[n] = 1;
+      }
+  });
+  return map;
+}
+
+void MovingLattice::findNodes(const Frame& frame, NodeMap& map) const {
   const size_t nodes = size_t(map.size[0]) * map.size[1] * map.size[2];
   map.at.resize(nodes * objects_);
   map.known.assign(nodes, 0);
-  if (!chart.bend.straight())
-    for (const Chart& c : charts_)
-      map.jump.push_back(kStretch * step * transform.voxelSize()[0] * c.meanScale() / chart.meanScale());
   std::vector<Found> found(lattice_.size[2]);
   tbb::parallel_for(0, int(lattice_.size[2]) - 1, [&](int z) { rasterise(frame, z, found[z]); });
   // Where slices of a bent chart cross, a node is found more than once: what is nearer to the object wins.
@@ -201,7 +257,6 @@ NodeMap MovingLattice::nodesNearSurface(const Weights& weights, const Chart& cha
       map.known[n] = 1;
       std::copy_n(&f.place[i * objects_], objects_, &map.at[n * objects_]);
     }
-  return map;
 }
 
 /// Finds the nodes inside every near tetrahedron of one slab, with their places by barycentric coordinates.
@@ -216,8 +271,10 @@ void MovingLattice::rasterise(const Frame& frame, int z, Found& found) const {
         p[c] = frame.node[corner[c]];
         for (int a = 0; a < 3; ++a) cellLow[a] = std::min(cellLow[a], p[c][a]), cellHigh[a] = std::max(cellHigh[a], p[c][a]);
       }
-      const openvdb::Coord low = openvdb::Coord::ceil(cellLow - Vec3d(kOnFace));
-      const openvdb::Coord high = openvdb::Coord::floor(cellHigh + Vec3d(kOnFace));
+      openvdb::Coord low = openvdb::Coord::ceil(cellLow - Vec3d(kOnFace));
+      openvdb::Coord high = openvdb::Coord::floor(cellHigh + Vec3d(kOnFace));
+      low.maxComponent(frame.map->origin);
+      high.minComponent(frame.map->origin + frame.map->size - openvdb::Coord(1));
       if (low[0] > high[0] || low[1] > high[1] || low[2] > high[2]) continue;
       for (const auto& t : kKuhnTetrahedra) {
         const Vec3d e1 = p[t[1]] - p[t[0]], e2 = p[t[2]] - p[t[0]], e3 = p[t[3]] - p[t[0]];

@@ -38,6 +38,12 @@ class MovingLattice {
   /// `transform`: index space of the frame. Parallel; the same for any thread count.
   NodeMap nodesNearSurface(const Weights& weights, const Chart& chart, const openvdb::math::Transform& transform,
                            int step) const;
+  /// Where what an object has in a box of the world lies on the in-between: a box of index space.
+  openvdb::BBoxd boxOf(size_t object, const openvdb::BBoxd& world, const Weights& weights, const Chart& chart,
+                       const openvdb::math::Transform& transform) const;
+  /// All nodes around the voxels of a box of index space: near the objects by the lattice, further out by the charts alone.
+  NodeMap nodesWithin(const openvdb::CoordBBox& box, const Weights& weights, const Chart& chart,
+                      const openvdb::math::Transform& transform, int step) const;
 
  private:
   /// One in-between's nodes.
@@ -49,11 +55,14 @@ class MovingLattice {
   Vec3d centroid(const Weights& weights, const Chart& chart) const;
   struct Frame;
   struct Found;
+  Frame frameOf(const Weights& weights, const Chart& chart, const openvdb::math::Transform& transform, NodeMap& map) const;
+  void findNodes(const Frame& frame, NodeMap& map) const;
   void rasterise(const Frame& frame, int z, Found& found) const;
 
   Lattice lattice_;
   std::vector<Chart> charts_;
   size_t objects_;
+  std::vector<Vec3d> anchor_;                 ///< per object: its field's
   std::vector<VectorField> chart_;            ///< per object: chart coordinates of the nodes
   std::vector<VectorField> place_;            ///< per object: world, relative to the field's anchor
   std::vector<std::vector<float>> distance_;  ///< per object: distance at the nodes, chart units

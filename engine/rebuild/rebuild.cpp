@@ -1,6 +1,6 @@
 #include "engine/rebuild/rebuild.h"
 
-#include "engine/match/catmull_rom.h"
+#include "engine/blend/node_places.h"
 #include "engine/rebuild/redistance.h"
 
 #include <tbb/parallel_for.h>
@@ -16,22 +16,11 @@ constexpr int kLeaf = 8;
 /// How much faster than a distance the blend may change: for deciding what is certainly outside the band.
 constexpr double kSteepest = 1.3;
 
-/// Catmull-Rom weights of nodes -1, 0, 1, 2 at the fractions 0, 1/step, ...
-std::vector<std::array<float, 4>> splineWeights(int step) {
-  std::vector<std::array<float, 4>> weights;
-  for (int i = 0; i < step; ++i) {
-    const std::array<double, 4> w = catmullRomWeights(double(i) / step);
-    weights.push_back({float(w[0]), float(w[1]), float(w[2]), float(w[3])});
-  }
-  return weights;
-}
-
 class Rebuilder {
  public:
   Rebuilder(const NodeMap& nodes, const Fields& fields, const std::vector<double>& factors,
             const openvdb::math::Transform& transform)
-      : nodes_(nodes), voxel_(transform.voxelSize()[0]), step_(nodes.step),
-        spline_(splineWeights(nodes.step)) {
+      : nodes_(nodes), voxel_(transform.voxelSize()[0]), step_(nodes.step), places_(nodes) {
     for (size_t k = 0; k < factors.size(); ++k)
       if (factors[k] > 0) {
         used_.push_back(k);
@@ -116,8 +105,8 @@ class Rebuilder {
   /// only those blocks are sampled whose middle is near enough to the surface to hold a voxel of the band.
   void fillCell(int i, int j, int k, std::vector<std::vector<openvdb::Vec3s>>& places, float* values) const {
     for (size_t n = 0; n < used_.size(); ++n) {
-      if (torn(i, j, k, 2, used_[n])) return blendNodes(i, j, k, values);
-      placeVoxels(i, j, k, used_[n], places[n]);
+      if (places_.torn(i, j, k, 2, used_[n])) return blendNodes(i, j, k, values);
+      places_.find(i, j, k, used_[n], places[n]);
     }
     const float far = float((kHalfWidth + 1 + kSteepest * 0.5 * std::sqrt(3.0)) * voxel_);
     for (int x = 0; x < step_; x += 2)
@@ -142,57 +131,6 @@ class Rebuilder {
         }
   }
 
-  /// Chart places of a cell's voxels (x slowest): splined where all 64 nodes around are known, else trilinear.
-  void placeVoxels(int i, int j, int k, size_t object, std::vector<openvdb::Vec3s>& places) const {
-    openvdb::Vec3s node[4][4][4];
-    bool all = nodes_.inside(i - 1, j - 1, k - 1) && nodes_.inside(i + 2, j + 2, k + 2);
-    for (int c = 0; c < 4 && all; ++c)
-      for (int b = 0; b < 4 && all; ++b)
-        for (int a = 0; a < 4 && all; ++a) {
-          const size_t n = nodes_.index(i - 1 + a, j - 1 + b, k - 1 + c);
-          all = nodes_.known[n];
-          node[a][b][c] = nodes_.at[n * nodes_.objects + object];
-        }
-    if (!all || torn(i - 1, j - 1, k - 1, 4, object)) return placeLinearly(i, j, k, object, places);
-    openvdb::Vec3s alongZ[4][4][kLeaf], alongY[4][kLeaf][kLeaf];
-    const auto combine = [](const std::array<float, 4>& w, const openvdb::Vec3s& p, const openvdb::Vec3s& q,
-                            const openvdb::Vec3s& r, const openvdb::Vec3s& s) {
-      return openvdb::Vec3s(w[0] * p[0] + w[1] * q[0] + w[2] * r[0] + w[3] * s[0],
-                            w[0] * p[1] + w[1] * q[1] + w[2] * r[1] + w[3] * s[1],
-                            w[0] * p[2] + w[1] * q[2] + w[2] * r[2] + w[3] * s[2]);
-    };
-    for (int a = 0; a < 4; ++a)
-      for (int b = 0; b < 4; ++b)
-        for (int z = 0; z < step_; ++z)
-          alongZ[a][b][z] = combine(spline_[z], node[a][b][0], node[a][b][1], node[a][b][2], node[a][b][3]);
-    for (int a = 0; a < 4; ++a)
-      for (int y = 0; y < step_; ++y)
-        for (int z = 0; z < step_; ++z)
-          alongY[a][y][z] = combine(spline_[y], alongZ[a][0][z], alongZ[a][1][z], alongZ[a][2][z], alongZ[a][3][z]);
-    size_t v = 0;
-    for (int x = 0; x < step_; ++x)
-      for (int y = 0; y < step_; ++y)
-        for (int z = 0; z < step_; ++z)
-          places[v++] = combine(spline_[x], alongY[0][y][z], alongY[1][y][z], alongY[2][y][z], alongY[3][y][z]);
-  }
-
-  /// Whether neighbours among `side` x `side` x `side` nodes lie on crossing slices of a bent chart: then nothing can be
-  /// said of the places between them.
-  bool torn(int i, int j, int k, int side, size_t object) const {
-    if (nodes_.jump.empty()) return false;
-    const float longest = float(nodes_.jump[object] * nodes_.jump[object]);
-    const auto place = [&](int a, int b, int c) { return nodes_.at[nodes_.index(a, b, c) * nodes_.objects + object]; };
-    for (int c = k; c < k + side; ++c)
-      for (int b = j; b < j + side; ++b)
-        for (int a = i; a < i + side; ++a) {
-          const openvdb::Vec3s p = place(a, b, c);
-          if (a + 1 < i + side && (place(a + 1, b, c) - p).lengthSqr() > longest) return true;
-          if (b + 1 < j + side && (place(a, b + 1, c) - p).lengthSqr() > longest) return true;
-          if (c + 1 < k + side && (place(a, b, c + 1) - p).lengthSqr() > longest) return true;
-        }
-    return false;
-  }
-
   /// A cell between crossing slices takes its nodes' own distances.
   void blendNodes(int i, int j, int k, float* values) const {
     for (int x = 0; x < step_; ++x)
@@ -207,26 +145,10 @@ class Rebuilder {
         }
   }
 
-  void placeLinearly(int i, int j, int k, size_t object, std::vector<openvdb::Vec3s>& places) const {
-    openvdb::Vec3s node[8];
-    for (int c = 0; c < 8; ++c)
-      node[c] = nodes_.at[nodes_.index(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2)) * nodes_.objects + object];
-    size_t v = 0;
-    for (int x = 0; x < step_; ++x)
-      for (int y = 0; y < step_; ++y)
-        for (int z = 0; z < step_; ++z) {
-          const float a = float(x) / step_, b = float(y) / step_, c = float(z) / step_;
-          openvdb::Vec3s sum(0.f);
-          for (int n = 0; n < 8; ++n)
-            sum += node[n] * ((n & 1 ? a : 1 - a) * (n & 2 ? b : 1 - b) * (n & 4 ? c : 1 - c));
-          places[v++] = sum;
-        }
-  }
-
   const NodeMap& nodes_;
   double voxel_;
   int step_;
-  std::vector<std::array<float, 4>> spline_;
+  NodePlaces places_;
   std::vector<DistanceField::Sampler> samplers_;
   std::vector<size_t> used_;    ///< objects of positive factor
   std::vector<float> factor_;   ///< of each of these
