@@ -33,6 +33,31 @@ Coverage coverageOf(const DistanceField& field, const Chart& chart, const SliceP
   return slices;
 }
 
+/// An object's thickness, as the area that one slice in ten exceeds, and its middle across the spine.
+struct Thickness {
+  double area = 0;
+  Vec2d middle{0, 0};
+};
+
+Thickness thicknessOf(const DistanceField& field, const Chart& chart, const SlicePlanes& planes) {
+  const Coverage slices = coverageOf(field, chart, planes);
+  std::vector<double> areas;
+  Thickness t;
+  double total = 0;
+  for (const auto& image : slices) {
+    areas.push_back(0);
+    for (size_t i = 0; i < image.size(); ++i) {
+      areas.back() += image[i];
+      t.middle += image[i] * (planes.origin + planes.pixel * Vec2d(double(i % planes.nx), double(i / planes.nx)));
+    }
+    total += areas.back();
+  }
+  std::sort(areas.begin(), areas.end());
+  t.area = std::max(areas[areas.size() * 9 / 10], 1.0) * planes.pixel * planes.pixel;
+  if (total > 0) t.middle /= total;
+  return t;
+}
+
 /// Two empty slices agree.
 double overlapOf(const std::vector<float>* a, const std::vector<float>* b, size_t pixels) {
   double both = 0, either = 0;
@@ -121,8 +146,22 @@ AlongSpine matchAlongSpine(const Fields& fields, const std::vector<Chart>& chart
   const double shrink = std::max(planes.nx, planes.ny) / double(kPixels);
   fine.pixel = planes.pixel * shrink, fine.origin = planes.origin;
   fine.nx = int(planes.nx / shrink) + 1, fine.ny = int(planes.ny / shrink) + 1;
+  // Every object's slices as thick as the others': a slice of a thin object is not to be taken for one near the end of a
+  // thick one.
+  std::vector<Thickness> thickness(objects);
+  double meanLog = 0;
+  for (size_t k = 0; k < objects; ++k) {
+    thickness[k] = thicknessOf(*fields[k], charts[k], planes);
+    meanLog += std::log(thickness[k].area) / double(objects);
+  }
   std::vector<Coverage> slices(objects);
-  for (size_t k = 0; k < objects; ++k) slices[k] = coverageOf(*fields[k], charts[k], fine);
+  for (size_t k = 0; k < objects; ++k) {
+    const double scale = std::sqrt(thickness[k].area / std::exp(meanLog));
+    SlicePlanes own = fine;
+    own.pixel *= scale;
+    own.origin = thickness[k].middle - 0.5 * own.pixel * Vec2d(fine.nx - 1, fine.ny - 1);
+    slices[k] = coverageOf(*fields[k], charts[k], own);
+  }
 
   // Per object, the places that belong to the first object's places.
   AlongSpine result{std::vector<std::vector<double>>(objects, planes.z0), 0, 0};

@@ -11,8 +11,8 @@ struct AlongSpine {
   double before = 1, after = 1;            ///< mean overlap of slices at equal places, and of those that belong together
 };
 
-/// Finds them by dynamic programming against the first object: the greatest overlap of the slices as they are, less a price
-/// for stretching; every slice moves by at most a sixth of the way. The places are taken to the degree to which the overlap
+/// Finds them by dynamic programming against the first object: the greatest overlap of the slices, made equally thick as
+/// wholes, less a price for stretching; every slice moves by at most a sixth of the way. The places are taken to the degree to which the overlap
 /// gains and is great: equal places where it does not gain, or where the slices are not alike anyhow.
 AlongSpine matchAlongSpine(const Fields& fields, const std::vector<Chart>& charts, const SlicePlanes& planes);
 
