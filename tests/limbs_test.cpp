@@ -28,6 +28,14 @@ Distance capsule(const Vec3d& a, const Vec3d& b, double radius) {
   };
 }
 
+Distance joined(const std::vector<Distance>& parts) {
+  return [=](const Vec3d& p) {
+    double d = 1e30;
+    for (const Distance& part : parts) d = std::min(d, part(p));
+    return d;
+  };
+}
+
 constexpr double kLegLength = 0.62, kLegRadius = 0.065;
 
 /// Body along x, legs down along -z from its four corners, neck, head and tail. `swing`: of each leg, degrees forwards.
@@ -40,11 +48,7 @@ Distance quadruped(const std::array<double, 4>& swing, int legs = 4) {
     const double a = swing[size_t(leg)] * kPi / 180;
     parts.push_back(capsule(hip, hip + kLegLength * Vec3d(std::sin(a), 0, -std::cos(a)), kLegRadius));
   }
-  return [=](const Vec3d& p) {
-    double d = 1e30;
-    for (const Distance& part : parts) d = std::min(d, part(p));
-    return d;
-  };
+  return joined(parts);
 }
 
 Object object(const Distance& distance) {
@@ -120,14 +124,6 @@ TEST(Limbs, ALegGrowsOutOfTheBody) {
     EXPECT_GE(length, before - h) << "t " << t;
     before = length;
   }
-}
-
-Distance joined(const std::vector<Distance>& parts) {
-  return [=](const Vec3d& p) {
-    double d = 1e30;
-    for (const Distance& part : parts) d = std::min(d, part(p));
-    return d;
-  };
 }
 
 Object alongX(const Distance& distance) {

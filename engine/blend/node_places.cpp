@@ -2,11 +2,13 @@
 
 #include "engine/match/catmull_rom.h"
 
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
 namespace slicemorph {
 
 namespace {
-
-constexpr int kMostSteps = 8;
 
 openvdb::Vec3s combined(const std::array<float, 4>& w, const openvdb::Vec3s& p, const openvdb::Vec3s& q,
                         const openvdb::Vec3s& r, const openvdb::Vec3s& s) {
@@ -16,6 +18,29 @@ openvdb::Vec3s combined(const std::array<float, 4>& w, const openvdb::Vec3s& p, 
 }
 
 }  // namespace
+
+std::vector<openvdb::Coord> leavesWith(const NodeMap& nodes, const std::function<bool(int, int, int)>& active) {
+  const int perLeaf = kLeaf / nodes.step;
+  const auto leafOf = [&](int node) { return node >= 0 ? node / perLeaf : -((-node + perLeaf - 1) / perLeaf); };
+  openvdb::Coord low, high;
+  for (int a = 0; a < 3; ++a)
+    low[a] = leafOf(nodes.origin[a]), high[a] = leafOf(nodes.origin[a] + std::max(nodes.size[a] - 1, 0));
+  std::vector<std::vector<openvdb::Coord>> found(std::max(0, high[2] - low[2] + 1));
+  tbb::parallel_for(0, int(found.size()), [&](int s) {
+    const int z = low[2] + s;
+    for (int y = low[1]; y <= high[1]; ++y)
+      for (int x = low[0]; x <= high[0]; ++x) {
+        bool any = false;
+        for (int c = 0; c < perLeaf * perLeaf * perLeaf && !any; ++c)
+          any = active(x * perLeaf + c % perLeaf, y * perLeaf + c / perLeaf % perLeaf,
+                       z * perLeaf + c / (perLeaf * perLeaf));
+        if (any) found[s].emplace_back(x * kLeaf, y * kLeaf, z * kLeaf);
+      }
+  });
+  std::vector<openvdb::Coord> all;
+  for (const auto& list : found) all.insert(all.end(), list.begin(), list.end());
+  return all;
+}
 
 NodePlaces::NodePlaces(const NodeMap& nodes) : nodes_(nodes), step_(nodes.step) {
   for (int i = 0; i < step_; ++i) {
@@ -35,7 +60,7 @@ void NodePlaces::find(int i, int j, int k, size_t object, std::vector<openvdb::V
         node[a][b][c] = nodes_.at[n * nodes_.objects + object];
       }
   if (!all || torn(i - 1, j - 1, k - 1, 4, object)) return findLinearly(i, j, k, object, places);
-  openvdb::Vec3s alongZ[4][4][kMostSteps], alongY[4][kMostSteps][kMostSteps];
+  openvdb::Vec3s alongZ[4][4][kLeaf], alongY[4][kLeaf][kLeaf];
   for (int a = 0; a < 4; ++a)
     for (int b = 0; b < 4; ++b)
       for (int z = 0; z < step_; ++z)

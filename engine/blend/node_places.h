@@ -3,8 +3,15 @@
 #include "engine/blend/moving_lattice.h"
 
 #include <array>
+#include <functional>
 
 namespace slicemorph {
+
+/// Side of OpenVDB's leaves, voxels; a multiple of every node step.
+constexpr int kLeaf = 8;
+
+/// Origins of the leaves with a cell, given by its first node, that `active(i, j, k)` says is wanted; in order.
+std::vector<openvdb::Coord> leavesWith(const NodeMap& nodes, const std::function<bool(int, int, int)>& active);
 
 /// Where the voxels between a map's nodes lie on the objects.
 class NodePlaces {

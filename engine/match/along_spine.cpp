@@ -1,5 +1,7 @@
 #include "engine/match/along_spine.h"
 
+#include "engine/match/degree.h"
+
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -119,12 +121,6 @@ HalfShifts halfShifts(const Coverage& a, const Coverage& b, size_t pixels) {
     result.shift.push_back(sum / weight);
   }
   return result;
-}
-
-/// 0 up to `none`, 1 from `all`, smooth between.
-double degree(double value, double none, double all) {
-  const double x = std::min(std::max((value - none) / (all - none), 0.0), 1.0);
-  return x * x * (3 - 2 * x);
 }
 
 /// Value at `x` of a rising polyline, going on with the slope 1 beyond its ends.

@@ -2,6 +2,7 @@
 
 #include "engine/errors.h"
 #include "engine/match/along_spine.h"
+#include "engine/match/degree.h"
 #include "engine/match/fit_field.h"
 #include "engine/match/flow.h"
 #include "engine/match/fold_guard.h"
@@ -295,11 +296,10 @@ class Registrar {
   }
 
   /// Takes a map to the degree to which the warped objects overlap better than before: not at all where they do not
-  /// gain more than `nothing`, wholly from a gain of `all`. A yes or no would let noise decide between two results.
+  /// gain more than `nothing`, wholly from a gain of `all`.
   double takeAsFarAsBetter(const Displacements& map, double nothing, double all, const char* name) {
     const double overlap = overlapOf(map);
-    const double x = std::min(std::max((overlap - now_.overlap - nothing) / (all - nothing), 0.0), 1.0);
-    const double share = x * x * (3 - 2 * x);
+    const double share = degree(overlap - now_.overlap, nothing, all);
     char text[128];
     std::snprintf(text, sizeof text, "%s: overlap %.3f, taken to %.0f %%", name, overlap, 100 * share);
     now_.notes.push_back(text);

@@ -12,7 +12,6 @@ namespace slicemorph {
 
 namespace {
 
-constexpr int kLeaf = 8;
 /// How much faster than a distance the blend may change: for deciding what is certainly outside the band.
 constexpr double kSteepest = 1.3;
 
@@ -31,7 +30,8 @@ class Rebuilder {
 
   SparseValues run() {
     findNodeDistances();
-    const std::vector<openvdb::Coord> origins = activeLeaves();
+    const std::vector<openvdb::Coord> origins =
+        leavesWith(nodes_, [this](int i, int j, int k) { return cellActive(i, j, k); });
     SparseValues values(origins, float(voxel_));
     tbb::parallel_for(size_t(0), origins.size(), [&](size_t i) { fillLeaf(origins[i], values.leaf(i)); });
     return values;
@@ -64,30 +64,6 @@ class Rebuilder {
       least = std::min(least, std::abs(distance_[n]));
     }
     return least < (kHalfWidth + kSteepest * 0.5 * std::sqrt(3.0) * step_) * voxel_;
-  }
-
-  /// Origins of the leaves with active cells, in order.
-  std::vector<openvdb::Coord> activeLeaves() const {
-    const int perLeaf = kLeaf / step_;
-    const auto leafOf = [&](int node) { return node >= 0 ? node / perLeaf : -((-node + perLeaf - 1) / perLeaf); };
-    openvdb::Coord low, high;
-    for (int a = 0; a < 3; ++a)
-      low[a] = leafOf(nodes_.origin[a]), high[a] = leafOf(nodes_.origin[a] + std::max(nodes_.size[a] - 1, 0));
-    std::vector<std::vector<openvdb::Coord>> found(std::max(0, high[2] - low[2] + 1));
-    tbb::parallel_for(0, int(found.size()), [&](int s) {
-      const int z = low[2] + s;
-      for (int y = low[1]; y <= high[1]; ++y)
-        for (int x = low[0]; x <= high[0]; ++x) {
-          bool active = false;
-          for (int c = 0; c < perLeaf * perLeaf * perLeaf && !active; ++c)
-            active = cellActive(x * perLeaf + c % perLeaf, y * perLeaf + c / perLeaf % perLeaf,
-                                z * perLeaf + c / (perLeaf * perLeaf));
-          if (active) found[s].emplace_back(x * kLeaf, y * kLeaf, z * kLeaf);
-        }
-    });
-    std::vector<openvdb::Coord> all;
-    for (const auto& list : found) all.insert(all.end(), list.begin(), list.end());
-    return all;
   }
 
   void fillLeaf(const openvdb::Coord& origin, float* values) const {

@@ -15,8 +15,6 @@ namespace slicemorph {
 
 namespace {
 
-constexpr int kLeaf = 8;
-
 /// Which blocks of 8 x 8 x 8 voxels of a grid hold active ones.
 class ActiveBlocks {
  public:
@@ -119,7 +117,8 @@ class Warper {
     result->setTransform(transform_.copy());
     result->setGridClass(like.getGridClass());
     result->setVectorType(like.getVectorType());
-    const std::vector<openvdb::Coord> origins = leafOrigins();
+    const std::vector<openvdb::Coord> origins =
+        leavesWith(nodes_, [this](int i, int j, int k) { return cellActive(i, j, k); });
     std::vector<Leaf*> leaves(origins.size(), nullptr);
     tbb::parallel_for(size_t(0), origins.size(), [&](size_t i) { leaves[i] = filled(origins[i], like.background()); });
     for (Leaf* leaf : leaves)
@@ -152,27 +151,6 @@ class Warper {
       if (c.blocks.meets({box.min() - slack, box.max() + slack})) return true;
     }
     return false;
-  }
-
-  std::vector<openvdb::Coord> leafOrigins() const {
-    const int perLeaf = kLeaf / nodes_.step;
-    const openvdb::Coord low = openvdb::Coord::floor(nodes_.origin.asVec3d() / perLeaf);
-    const openvdb::Coord high = openvdb::Coord::floor((nodes_.origin + nodes_.size).asVec3d() / perLeaf);
-    std::vector<std::vector<openvdb::Coord>> found(size_t(std::max(0, high[2] - low[2] + 1)));
-    tbb::parallel_for(size_t(0), found.size(), [&](size_t s) {
-      const int z = low[2] + int(s);
-      for (int y = low[1]; y <= high[1]; ++y)
-        for (int x = low[0]; x <= high[0]; ++x) {
-          bool active = false;
-          for (int c = 0; c < perLeaf * perLeaf * perLeaf && !active; ++c)
-            active = cellActive(x * perLeaf + c % perLeaf, y * perLeaf + c / perLeaf % perLeaf,
-                                z * perLeaf + c / (perLeaf * perLeaf));
-          if (active) found[s].emplace_back(x * kLeaf, y * kLeaf, z * kLeaf);
-        }
-    });
-    std::vector<openvdb::Coord> all;
-    for (const auto& list : found) all.insert(all.end(), list.begin(), list.end());
-    return all;
   }
 
   /// The leaf's values; null where nothing turns out to be there.
