@@ -4,9 +4,9 @@
 #include "engine/errors.h"
 #include "engine/match/choose_frames.h"
 #include "engine/match/register.h"
+#include "engine/rebuild/carrier.h"
 #include "engine/rebuild/crumbs.h"
 #include "engine/rebuild/rebuild.h"
-#include "engine/rebuild/warp_grid.h"
 #include "engine/volume/same_grid.h"
 
 #include <tbb/parallel_for.h>
@@ -87,33 +87,28 @@ InBetween MorphPlan::frame(const Weights& weights) const {
   for (size_t k = 0; k < w.size(); ++k)
     if (w[k] == 1) return {resampledTo(p.levelSets[k], voxelSize)};
 
-  const Chart chart = p.lattice->chartAt(w);
+  const MovingLattice::Pose pose = p.lattice->poseAt(w);
   const auto transform = openvdb::math::Transform::createLinearTransform(voxelSize);
-  const int step = nodeStep({chart}, p.frames.halfLength, voxelSize);
-  const NodeMap nodes = p.lattice->nodesNearSurface(w, chart, *transform, step);
+  const int step = nodeStep({pose.chart}, p.frames.halfLength, voxelSize);
+  const NodeMap nodes = p.lattice->nodesNearSurface(pose, *transform, step);
   std::vector<double> factors;  // every object's distances count in units of its own size
-  for (size_t k = 0; k < w.size(); ++k) factors.push_back(w[k] * chart.meanScale() / p.frames.charts[k].meanScale());
+  for (size_t k = 0; k < w.size(); ++k) factors.push_back(w[k] * pose.chart.meanScale() / p.frames.charts[k].meanScale());
   InBetween result{rebuildLevelSet(nodes, p.fields, factors, *transform), nodes.foldShare};
   result.crumbs = removeCrumbs(*result.surface, p.piecesOf(w));
   return result;
 }
 
-openvdb::GridBase::ConstPtr MorphPlan::carried(const std::vector<openvdb::GridBase::ConstPtr>& grids,
-                                               const Weights& weights, bool conserve) const {
+Carrier MorphPlan::carrier(const Weights& weights) const {
   const Impl& p = *impl_;
-  const Weights w = p.shapeWeights(weights);
-  if (grids.size() != weights.size())
-    throw InputError(std::to_string(grids.size()) + " grids were given for " + std::to_string(weights.size()) + " objects");
-  std::vector<CarriedGrid> carried;
-  for (size_t k = 0; k < grids.size(); ++k) {
-    if (weights[k] > 1 - 1e-9 && grids[k]) return grids[k];
-    if (!grids[k] || weights[k] == 0) continue;
-    const size_t shape = p.shapeOf[k];
-    carried.push_back({grids[k], shape, p.fields[shape]->anchor(), weights[k]});
-  }
-  if (carried.empty()) throw InputError("none of the objects has a grid to carry");
-  const openvdb::math::Transform::Ptr transform = commonTransform(carried);
-  return warpGrids(carried, nodesOf(carried, p.lattice.get(), w, *transform), *transform, conserve);
+  auto carrier = std::make_unique<Carrier::Impl>();
+  carrier->weights = weights;
+  carrier->shapeOf = p.shapeOf;
+  carrier->shapeWeights = p.shapeWeights(weights);
+  for (const auto& field : p.fields) carrier->anchors.push_back(field->anchor());
+  carrier->carrying.anchor = carrier->anchors[0];
+  carrier->carrying.lattice = p.lattice.get();
+  if (p.lattice) carrier->carrying.pose = p.lattice->poseAt(carrier->shapeWeights);
+  return Carrier(std::move(carrier));
 }
 
 Weights MorphPlan::Impl::shapeWeights(const Weights& weights) const {

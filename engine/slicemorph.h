@@ -45,6 +45,36 @@ struct InBetween {
   int crumbs = 0;          ///< loose parts of less than 3 % that no object has and that were removed
 };
 
+struct CarriedGrid;
+
+/// One in-between's map, for all that rides with the shapes: density, temperature, colour, flags. It is made once for all
+/// grids of a frame and keeps what they share; use it from one thread (it uses all itself). Not to outlive its plan.
+class Carrier {
+ public:
+  /// In-between of values: each grid goes along with its object's shape, and the values are blended where they meet.
+  /// `grids`: one per object, of one type, on any transform; null where the object has none, which counts as background.
+  /// Float, double, vec3s and vec3d are blended; bool, mask, int32, int64 and vec3i are the heaviest object's. Vectors turn
+  /// with the map unless they are colours or places. The result has the metadata of the first grid; it lies on the grids'
+  /// transform where their axes and voxels agree, else on the world's axes with the weighted mean of the voxel sizes. At
+  /// weight 1 it is that object's grid itself. `conserve`: the sum of all values times the voxels' volume is the weighted
+  /// sum of the objects' own; for densities. Throws InputError for grids that do not fit together or cannot be carried.
+  openvdb::GridBase::ConstPtr carry(const std::vector<openvdb::GridBase::ConstPtr>& grids, bool conserve = false);
+
+  /// Velocity of what is at the active voxels of a grid while the weights change by `rate` a unit of time (one number per
+  /// object, of sum 0): world units per that time, on the same voxels, named "vel". Of the forward map.
+  openvdb::Vec3SGrid::Ptr velocity(const openvdb::GridBase& where, const Weights& rate) const;
+
+  struct Impl;
+  explicit Carrier(std::unique_ptr<Impl> impl);
+  ~Carrier();
+  Carrier(Carrier&&) noexcept;
+  Carrier& operator=(Carrier&&) noexcept;
+
+ private:
+  openvdb::GridBase::Ptr warped(const std::vector<CarriedGrid>& grids, const openvdb::GridBase& like, bool conserve);
+  std::unique_ptr<Impl> impl_;
+};
+
 /// What a morph needs to know once; every frame is then an independent task. Thread-safe after construction.
 class MorphPlan {
  public:
@@ -57,14 +87,8 @@ class MorphPlan {
   /// The in-between of the given weights (one per object, each >= 0, of sum 1 within 1e-6; else InputError).
   InBetween frame(const Weights& weights) const;
 
-  /// In-between of values that ride with the objects, a density say: each grid goes along with its object's shape, and
-  /// the values are blended where they meet. `grids`: one per object, of one type (float, double, vec3s, vec3d; any
-  /// transform), null where the object has none. The result lies on their common transform, or, where they differ, on the
-  /// world's axes with the weighted mean of their voxel sizes. At weight 1 it is that object's grid itself. `conserve`: the
-  /// sum of all values times the voxels' volume is the weighted sum of the objects' own; for densities.
-  /// Throws InputError for grids of other types or of different ones, for too many or too few, for weights as frame().
-  openvdb::GridBase::ConstPtr carried(const std::vector<openvdb::GridBase::ConstPtr>& grids, const Weights& weights,
-                                      bool conserve = false) const;
+  /// For the grids that ride with the shapes; weights as frame().
+  Carrier carrier(const Weights& weights) const;
 
   size_t objectCount() const;
   std::vector<SlicePicture> slicePictures() const;

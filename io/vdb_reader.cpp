@@ -5,6 +5,8 @@
 #include "io/vdb_check.h"
 
 #include <log4cplus/logger.h>
+#include <openvdb/io/Compression.h>
+#include <openvdb/io/File.h>
 #include <openvdb/io/GridDescriptor.h>
 
 #include <fstream>
@@ -43,12 +45,13 @@ class Reader : public openvdb::io::Archive {
   unsigned version() const { return fileVersion(); }
   bool hasOffsets() const { return inputHasGridOffsets(); }
 
-  /// Steps over the metadata of the file; returns the number of grids.
-  std::uint32_t beginContents() {
+  /// Reads the metadata of the file; returns the number of grids.
+  std::uint32_t beginContents(openvdb::MetaMap& metadata) {
     stream_.seekg(contents_);
-    Walker walker(stream_, size_);
-    walker.metadata();
-    return walker.number<std::uint32_t>();
+    Walker(stream_, size_).metadata();
+    stream_.seekg(contents_);
+    metadata.readMeta(stream_);
+    return Walker(stream_, size_).number<std::uint32_t>();
   }
 
   GridDescriptor readDescriptor() {
@@ -93,15 +96,26 @@ class Reader : public openvdb::io::Archive {
   }
 
   GridBase::Ptr readWhole(const GridDescriptor& descriptor) {
-    if (hasOffsets()) descriptor.seekToGrid(stream_);
-    const auto start = stream_.tellg();
-    GridBase::Ptr grid = readHeaderOf(descriptor);
-    if (!grid) throw Damaged("its type " + descriptor.gridType() + " is not known to this OpenVDB");
-    if (!descriptor.isInstance()) checkTreeOf(*grid);
+    const auto start = checkGrid(descriptor);
     stream_.seekg(start);
-    grid = create(descriptor);
+    const GridBase::Ptr grid = create(descriptor);
     readGrid(grid, descriptor, stream_);
     return grid;
+  }
+
+  /// Returns where the grid starts. Throws where it is damaged.
+  std::istream::pos_type checkGrid(const GridDescriptor& descriptor) {
+    if (hasOffsets()) descriptor.seekToGrid(stream_);
+    const auto start = stream_.tellg();
+    const GridBase::Ptr grid = readHeaderOf(descriptor);
+    if (!grid) throw Damaged("its type " + descriptor.gridType() + " is not known to this OpenVDB");
+    if (!descriptor.isInstance()) checkTreeOf(*grid);
+    return start;
+  }
+
+  std::uint32_t compressionOf(const GridDescriptor& descriptor) {
+    readHeaderOf(descriptor);
+    return openvdb::io::getDataCompression(stream_);
   }
 
  private:
@@ -118,13 +132,22 @@ class Reader : public openvdb::io::Archive {
     return grid;
   }
 
+  /// How values of the types that are checked are stored; false for any other.
+  static bool storageOf(const GridBase& grid, TreeStorage& storage) {
+    using Types = openvdb::TypeList<FloatGrid, openvdb::DoubleGrid, openvdb::Vec3SGrid, openvdb::Vec3DGrid,
+                                    openvdb::Vec3IGrid, openvdb::Int32Grid, openvdb::Int64Grid>;
+    return grid.apply<Types>([&](const auto& typed) {
+      using Value = typename std::decay_t<decltype(typed)>::ValueType;
+      using Stored = typename openvdb::io::RealToHalf<Value>::HalfT;
+      storage.valueSize = sizeof(Value);
+      storage.storedSize = grid.saveFloatAsHalf() ? sizeof(Stored) : sizeof(Value);
+    });
+  }
+
   /// The stream stands behind the grid's transform.
   void checkTreeOf(const GridBase& grid) {
-    const bool isFloat = grid.isType<FloatGrid>(), isDouble = grid.isType<openvdb::DoubleGrid>();
-    if (version() < kFirstWithMasks || !(isFloat || isDouble)) return;
     TreeStorage storage;
-    storage.valueSize = isFloat ? 4 : 8;
-    storage.storedSize = grid.saveFloatAsHalf() ? 2 : storage.valueSize;
+    if (version() < kFirstWithMasks || !storageOf(grid, storage)) return;
     storage.compression = openvdb::io::getDataCompression(stream_);
     Walker walker(stream_, size_);
     checkTree(walker, storage);
@@ -180,6 +203,8 @@ struct VdbFile::Impl {
   std::uint64_t size = 0;
   unsigned fileVersion = 0;
   std::string libraryVersion;
+  openvdb::MetaMap metadata;
+  std::uint32_t compression = openvdb::io::COMPRESS_NONE;
   std::vector<GridDescriptor> descriptors;
   std::vector<VdbEntry> entries;
   std::vector<GridBase::Ptr> streamed;  // all grids of a file without offsets, which can only be read in order
@@ -189,7 +214,7 @@ struct VdbFile::Impl {
     fileVersion = reader.version();
     const auto library = reader.libraryVersion();
     libraryVersion = std::to_string(library.first) + "." + std::to_string(library.second);
-    for (auto count = reader.beginContents(); count > 0; --count) {
+    for (auto count = reader.beginContents(metadata); count > 0; --count) {
       descriptors.push_back(reader.readDescriptor());
       if (reader.hasOffsets()) {
         reader.skipGrid(descriptors.back());
@@ -198,6 +223,21 @@ struct VdbFile::Impl {
       }
     }
     entries = entriesOf(descriptors);
+    for (const GridDescriptor& d : descriptors)
+      if (reader.hasOffsets() && GridBase::isRegistered(d.gridType())) {
+        compression = Reader(path, size).compressionOf(d);
+        break;
+      }
+  }
+
+  GridBase::Ptr readDelayed(size_t index) const {
+    if (!streamed.empty()) return readConnected(index);
+    Reader(path, size).checkGrid(descriptors.at(index));
+    if (descriptors[index].isInstance()) return readConnected(index);
+    openvdb::io::File file(path);
+    file.setCopyMaxBytes(0);
+    file.open(/*delayLoad=*/true);
+    return file.readGrid(GridDescriptor::nameAsString(descriptors[index].uniqueName()));
   }
 
   GridBase::Ptr readOwn(size_t index) const {
@@ -245,5 +285,12 @@ GridBase::Ptr VdbFile::readHeader(size_t index) const {
 GridBase::Ptr VdbFile::read(size_t index) const {
   return guarded(impl_->cannotRead(index), [&] { return impl_->readConnected(index); });
 }
+
+GridBase::Ptr VdbFile::readDelayed(size_t index) const {
+  return guarded(impl_->cannotRead(index), [&] { return impl_->readDelayed(index); });
+}
+
+const openvdb::MetaMap& VdbFile::metadata() const { return impl_->metadata; }
+std::uint32_t VdbFile::compression() const { return impl_->compression; }
 
 }  // namespace slicemorph

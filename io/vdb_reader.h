@@ -22,7 +22,7 @@ struct VdbEntry {
 
 /// A VDB file, read grid by grid so that one that cannot be read leaves the others. OpenVDB's own reader takes sizes in
 /// the file at their word; here they are first compared with each other and with what the file can hold: those of the
-/// contents, the metadata and of float and double trees. (Trees of other types are only as safe as OpenVDB is.)
+/// contents, the metadata and of trees of numbers and vectors. (Trees of other types are only as safe as OpenVDB is.)
 /// Everything throws IoError naming the file.
 class VdbFile {
  public:
@@ -37,6 +37,14 @@ class VdbFile {
   /// Metadata and transform only, for a look at the class; null for grid types this OpenVDB does not know.
   openvdb::GridBase::Ptr readHeader(size_t index) const;
   openvdb::GridBase::Ptr read(size_t index) const;
+  /// As read(), but values are mapped from the file (no copy of it is made) and read where they are first looked at: the
+  /// file must not change as long as the grid lives.
+  openvdb::GridBase::Ptr readDelayed(size_t index) const;
+
+  /// Of the file, not of its grids.
+  const openvdb::MetaMap& metadata() const;
+  /// Flags of openvdb::io of the first grid; of the file where it has none.
+  std::uint32_t compression() const;
 
  private:
   struct Impl;

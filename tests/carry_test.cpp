@@ -54,7 +54,7 @@ Figures figuresOf(const FloatGrid& grid) {
 
 FloatGrid::ConstPtr carried(const MorphPlan& plan, const FloatGrid::Ptr& a, const FloatGrid::Ptr& b, double t,
                             bool conserve = false) {
-  return openvdb::gridConstPtrCast<FloatGrid>(plan.carried({a, b}, {1 - t, t}, conserve));
+  return openvdb::gridConstPtrCast<FloatGrid>(plan.carrier({1 - t, t}).carry({a, b}, conserve));
 }
 
 constexpr double kWidth = 1, kVoxel = 0.2;
@@ -126,7 +126,7 @@ TEST(Carry, VectorsTurn) {
   const Vec3d along(1, 0, 0);
   const GridBase::ConstPtr va = vectors(*a, along), vb = vectors(*b, rotationFromVector({0, 0, kPi / 3}) * along);
   const MorphPlan plan({shapeOf(a), shapeOf(b)});
-  const auto frame = openvdb::gridConstPtrCast<openvdb::Vec3SGrid>(plan.carried({va, vb}, {0.5, 0.5}));
+  const auto frame = openvdb::gridConstPtrCast<openvdb::Vec3SGrid>(plan.carrier({0.5, 0.5}).carry({va, vb}));
   const Vec3d v(frame->tree().getValue({0, 0, 0})), wanted = rotationFromVector({0, 0, kPi / 6}) * along;
   EXPECT_LE((v - wanted).length(), 0.02) << v;
 }
@@ -134,8 +134,8 @@ TEST(Carry, VectorsTurn) {
 TEST(Carry, EndsAreTheInputs) {
   const FloatGrid::Ptr a = puff({0, 0, 0}, Vec3d(kWidth), kVoxel), b = puff({4, 0, 0}, Vec3d(kWidth, 1.3, 0.8), kVoxel);
   const MorphPlan plan({shapeOf(a), shapeOf(b)});
-  EXPECT_EQ(plan.carried({a, b}, {1, 0}), a);
-  EXPECT_EQ(plan.carried({a, b}, {0, 1}), b);
+  EXPECT_EQ(plan.carrier({1, 0}).carry({a, b}), a);
+  EXPECT_EQ(plan.carrier({0, 1}).carry({a, b}), b);
 }
 
 }  // namespace

@@ -18,6 +18,8 @@ constexpr double kOnFace = 1e-6;
 constexpr float kNothing = 1e3f;
 /// How many times further apart than by the objects' sizes two nodes' places may be.
 constexpr double kStretch = 4;
+/// By how much weights change for the velocities' differences.
+constexpr double kWeightStep = 1e-3;
 
 double volumeOf(const Vec3d* p, const int* t) {
   return (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]).dot(p[t[3]] - p[t[0]]);
@@ -48,21 +50,28 @@ MovingLattice::MovingLattice(const Displacements& map, const Fields& fields, con
   for (size_t k = 0; k < objects_ && bent; ++k) {
     Weights alone(objects_, 0);
     alone[k] = 1;
-    centroid_.push_back(centroid(alone, charts[k]));
+    centroid_.push_back(centroid(blend(alone), charts[k]));
   }
 }
 
-Chart MovingLattice::chartAt(const Weights& weights) const {
-  Chart chart = blendCharts(charts_, weights);
-  if (centroid_.empty()) return chart;
-  Vec3d wanted(0.0);
-  for (size_t k = 0; k < objects_; ++k) wanted += weights[k] * centroid_[k];
-  chart.center += wanted - centroid(weights, chart);
-  return chart;
+MovingLattice::Pose MovingLattice::poseAt(const Weights& weights) const {
+  Pose pose = blend(weights);
+  pose.chart = blendCharts(charts_, weights);
+  if (!centroid_.empty()) {
+    Vec3d wanted(0.0);
+    for (size_t k = 0; k < objects_; ++k) wanted += weights[k] * centroid_[k];
+    pose.chart.center += wanted - centroid(pose, pose.chart);
+  }
+  pose.world.resize(pose.at.size());
+  tbb::parallel_for(size_t(0), pose.at.size(), [&](size_t i) { pose.world[i] = pose.chart.toWorld(pose.at[i]); });
+  return pose;
 }
 
-MovingLattice::Blend MovingLattice::blend(const Weights& weights) const {
-  Blend nodes{std::vector<Vec3d>(lattice_.count()), std::vector<float>(lattice_.count())};
+/// Without chart and world.
+MovingLattice::Pose MovingLattice::blend(const Weights& weights) const {
+  Pose pose;
+  pose.at.resize(lattice_.count());
+  pose.distance.resize(lattice_.count());
   const Weights path = pathWeights(weights);
   double rest = 1;  // of the node's own place in the middle space
   for (double w : path) rest -= w;
@@ -76,17 +85,16 @@ MovingLattice::Blend MovingLattice::blend(const Weights& weights) const {
           q += path[k] * Vec3d(chart_[k][i]);
           if (weights[k] > 0) d += float(weights[k]) * distance_[k][i];
         }
-        nodes.chart[i] = q, nodes.distance[i] = d;
+        pose.at[i] = q, pose.distance[i] = d;
       }
   });
-  return nodes;
+  return pose;
 }
 
 /// World centroid of the inside, cell by cell: each cell's volume in the world by the share of it that is inside.
-Vec3d MovingLattice::centroid(const Weights& weights, const Chart& chart) const {
-  Blend nodes = blend(weights);
-  std::vector<Vec3d>& world = nodes.chart;
-  tbb::parallel_for(size_t(0), world.size(), [&](size_t i) { world[i] = chart.toWorld(world[i]); });
+Vec3d MovingLattice::centroid(const Pose& pose, const Chart& chart) const {
+  std::vector<Vec3d> world(pose.at.size());
+  tbb::parallel_for(size_t(0), world.size(), [&](size_t i) { world[i] = chart.toWorld(pose.at[i]); });
   std::vector<Vec3d> sums(lattice_.size[2], Vec3d(0.0));
   std::vector<double> volumes(lattice_.size[2], 0);
   tbb::parallel_for(0, int(lattice_.size[2]) - 1, [&](int z) {
@@ -97,7 +105,7 @@ Vec3d MovingLattice::centroid(const Weights& weights, const Chart& chart) const 
         for (int c = 0; c < 8; ++c) {
           const size_t i = lattice_.index(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2));
           p[c] = world[i];
-          middle += p[c] / 8.0, d += nodes.distance[i] / 8;
+          middle += p[c] / 8.0, d += pose.distance[i] / 8;
         }
         double share = std::min(std::max(0.5 - d / lattice_.spacing, 0.0), 1.0);
         if (share == 0) continue;
@@ -113,13 +121,12 @@ Vec3d MovingLattice::centroid(const Weights& weights, const Chart& chart) const 
   return volume > 0 ? sum / volume : chart.center;
 }
 
-/// One in-between's places of the lattice nodes.
+/// One in-between's lattice in a frame's index space, and what is to be found between its nodes.
 struct MovingLattice::Frame {
-  const Weights& weights;
-  std::vector<Vec3d> node;       ///< in units of `step` voxels
-  std::vector<Vec3d> chart;      ///< as in Blend
-  std::vector<float> distance;   ///< as in Blend
-  std::vector<char> near;        ///< per cell (at its first node): 1 near the surface, 2 crossed by it
+  const Pose& pose;
+  std::vector<const VectorField*> fields;
+  std::vector<Vec3d> node;  ///< in units of `step` voxels
+  std::vector<char> near;   ///< per cell (at its first node): to be looked at
   NodeMap* map;
 };
 
@@ -127,32 +134,39 @@ struct MovingLattice::Frame {
 struct MovingLattice::Found {
   std::vector<size_t> node;
   std::vector<float> distance;        ///< blended, chart units
-  std::vector<openvdb::Vec3s> place;  ///< per node and object
+  std::vector<openvdb::Vec3s> at;     ///< per node and field
 };
 
-MovingLattice::Frame MovingLattice::frameOf(const Weights& weights, const Chart& chart,
-                                            const openvdb::math::Transform& transform, NodeMap& map) const {
-  const size_t count = lattice_.count();
-  Blend blended = blend(weights);
-  Frame frame{weights, std::vector<Vec3d>(count), std::move(blended.chart), std::move(blended.distance),
-              std::vector<char>(count, 0), &map};
-  tbb::parallel_for(size_t(0), count, [&](size_t i) {
-    frame.node[i] = transform.worldToIndex(chart.toWorld(frame.chart[i])) / map.step;
-  });
-  if (!chart.bend.straight())
-    for (const Chart& c : charts_)
-      map.jump.push_back(kStretch * map.step * transform.voxelSize()[0] * c.meanScale() / chart.meanScale());
+MovingLattice::Frame MovingLattice::frameOf(const Pose& pose, const openvdb::math::Transform& transform,
+                                            std::vector<const VectorField*> fields, NodeMap& map) const {
+  map.objects = fields.size();
+  Frame frame{pose, std::move(fields), std::vector<Vec3d>(lattice_.count()), std::vector<char>(lattice_.count(), 0), &map};
+  tbb::parallel_for(size_t(0), frame.node.size(),
+                    [&](size_t i) { frame.node[i] = transform.worldToIndex(pose.world[i]) / map.step; });
   return frame;
 }
 
-NodeMap MovingLattice::nodesNearSurface(const Weights& weights, const Chart& chart,
-                                        const openvdb::math::Transform& transform, int step) const {
+std::vector<const VectorField*> MovingLattice::places() const {
+  std::vector<const VectorField*> fields;
+  for (const VectorField& field : place_) fields.push_back(&field);
+  return fields;
+}
+
+std::vector<double> MovingLattice::jumps(const Chart& chart, const openvdb::math::Transform& transform, int step) const {
+  std::vector<double> jumps;
+  if (chart.bend.straight()) return jumps;
+  for (const Chart& c : charts_)
+    jumps.push_back(kStretch * step * transform.voxelSize()[0] * c.meanScale() / chart.meanScale());
+  return jumps;
+}
+
+NodeMap MovingLattice::nodesNearSurface(const Pose& pose, const openvdb::math::Transform& transform, int step) const {
   NodeMap map;
   map.step = step;
-  map.objects = objects_;
-  Frame frame = frameOf(weights, chart, transform, map);
+  map.jump = jumps(pose.chart, transform, step);
+  Frame frame = frameOf(pose, transform, places(), map);
   // Nodes are needed as far out as the band, and two nodes more for the splines between them.
-  const double voxel = transform.voxelSize()[0] / chart.meanScale();
+  const double voxel = transform.voxelSize()[0] / pose.chart.meanScale();
   const float reach = float((kHalfWidth + 2 * step * std::sqrt(3.0)) * voxel);
   std::vector<openvdb::BBoxd> boxes(lattice_.size[2]);
   std::vector<size_t> crossed(lattice_.size[2], 0), folded(lattice_.size[2], 0);
@@ -163,7 +177,7 @@ NodeMap MovingLattice::nodesNearSurface(const Weights& weights, const Chart& cha
         size_t corner[8];
         for (int c = 0; c < 8; ++c) {
           corner[c] = lattice_.index(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2));
-          low = std::min(low, frame.distance[corner[c]]), high = std::max(high, frame.distance[corner[c]]);
+          low = std::min(low, pose.distance[corner[c]]), high = std::max(high, pose.distance[corner[c]]);
         }
         if (low > reach || high < -reach) continue;
         frame.near[corner[0]] = 1;
@@ -171,7 +185,7 @@ NodeMap MovingLattice::nodesNearSurface(const Weights& weights, const Chart& cha
         if (low > 0 || high < 0) continue;
         ++crossed[z];
         Vec3d q[8], a[8];
-        for (int c = 0; c < 8; ++c) q[c] = frame.chart[corner[c]];
+        for (int c = 0; c < 8; ++c) q[c] = pose.at[corner[c]];
         bool folds = false;
         for (size_t k = 0; k < objects_ && !folds; ++k) {
           for (int c = 0; c < 8; ++c) a[c] = Vec3d(chart_[k][corner[c]]);
@@ -197,34 +211,64 @@ NodeMap MovingLattice::nodesNearSurface(const Weights& weights, const Chart& cha
   return map;
 }
 
-openvdb::BBoxd MovingLattice::boxOf(size_t object, const openvdb::BBoxd& world, const Weights& weights, const Chart& chart,
+openvdb::BBoxd MovingLattice::boxOf(size_t object, const openvdb::BBoxd& world, const Pose& pose,
                                     const openvdb::math::Transform& transform) const {
   openvdb::BBoxd box;
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3d at(world.min()[0] + (corner & 1) * world.extents()[0], world.min()[1] + (corner >> 1 & 1) * world.extents()[1],
                    world.min()[2] + (corner >> 2) * world.extents()[2]);
-    box.expand(transform.worldToIndex(chart.toWorld(charts_[object].toChart(at))));
+    box.expand(transform.worldToIndex(pose.chart.toWorld(charts_[object].toChart(at))));
   }
   // Nodes within a cell of it, too: what lies between nodes may reach as far.
   const Vec3d cell(lattice_.spacing * charts_[object].meanScale());
   const openvdb::BBoxd wide(world.min() - cell, world.max() + cell);
-  const Blend blended = blend(weights);
   for (size_t i = 0; i < lattice_.count(); ++i)
-    if (wide.isInside(anchor_[object] + Vec3d(place_[object][i])))
-      box.expand(transform.worldToIndex(chart.toWorld(blended.chart[i])));
+    if (wide.isInside(anchor_[object] + Vec3d(place_[object][i]))) box.expand(transform.worldToIndex(pose.world[i]));
   return box;
 }
 
-NodeMap MovingLattice::nodesWithin(const openvdb::CoordBBox& box, const Weights& weights, const Chart& chart,
+NodeMap MovingLattice::nodesWithin(const openvdb::CoordBBox& box, const Pose& pose,
                                    const openvdb::math::Transform& transform, int step) const {
   NodeMap map;
   map.step = step;
-  map.objects = objects_;
-  Frame frame = frameOf(weights, chart, transform, map);
+  map.jump = jumps(pose.chart, transform, step);
+  fillBox(box, frameOf(pose, transform, places(), map), transform,
+          [&](const Vec3d& q, size_t k) { return openvdb::Vec3s(charts_[k].toWorld(q) - anchor_[k]); }, map);
+  return map;
+}
+
+NodeMap MovingLattice::velocitiesWithin(const openvdb::CoordBBox& box, const Weights& weights, const Weights& rate,
+                                        const Pose& pose, const openvdb::math::Transform& transform, int step) const {
+  // Central differences; one-sided ones where a weight is 0 and only grows, or the other way round.
+  double most = 0;
+  for (double r : rate) most = std::max(most, std::abs(r));
+  double back = most > 0 ? kWeightStep / most : 0, ahead = back;
+  for (size_t k = 0; k < objects_; ++k) {
+    if (rate[k] > 0) back = std::min(back, weights[k] / rate[k]);
+    if (rate[k] < 0) ahead = std::min(ahead, weights[k] / -rate[k]);
+  }
+  const double time = back + ahead, unit = time > 0 ? 1 / time : 0;
+  Weights earlier = weights, later = weights;
+  for (size_t k = 0; k < objects_; ++k) earlier[k] -= back * rate[k], later[k] += ahead * rate[k];
+  const Pose from = poseAt(earlier), to = poseAt(later);
+  VectorField velocity(lattice_.count());
+  tbb::parallel_for(size_t(0), velocity.size(),
+                    [&](size_t i) { velocity[i] = openvdb::Vec3s(unit * (to.world[i] - from.world[i])); });
+  NodeMap map;
+  map.step = step;
+  const auto beyond = [&](const Vec3d& q, size_t) {
+    return openvdb::Vec3s(unit * (to.chart.toWorld(q) - from.chart.toWorld(q)));
+  };
+  fillBox(box, frameOf(pose, transform, {&velocity}, map), transform, beyond, map);
+  return map;
+}
+
+void MovingLattice::fillBox(const openvdb::CoordBBox& box, Frame frame, const openvdb::math::Transform& transform,
+                            const Beyond& beyond, NodeMap& map) const {
   std::fill(frame.near.begin(), frame.near.end(), 1);
   // One node more on every side, for the splines.
-  map.origin = openvdb::Coord::floor(box.min().asVec3d() / step) - openvdb::Coord(1);
-  map.size = openvdb::Coord::ceil(box.max().asVec3d() / step) + openvdb::Coord(2) - map.origin;
+  map.origin = openvdb::Coord::floor(box.min().asVec3d() / map.step) - openvdb::Coord(1);
+  map.size = openvdb::Coord::ceil(box.max().asVec3d() / map.step) + openvdb::Coord(2) - map.origin;
   findNodes(frame, map);
   tbb::parallel_for(0, int(map.size[2]), [&](int z) {
     for (int y = 0; y < map.size[1]; ++y)
@@ -232,18 +276,16 @@ NodeMap MovingLattice::nodesWithin(const openvdb::CoordBBox& box, const Weights&
         const openvdb::Coord c = map.origin + openvdb::Coord(x, y, z);
         const size_t n = map.index(c[0], c[1], c[2]);
         if (map.known[n]) continue;
-        const Vec3d q = chart.toChart(transform.indexToWorld(step * c.asVec3d()));
-        for (size_t k = 0; k < objects_; ++k)
-          map.at[n * objects_ + k] = openvdb::Vec3s(charts_[k].toWorld(q) - anchor_[k]);
+        const Vec3d q = frame.pose.chart.toChart(transform.indexToWorld(map.step * c.asVec3d()));
+        for (size_t f = 0; f < map.objects; ++f) map.at[n * map.objects + f] = beyond(q, f);
         map.known[n] = 1;
       }
   });
-  return map;
 }
 
 void MovingLattice::findNodes(const Frame& frame, NodeMap& map) const {
   const size_t nodes = size_t(map.size[0]) * map.size[1] * map.size[2];
-  map.at.resize(nodes * objects_);
+  map.at.resize(nodes * map.objects);
   map.known.assign(nodes, 0);
   std::vector<Found> found(lattice_.size[2]);
   tbb::parallel_for(0, int(lattice_.size[2]) - 1, [&](int z) { rasterise(frame, z, found[z]); });
@@ -255,11 +297,11 @@ void MovingLattice::findNodes(const Frame& frame, NodeMap& map) const {
       if (!(f.distance[i] < nearest[n])) continue;
       nearest[n] = f.distance[i];
       map.known[n] = 1;
-      std::copy_n(&f.place[i * objects_], objects_, &map.at[n * objects_]);
+      std::copy_n(&f.at[i * map.objects], map.objects, &map.at[n * map.objects]);
     }
 }
 
-/// Finds the nodes inside every near tetrahedron of one slab, with their places by barycentric coordinates.
+/// Finds the nodes inside every near tetrahedron of one slab, with the fields there by barycentric coordinates.
 void MovingLattice::rasterise(const Frame& frame, int z, Found& found) const {
   for (int y = 0; y + 1 < lattice_.size[1]; ++y)
     for (int x = 0; x + 1 < lattice_.size[0]; ++x) {
@@ -288,13 +330,13 @@ void MovingLattice::rasterise(const Frame& frame, int z, Found& found) const {
               const double b1 = n1.dot(d), b2 = n2.dot(d), b3 = n3.dot(d), b0 = 1 - b1 - b2 - b3;
               if (b0 < -kOnFace || b1 < -kOnFace || b2 < -kOnFace || b3 < -kOnFace) continue;
               found.node.push_back(frame.map->index(i, j, k));
-              const std::vector<float>& f = frame.distance;
+              const std::vector<float>& f = frame.pose.distance;
               found.distance.push_back(float(b0 * f[corner[t[0]]] + b1 * f[corner[t[1]]] + b2 * f[corner[t[2]]] +
                                              b3 * f[corner[t[3]]]));
-              for (size_t o = 0; o < objects_; ++o) {
-                const VectorField& a = place_[o];
-                found.place.push_back(openvdb::Vec3s(b0 * Vec3d(a[corner[t[0]]]) + b1 * Vec3d(a[corner[t[1]]]) +
-                                                     b2 * Vec3d(a[corner[t[2]]]) + b3 * Vec3d(a[corner[t[3]]])));
+              for (const VectorField* field : frame.fields) {
+                const VectorField& a = *field;
+                found.at.push_back(openvdb::Vec3s(b0 * Vec3d(a[corner[t[0]]]) + b1 * Vec3d(a[corner[t[1]]]) +
+                                                  b2 * Vec3d(a[corner[t[2]]]) + b3 * Vec3d(a[corner[t[3]]])));
               }
             }
       }

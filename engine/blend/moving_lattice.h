@@ -3,16 +3,18 @@
 #include "engine/frame/align.h"
 #include "engine/match/lattice.h"
 
+#include <functional>
+
 namespace slicemorph {
 
-/// The backward map of one in-between on the nodes of a coarse grid over the frame's voxels: where each node lies on
-/// every object. Nodes far from the in-between surface are not known.
+/// Vectors at the nodes of a coarse grid over a frame's voxels; for the backward map of an in-between where each node lies
+/// on every object. Nodes far from the in-between surface are not known.
 struct NodeMap {
   int step = 4;                       ///< voxels between nodes; node (i, j, k) is voxel step * (i, j, k)
   openvdb::Coord origin{0, 0, 0};     ///< first node
   openvdb::Coord size{0, 0, 0};
   size_t objects = 0;
-  std::vector<openvdb::Vec3s> at;     ///< per node and object: world, relative to the field's anchor
+  std::vector<openvdb::Vec3s> at;     ///< per node and object: a place in the world is relative to the field's anchor
   std::vector<char> known;            ///< per node
   std::vector<double> jump;           ///< per object: places of neighbours further apart lie on crossing slices
   double foldShare = 0;               ///< share of the surface's cells whose Jacobian to some object is below 0.05
@@ -32,31 +34,42 @@ class MovingLattice {
  public:
   MovingLattice(const Displacements& map, const Fields& fields, const std::vector<Chart>& charts);
 
-  /// The in-between's chart: blended, and bent ones moved so that the centroid travels straight.
-  Chart chartAt(const Weights& weights) const;
+  /// One in-between's places of the lattice nodes.
+  struct Pose {
+    Chart chart;                  ///< blended, and bent ones moved so that the centroid travels straight
+    std::vector<Vec3d> at;        ///< per node: chart coordinates
+    std::vector<Vec3d> world;     ///< per node
+    std::vector<float> distance;  ///< per node: blended, chart units
+  };
+  Pose poseAt(const Weights& weights) const;
 
   /// `transform`: index space of the frame. Parallel; the same for any thread count.
-  NodeMap nodesNearSurface(const Weights& weights, const Chart& chart, const openvdb::math::Transform& transform,
-                           int step) const;
+  NodeMap nodesNearSurface(const Pose& pose, const openvdb::math::Transform& transform, int step) const;
   /// Where what an object has in a box of the world lies on the in-between: a box of index space.
-  openvdb::BBoxd boxOf(size_t object, const openvdb::BBoxd& world, const Weights& weights, const Chart& chart,
+  openvdb::BBoxd boxOf(size_t object, const openvdb::BBoxd& world, const Pose& pose,
                        const openvdb::math::Transform& transform) const;
   /// All nodes around the voxels of a box of index space: near the objects by the lattice, further out by the charts alone.
-  NodeMap nodesWithin(const openvdb::CoordBBox& box, const Weights& weights, const Chart& chart,
-                      const openvdb::math::Transform& transform, int step) const;
+  NodeMap nodesWithin(const openvdb::CoordBBox& box, const Pose& pose, const openvdb::math::Transform& transform,
+                      int step) const;
+  /// How fast what is at each node moves while the weights change by `rate` a unit of time (of sum 0): world units per
+  /// that time, as of one object. Nodes as nodesWithin.
+  NodeMap velocitiesWithin(const openvdb::CoordBBox& box, const Weights& weights, const Weights& rate, const Pose& pose,
+                           const openvdb::math::Transform& transform, int step) const;
 
  private:
-  /// One in-between's nodes.
-  struct Blend {
-    std::vector<Vec3d> chart;     ///< chart coordinates of the in-between
-    std::vector<float> distance;  ///< blended, chart units
-  };
-  Blend blend(const Weights& weights) const;
-  Vec3d centroid(const Weights& weights, const Chart& chart) const;
+  Pose blend(const Weights& weights) const;
+  Vec3d centroid(const Pose& pose, const Chart& chart) const;
   struct Frame;
   struct Found;
-  Frame frameOf(const Weights& weights, const Chart& chart, const openvdb::math::Transform& transform, NodeMap& map) const;
+  /// What the nodes of a map have at a chart point beyond the lattice.
+  using Beyond = std::function<openvdb::Vec3s(const Vec3d& q, size_t field)>;
+  Frame frameOf(const Pose& pose, const openvdb::math::Transform& transform, std::vector<const VectorField*> fields,
+                NodeMap& map) const;
+  std::vector<const VectorField*> places() const;
+  std::vector<double> jumps(const Chart& chart, const openvdb::math::Transform& transform, int step) const;
   void findNodes(const Frame& frame, NodeMap& map) const;
+  void fillBox(const openvdb::CoordBBox& box, Frame frame, const openvdb::math::Transform& transform,
+               const Beyond& beyond, NodeMap& map) const;
   void rasterise(const Frame& frame, int z, Found& found) const;
 
   Lattice lattice_;

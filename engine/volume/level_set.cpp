@@ -105,7 +105,35 @@ std::string deviation(const FloatGrid& grid, const ValueRange& range, double vox
   return "";
 }
 
-bool isFog(const FloatGrid& grid) { return grid.getGridClass() == openvdb::GRID_FOG_VOLUME; }
+bool isFog(const FloatGrid& grid, const ValueRange& range) {
+  if (grid.getGridClass() == openvdb::GRID_FOG_VOLUME) return true;
+  return grid.getGridClass() == openvdb::GRID_UNKNOWN && grid.background() == 0 && range.low >= 0;
+}
+
+/// Calls `add` for all active values, how often each comes.
+template <typename Add>
+void forActiveValues(const FloatGrid& grid, const Add& add) {
+  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf)
+    for (auto value = leaf->cbeginValueOn(); value; ++value) add(*value, size_t(1));
+  auto tile = grid.tree().cbeginValueOn();
+  for (tile.setMaxDepth(openvdb::FloatTree::ValueOnCIter::LEAF_DEPTH - 1); tile; ++tile) add(*tile, size_t(tile.getVoxelCount()));
+}
+
+/// The value above which three quarters of a fog's total lie: the body that is seen, whatever its densest spot. At most
+/// half the largest value, so that fog of one density throughout has its surface inside its ramp.
+double fogSurfaceValue(const FloatGrid& grid, double largest) {
+  constexpr size_t kBins = 4096;
+  constexpr double kShare = 0.75;
+  std::vector<size_t> count(kBins, 0);
+  forActiveValues(grid, [&](float value, size_t voxels) {
+    if (value > 0) count[std::min(size_t(value / largest * kBins), kBins - 1)] += voxels;
+  });
+  double total = 0, above = 0;
+  for (size_t i = 0; i < kBins; ++i) total += double(count[i]) * (double(i) + 0.5);
+  size_t bin = kBins - 1;
+  while (bin > 0 && (above += double(count[bin]) * (double(bin) + 0.5)) < kShare * total) --bin;
+  return std::min((double(bin) + 0.5) / kBins, 0.5) * largest;
+}
 
 double smallestVoxelSize(const FloatGrid& grid) {
   const Vec3d size = grid.voxelSize();
@@ -139,7 +167,8 @@ LevelSetReading readingOf(const FloatGrid& grid, double voxelSize, double iso) {
   const ValueRange range = rangeOf(grid);
   reading.minimum = range.low;
   reading.maximum = range.high;
-  if (isFog(grid) && iso == 0) reading.iso = 0.5 * range.high;
+  reading.fog = isFog(grid, range);
+  if (reading.fog && iso == 0 && range.finite && range.high > 0) reading.iso = fogSurfaceValue(grid, range.high);
   // Where the active values lie on one side of the surface only, the background may lie on the other.
   const float low = std::min(range.low, grid.background()), high = std::max(range.high, grid.background());
   if (!range.finite) {
@@ -160,6 +189,7 @@ LevelSetInput toLevelSet(const FloatGrid::ConstPtr& grid, double voxelSize, doub
   const LevelSetReading reading = readingOf(*grid, voxelSize, iso);
   if (!reading.problem.empty()) throw GeometryError(reading.problem);
   LevelSetInput result;
+  result.fog = reading.fog;
   if (reading.rebuilt.empty()) {
     result.grid = openvdb::ConstPtrCast<FloatGrid>(grid);
     return result;
@@ -170,7 +200,7 @@ LevelSetInput toLevelSet(const FloatGrid::ConstPtr& grid, double voxelSize, doub
   result.grid->setName(grid->getName());
   std::ostringstream note;
   note << "rebuilt as a level set from its surface at " << reading.iso
-       << (isFog(*grid) && iso == 0 ? " (half the largest value)" : "") << ": " << reading.rebuilt;
+       << (reading.fog && iso == 0 ? " (found from the density; --iso sets another)" : "") << ": " << reading.rebuilt;
   result.notes.push_back(note.str());
   return result;
 }

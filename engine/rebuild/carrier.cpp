@@ -1,0 +1,125 @@
+#include "engine/rebuild/carrier.h"
+
+#include "engine/blend/node_places.h"
+#include "engine/errors.h"
+
+#include <openvdb/tree/LeafManager.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace slicemorph {
+
+namespace {
+
+using openvdb::GridBase;
+using Transform = openvdb::math::Transform;
+
+/// Weights nearer to 1 than this are 1.
+constexpr double kWhole = 1e-9;
+/// Node maps that are kept; a file has mostly one transform.
+constexpr size_t kKeptMaps = 3;
+
+openvdb::Vec3STree::Ptr topologyOf(const GridBase& where) {
+  openvdb::Vec3STree::Ptr tree;
+  using Types = openvdb::TypeList<FloatGrid, openvdb::DoubleGrid, openvdb::Vec3SGrid, openvdb::BoolGrid, openvdb::MaskGrid>;
+  const bool known = where.apply<Types>([&](const auto& grid) {
+    tree = std::make_shared<openvdb::Vec3STree>(grid.tree(), openvdb::Vec3s(0.f), openvdb::TopologyCopy());
+  });
+  if (!known) throw InputError("no velocities are made where a grid of " + where.valueType() + " is active");
+  tree->voxelizeActiveTiles();
+  return tree;
+}
+
+}  // namespace
+
+Carrier::Carrier(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Carrier::~Carrier() = default;
+Carrier::Carrier(Carrier&&) noexcept = default;
+Carrier& Carrier::operator=(Carrier&&) noexcept = default;
+
+GridBase::ConstPtr Carrier::carry(const std::vector<GridBase::ConstPtr>& grids, bool conserve) {
+  Impl& p = *impl_;
+  if (grids.size() != p.weights.size())
+    throw InputError(std::to_string(grids.size()) + " grids were given for " + std::to_string(p.weights.size()) + " objects");
+  const auto first = std::find_if(grids.begin(), grids.end(), [](const auto& grid) { return bool(grid); });
+  if (first == grids.end()) throw InputError("none of the objects has a grid to carry");
+  const GridBase& like = **first;
+  if (!canCarry(like)) throw InputError("values of the type " + like.valueType() + " cannot be carried");
+  std::vector<CarriedGrid> carried;
+  const size_t heaviest = size_t(std::max_element(p.weights.begin(), p.weights.end()) - p.weights.begin());
+  bool half = true;
+  for (size_t k = 0; k < grids.size(); ++k) {
+    if (!grids[k]) continue;
+    half = half && grids[k]->saveFloatAsHalf();
+    if (p.weights[k] > 1 - kWhole) return grids[k];
+    if (p.weights[k] == 0 || !(isBlended(like) || k == heaviest)) continue;
+    const size_t shape = p.shapeOf[k];
+    carried.push_back({grids[k], shape, p.anchors[shape], p.weights[k]});
+  }
+  const GridBase::Ptr result = warped(carried, like, conserve);
+  for (auto meta = like.beginMeta(); meta != like.endMeta(); ++meta)
+    if (meta->first.compare(0, 5, "file_") != 0) result->insertMeta(meta->first, *meta->second);
+  result->setSaveFloatAsHalf(half);
+  return result;
+}
+
+GridBase::Ptr Carrier::warped(const std::vector<CarriedGrid>& carried, const GridBase& like, bool conserve) {
+  if (!carried.empty()) {
+    const Transform::Ptr transform = commonTransform(carried);
+    const openvdb::CoordBBox box = boxOf(carried, impl_->carrying, *transform);
+    if (!box.empty()) return warpGrids(carried, impl_->nodesFor(box, *transform), *transform, conserve);
+  }
+  GridBase::Ptr empty = like.copyGridWithNewTree();
+  empty->setTransform(like.transform().copy());
+  return empty;
+}
+
+openvdb::Vec3SGrid::Ptr Carrier::velocity(const GridBase& where, const Weights& rate) const {
+  const Impl& p = *impl_;
+  auto result = openvdb::Vec3SGrid::create(topologyOf(where));
+  result->setTransform(where.transform().copy());
+  result->setName("vel");
+  result->setVectorType(openvdb::VEC_CONTRAVARIANT_RELATIVE);
+  const openvdb::CoordBBox box = result->evalActiveVoxelBoundingBox();
+  if (!p.carrying.lattice || box.empty()) return result;
+  Weights shapeRate(p.shapeWeights.size(), 0);
+  for (size_t k = 0; k < rate.size(); ++k) shapeRate[p.shapeOf[k]] += rate[k];
+  const NodeMap nodes = p.carrying.lattice->velocitiesWithin(box, p.shapeWeights, shapeRate, p.carrying.pose,
+                                                             where.transform(), carryingStep(box));
+  const NodePlaces velocities(nodes);
+  const int step = nodes.step;
+  openvdb::tree::LeafManager<openvdb::Vec3STree> leaves(result->tree());
+  leaves.foreach([&](openvdb::Vec3STree::LeafNodeType& leaf, size_t) {
+    std::vector<openvdb::Vec3s> cell(size_t(step) * step * step);
+    const openvdb::Coord o = leaf.origin();
+    for (int x = 0; x < kLeaf; x += step)
+      for (int y = 0; y < kLeaf; y += step)
+        for (int z = 0; z < kLeaf; z += step) {
+          const int i = (o[0] + x) / step, j = (o[1] + y) / step, k = (o[2] + z) / step;
+          if (!nodes.inside(i, j, k) || !nodes.inside(i + 1, j + 1, k + 1)) continue;  // nothing is active there
+          velocities.find(i, j, k, 0, cell);
+          for (size_t v = 0; v < cell.size(); ++v) {
+            const int a = int(v) / (step * step), b = int(v) / step % step, d = int(v) % step;
+            const auto offset = leaf.coordToOffset({x + a, y + b, z + d});
+            if (leaf.isValueOn(offset)) leaf.setValueOnly(offset, cell[v]);
+          }
+        }
+  });
+  return result;
+}
+
+const NodeMap& Carrier::Impl::nodesFor(const openvdb::CoordBBox& box, const Transform& transform) {
+  const auto same = std::find_if(nodes.begin(), nodes.end(), [&](const Nodes& n) { return *n.transform == transform; });
+  openvdb::CoordBBox all = box;
+  if (same != nodes.end()) {
+    if (same->box.isInside(box)) return same->map;
+    all.expand(same->box);
+    nodes.erase(same);
+  }
+  if (nodes.size() == kKeptMaps) nodes.erase(nodes.begin());
+  nodes.push_back({transform.copy(), all, carryingNodes(all, carrying, transform)});
+  return nodes.back().map;
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "engine/rebuild/warp_grid.h"
+#include "engine/slicemorph.h"
+
+namespace slicemorph {
+
+/// What a Carrier is made of.
+struct Carrier::Impl {
+  Carrying carrying;
+  Weights weights;              ///< per object
+  std::vector<size_t> shapeOf;  ///< per object: its place in the lattice
+  Weights shapeWeights;         ///< per place in the lattice
+  std::vector<Vec3d> anchors;   ///< per place in the lattice
+
+  /// The nodes of the last transforms that were asked for: grids of one file mostly share one.
+  struct Nodes {
+    openvdb::math::Transform::ConstPtr transform;
+    openvdb::CoordBBox box;
+    NodeMap map;
+  };
+  std::vector<Nodes> nodes;
+
+  const NodeMap& nodesFor(const openvdb::CoordBBox& box, const openvdb::math::Transform& transform);
+};
+
+}  // namespace slicemorph
