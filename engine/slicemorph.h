@@ -47,6 +47,11 @@ struct InBetween {
 
 struct CarriedGrid;
 
+struct CarryOptions {
+  bool conserve = false;  ///< the sum of all values times the voxels' volume is the weighted sum of the objects' own
+  double voxelSize = 0;   ///< world units, on the world's axes; 0: follows the grids' own
+};
+
 /// One in-between's map, for all that rides with the shapes: density, temperature, colour, flags. It is made once for all
 /// grids of a frame and keeps what they share; use it from one thread (it uses all itself). Not to outlive its plan.
 class Carrier {
@@ -54,11 +59,11 @@ class Carrier {
   /// In-between of values: each grid goes along with its object's shape, and the values are blended where they meet.
   /// `grids`: one per object, of one type, on any transform; null where the object has none, which counts as background.
   /// Float, double, vec3s and vec3d are blended; bool, mask, int32, int64 and vec3i are the heaviest object's. Vectors turn
-  /// with the map unless they are colours or places. The result has the metadata of the first grid; it lies on the grids'
-  /// transform where their axes and voxels agree, else on the world's axes with the weighted mean of the voxel sizes. At
-  /// weight 1 it is that object's grid itself. `conserve`: the sum of all values times the voxels' volume is the weighted
-  /// sum of the objects' own; for densities. Throws InputError for grids that do not fit together or cannot be carried.
-  openvdb::GridBase::ConstPtr carry(const std::vector<openvdb::GridBase::ConstPtr>& grids, bool conserve = false);
+  /// with the map unless they are colours or places. The result has the metadata of the first grid; unless a voxel size is
+  /// asked for it lies on the grids' transform where their axes and voxels agree, else on the world's axes with the weighted
+  /// mean of the voxel sizes, and at weight 1 it is that object's grid itself. `conserve` is for densities.
+  /// Throws InputError for grids that do not fit together or cannot be carried.
+  openvdb::GridBase::ConstPtr carry(const std::vector<openvdb::GridBase::ConstPtr>& grids, const CarryOptions& options = {});
 
   /// Velocity of what is at the active voxels of a grid while the weights change by `rate` a unit of time (one number per
   /// object, of sum 0): world units per that time, on the same voxels, named "vel". Of the forward map.
@@ -71,7 +76,8 @@ class Carrier {
   Carrier& operator=(Carrier&&) noexcept;
 
  private:
-  openvdb::GridBase::Ptr warped(const std::vector<CarriedGrid>& grids, const openvdb::GridBase& like, bool conserve);
+  openvdb::GridBase::Ptr warped(const std::vector<CarriedGrid>& grids, const openvdb::GridBase& like,
+                                const CarryOptions& options);
   std::unique_ptr<Impl> impl_;
 };
 

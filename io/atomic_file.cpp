@@ -2,6 +2,8 @@
 
 #include "engine/errors.h"
 
+#include <boost/iostreams/device/file_descriptor.hpp>
+#include <boost/iostreams/stream.hpp>
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -36,7 +38,7 @@ void flushFolder(const std::string& path) {
 }  // namespace
 
 AtomicFile::AtomicFile(const std::string& path) : path_(path), temporary_(temporaryFor(path)) {
-  descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  descriptor_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (descriptor_ < 0) fail("cannot be created");
   buffer_.reserve(kBuffer);
 }
@@ -55,7 +57,34 @@ void AtomicFile::write(std::string_view bytes) {
   }
 }
 
+std::ostream& AtomicFile::stream() {
+  if (!stream_) {
+    namespace io = boost::iostreams;
+    stream_ = std::make_unique<io::stream<io::file_descriptor_sink>>(
+        io::file_descriptor_sink(descriptor_, io::never_close_handle), std::streamsize(kBuffer));
+    stream_->exceptions(std::ios::failbit | std::ios::badbit);
+  }
+  return *stream_;
+}
+
+void AtomicFile::read(std::uint64_t offset, const std::function<void(std::string_view)>& part) {
+  std::string bytes(kBuffer, '\0');
+  while (true) {
+    const ssize_t count = ::pread(descriptor_, bytes.data(), bytes.size(), off_t(offset));
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) fail("cannot be read back");
+    if (count == 0) return;
+    part(std::string_view(bytes).substr(0, size_t(count)));
+    offset += std::uint64_t(count);
+  }
+}
+
+void AtomicFile::overwrite(std::uint64_t offset, std::string_view bytes) {
+  if (::pwrite(descriptor_, bytes.data(), bytes.size(), off_t(offset)) != ssize_t(bytes.size())) fail("cannot be written");
+}
+
 void AtomicFile::commit() {
+  stream_.reset();
   writeThrough(buffer_);
   buffer_.clear();
   // Some file systems tell of a full disk only here.
@@ -82,6 +111,7 @@ void AtomicFile::writeThrough(std::string_view bytes) {
 
 void AtomicFile::discard() noexcept {
   if (descriptor_ < 0) return;
+  stream_.reset();
   ::close(descriptor_);
   ::unlink(temporary_.c_str());
   descriptor_ = -1;

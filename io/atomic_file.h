@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <ostream>
 #include <string>
 #include <string_view>
 
@@ -16,6 +20,11 @@ class AtomicFile {
   AtomicFile& operator=(const AtomicFile&) = delete;
 
   void write(std::string_view bytes);
+  /// For writers that go back to fill in what they learn later; not together with write(). Its failures are the stream's.
+  std::ostream& stream();
+  /// Everything from `offset` on, in parts; what was written to the stream has to be flushed.
+  void read(std::uint64_t offset, const std::function<void(std::string_view)>& part);
+  void overwrite(std::uint64_t offset, std::string_view bytes);
   void commit();
 
  private:
@@ -26,6 +35,7 @@ class AtomicFile {
   std::string path_, temporary_;
   std::string buffer_;
   int descriptor_ = -1;
+  std::unique_ptr<std::ostream> stream_;
 };
 
 }  // namespace slicemorph

@@ -83,7 +83,7 @@ void describeScalars(const FloatGrid& grid, GridInfo& info) {
   info.problem = reading.problem;
   if (!reading.problem.empty()) return;
   std::ostringstream how;
-  how << (grid.getGridClass() == openvdb::GRID_FOG_VOLUME ? "fog volume" : "level set");
+  how << (reading.fog ? "fog volume" : "level set");
   if (reading.rebuilt.empty()) {
     how << ", as it is";
   } else {

@@ -13,6 +13,16 @@ openvdb::GridBase::Ptr headerOrNull(const VdbFile& file, size_t index) {
   }
 }
 
+/// By the statistics in a grid's header: nearly all of its box is active.
+bool isDense(const openvdb::GridBase& grid) {
+  const auto count = grid.getMetadata<openvdb::Int64Metadata>(openvdb::GridBase::META_FILE_VOXEL_COUNT);
+  const auto low = grid.getMetadata<openvdb::Vec3IMetadata>(openvdb::GridBase::META_FILE_BBOX_MIN);
+  const auto high = grid.getMetadata<openvdb::Vec3IMetadata>(openvdb::GridBase::META_FILE_BBOX_MAX);
+  if (!count || !low || !high) return false;
+  const openvdb::CoordBBox box{openvdb::Coord(low->value()), openvdb::Coord(high->value())};
+  return double(count->value()) > 0.9 * double(box.volume());
+}
+
 std::string listOf(const VdbFile& file) {
   if (file.entries().empty()) return "the file holds no grids";
   std::string list = "the file holds";
@@ -45,18 +55,16 @@ size_t findGrid(const VdbFile& file, const InputName& name) {
 }
 
 std::vector<size_t> gridsToTry(const VdbFile& file, const std::string& path) {
-  std::vector<size_t> levelSets, others, fogs;
+  std::vector<size_t> levelSets, density, dense, others, fogs;
   for (size_t i = 0; i < file.entries().size(); ++i) {
     const openvdb::GridBase::Ptr grid = headerOrNull(file, i);
     if (!grid || !isScalar(*grid)) continue;
     const openvdb::GridClass gridClass = grid->getGridClass();
-    (gridClass == openvdb::GRID_LEVEL_SET    ? levelSets
-     : gridClass == openvdb::GRID_FOG_VOLUME ? fogs
-                                             : others)
-        .push_back(i);
+    if (gridClass == openvdb::GRID_LEVEL_SET) (isDense(*grid) ? dense : levelSets).push_back(i);
+    else if (grid->getName() == "density") density.push_back(i);
+    else (gridClass == openvdb::GRID_FOG_VOLUME ? fogs : others).push_back(i);
   }
-  levelSets.insert(levelSets.end(), others.begin(), others.end());
-  levelSets.insert(levelSets.end(), fogs.begin(), fogs.end());
+  for (const auto* more : {&density, &dense, &others, &fogs}) levelSets.insert(levelSets.end(), more->begin(), more->end());
   if (levelSets.empty()) throw InputError(path + ": no grid of scalar values to take a surface from; " + listOf(file));
   return levelSets;
 }

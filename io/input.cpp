@@ -50,29 +50,38 @@ LoadedObject loadMesh(const std::string& path, const LoadOptions& options) {
   return loaded;
 }
 
+/// World units; 0 keeps the grid's own.
+double voxelSizeFor(const FloatGrid& grid, const LoadOptions& options) {
+  const LevelSetReading reading = readingOf(grid, 0, options.iso);
+  const bool limited = reading.fog && options.fogResolution > 0 && options.voxelSize == 0;
+  if (!options.resolution && !limited) return options.voxelSize;
+  if (!reading.problem.empty()) throw GeometryError(reading.problem);
+  if (options.resolution) return voxelSizeFor(surfaceAsRead(grid, reading), options.resolution);
+  const openvdb::BBoxd box = grid.transform().indexToWorld(grid.evalActiveVoxelBoundingBox());
+  return std::max(box.extents()[int(box.maxExtent())] / options.fogResolution, grid.voxelSize()[0]);
+}
+
 LoadedObject loadGrid(const FloatGrid::ConstPtr& grid, const LoadOptions& options) {
-  double voxelSize = options.voxelSize;
-  if (options.resolution) {
-    const LevelSetReading reading = readingOf(*grid, 0, options.iso);
-    if (!reading.problem.empty()) throw GeometryError(reading.problem);
-    voxelSize = voxelSizeFor(surfaceOf(*grid, reading.iso), options.resolution);
-  }
-  LevelSetInput input = toLevelSet(grid, voxelSize, options.iso);
+  LevelSetInput input = toLevelSet(grid, voxelSizeFor(*grid, options), options.iso);
   LoadedObject loaded;
   loaded.object.levelSet = input.grid;
   loaded.halfFloat = grid->saveFloatAsHalf();
   loaded.notes = std::move(input.notes);
+  loaded.fog = input.fog;
   return loaded;
 }
 
 LoadedObject loadVdb(const InputName& name, const LoadOptions& options) {
-  const VdbFile file(name.path);
+  const auto opened = std::make_shared<const VdbFile>(name.path);
+  const VdbFile& file = *opened;
   const bool named = !name.grid.empty();
   std::string passedOver;
   for (size_t index : named ? std::vector<size_t>{findGrid(file, name)} : gridsToTry(file, name.path)) {
     const std::string grid = file.entries()[index].name;
     try {
       LoadedObject loaded = loadGrid(asFloatGrid(file.read(index)), options);
+      loaded.file = opened;
+      loaded.grid = index;
       if (!named && file.entries().size() > 1) {
         loaded.notes.insert(loaded.notes.begin(), "took grid '" + grid + "' of " +
                                                       std::to_string(file.entries().size()) + passedOver);

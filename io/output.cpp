@@ -53,10 +53,22 @@ void checkSurfaceOutput(const std::string& path) {
   if (std::filesystem::is_directory(path, ignored)) throw IoError(path + " is a folder, not a file");
 }
 
+FloatGrid::Ptr surfaceGrid(const FloatGrid& levelSet, const SurfaceOutput& options) {
+  FloatGrid::Ptr grid = FloatGrid::create(openvdb::ConstPtrCast<openvdb::FloatTree>(levelSet.treePtr()));
+  grid->insertMeta(levelSet);
+  grid->setTransform(levelSet.transform().copy());
+  grid->setName("surface");
+  grid->setGridClass(openvdb::GRID_LEVEL_SET);
+  grid->setSaveFloatAsHalf(options.halfFloat);
+  grid->insertMeta("fps", openvdb::FloatMetadata(float(options.vdb.framesPerSecond)));
+  grid->insertMeta("frame", openvdb::Int32Metadata(options.vdb.frame));
+  return grid;
+}
+
 void writeSurface(const std::string& path, const FloatGrid& levelSet, const SurfaceOutput& options) {
   checkSurfaceOutput(path);
   if (extensionOf(path) == ".vdb") {
-    writeVdb(path, levelSet, options);
+    writeVdb(path, {surfaceGrid(levelSet, options)}, options.vdb);
   } else {
     writeMesh(path, surfaceOf(levelSet));
   }

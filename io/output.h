@@ -2,6 +2,9 @@
 
 #include "engine/conventions.h"
 
+#include <openvdb/io/Compression.h>
+
+#include <cstdint>
 #include <string>
 
 namespace slicemorph {
@@ -20,15 +23,25 @@ class OutputName {
   size_t first_ = 0, hashes_ = 0;
 };
 
-struct SurfaceOutput {
-  bool halfFloat = false;
+/// What a VDB file says of itself.
+struct VdbOutput {
   double framesPerSecond = 24;
   int frame = 1;
+  openvdb::MetaMap metadata;  ///< of the file, beside ours
+  std::uint32_t compression = openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK;  ///< flags of openvdb::io
+};
+
+struct SurfaceOutput {
+  bool halfFloat = false;
+  VdbOutput vdb;
 };
 
 /// Throws InputError where `path` has no extension that writeSurface knows, IoError where its folder does not exist or
 /// cannot be written to: to be called before any work is done.
 void checkSurfaceOutput(const std::string& path);
+
+/// The level set as the grid `surface` of an output; shares its tree.
+FloatGrid::Ptr surfaceGrid(const FloatGrid& levelSet, const SurfaceOutput& options = {});
 
 /// Writes a level set by extension: `.vdb` as the grid it is, named `surface`; `.obj .ply .stl` its surface mesh.
 /// The file appears whole or not at all (written beside, flushed, then renamed). Throws IoError.

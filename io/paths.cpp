@@ -18,6 +18,12 @@ std::string lowered(std::string text) {
   return text;
 }
 
+InputName splitAt(const std::string& input, size_t colon) {
+  const std::string grid = input.substr(colon + 1);
+  if (grid.empty()) throw InputError(input + ": no grid is named after the colon");
+  return {input.substr(0, colon), grid};
+}
+
 bool exists(const std::string& path) {
   std::error_code ignored;
   return std::filesystem::exists(path, ignored);
@@ -53,10 +59,17 @@ InputName splitInput(const std::string& input) {
     }
   }
   if (found == std::string::npos) return {input, ""};
-  const size_t colon = found + mark.size() - 1;
-  const std::string grid = input.substr(colon + 1);
-  if (grid.empty()) throw InputError(input + ": no grid is named after the colon");
-  return {input.substr(0, colon), grid};
+  return splitAt(input, found + mark.size() - 1);
+}
+
+bool isSequenceInput(const std::string& input) {
+  return !exists(splitSequenceInput(input).path) &&
+         std::filesystem::path(splitSequenceInput(input).path).filename().string().find('#') != std::string::npos;
+}
+
+InputName splitSequenceInput(const std::string& input) {
+  const size_t mark = lowered(input).rfind(".vdb:");
+  return mark == std::string::npos ? InputName{input, ""} : splitAt(input, mark + 4);
 }
 
 }  // namespace slicemorph

@@ -20,4 +20,8 @@ struct InputName {
 };
 InputName splitInput(const std::string& input);
 
+/// Whether an input is a numbered sequence of VDB files, `name.####.vdb` or `name.####.vdb:grid`, and its two parts.
+bool isSequenceInput(const std::string& input);
+InputName splitSequenceInput(const std::string& input);
+
 }  // namespace slicemorph

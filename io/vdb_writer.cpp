@@ -7,8 +7,10 @@
 #include <openvdb/io/Archive.h>
 
 #include <array>
+#include <cerrno>
 #include <cstdint>
-#include <sstream>
+#include <cstring>
+#include <ostream>
 #include <string_view>
 
 namespace slicemorph {
@@ -21,72 +23,67 @@ constexpr size_t kIdentifierAt = 21, kIdentifierSize = 36;
 
 class Writer : public openvdb::io::Archive {
  public:
-  std::string bytes(const openvdb::GridBase::ConstPtr& grid, const openvdb::MetaMap& metadata) const {
-    std::ostringstream stream(std::ios::binary);
-    stream.exceptions(std::ios::failbit | std::ios::badbit);
-    write(stream, openvdb::GridCPtrVec{grid}, /*seekable=*/true, metadata);
-    return std::move(stream).str();
-  }
+  explicit Writer(std::uint32_t compression) { setCompression(compression); }
+  using openvdb::io::Archive::write;
 };
 
-/// FNV-1a, started anew for each half of the identifier.
-std::uint64_t hashOf(std::string_view bytes, std::uint64_t hash) {
-  for (unsigned char byte : bytes) hash = (hash ^ byte) * 0x100000001b3ULL;
-  return hash;
-}
-
-/// A UUID of version 8 (RFC 9562: made by the application) from a hash of everything behind it.
-std::string identifierOf(std::string_view content) {
-  constexpr const char* digits = "0123456789abcdef";
-  const std::array<std::uint64_t, 2> halves{hashOf(content, 0xcbf29ce484222325ULL),
-                                            hashOf(content, 0x84222325cbf29ce4ULL)};
-  std::string text = "xxxxxxxx-xxxx-8xxx-8xxx-xxxxxxxxxxxx";
-  size_t nibble = 0;
-  for (char& c : text) {
-    if (c != 'x') continue;
-    c = digits[halves[nibble / 16] >> (nibble % 16 * 4) & 15];
-    ++nibble;
+/// FNV-1a of all that comes in, in two runs started differently.
+class Hash {
+ public:
+  void add(std::string_view bytes) {
+    for (unsigned char byte : bytes)
+      for (std::uint64_t& half : halves_) half = (half ^ byte) * 0x100000001b3ULL;
   }
-  return text;
-}
+  /// A UUID of version 8 (RFC 9562: made by the application).
+  std::string identifier() const {
+    constexpr const char* digits = "0123456789abcdef";
+    std::string text = "xxxxxxxx-xxxx-8xxx-8xxx-xxxxxxxxxxxx";
+    size_t nibble = 0;
+    for (char& c : text) {
+      if (c != 'x') continue;
+      c = digits[halves_[nibble / 16] >> (nibble % 16 * 4) & 15];
+      ++nibble;
+    }
+    return text;
+  }
 
-void replaceIdentifier(std::string& bytes) {
-  const std::string identifier = identifierOf(std::string_view(bytes).substr(kIdentifierAt + kIdentifierSize));
-  bytes.replace(kIdentifierAt, kIdentifierSize, identifier);
-}
+ private:
+  std::array<std::uint64_t, 2> halves_{0xcbf29ce484222325ULL, 0x84222325cbf29ce4ULL};
+};
 
-openvdb::MetaMap sequenceMetadata(const SurfaceOutput& options) {
-  openvdb::MetaMap metadata;
-  metadata.insertMeta("creator", openvdb::StringMetadata(kCreator));
-  metadata.insertMeta("fps", openvdb::FloatMetadata(float(options.framesPerSecond)));
-  metadata.insertMeta("frame", openvdb::Int32Metadata(options.frame));
-  return metadata;
+/// The grid with the tree of the one given and metadata of its own.
+openvdb::GridBase::Ptr stamped(const openvdb::GridBase& grid) {
+  const openvdb::GridBase::Ptr copy = openvdb::ConstPtrCast<openvdb::GridBase>(grid.copyGrid());
+  for (const char* name : {"file_bbox_min", "file_bbox_max", "file_mem_bytes", "file_voxel_count", "file_compression"})
+    copy->removeMeta(name);
+  copy->setCreator(kCreator);
+  return copy;
 }
 
 }  // namespace
 
-void writeVdb(const std::string& path, const FloatGrid& levelSet, const SurfaceOutput& options) {
+void writeVdb(const std::string& path, const openvdb::GridCPtrVec& grids, const VdbOutput& options) {
   initialiseVdb();
   AtomicFile file(path);
-  const openvdb::MetaMap metadata = sequenceMetadata(options);
-  std::string bytes;
+  openvdb::MetaMap metadata = options.metadata;
+  metadata.insertMeta("creator", openvdb::StringMetadata(kCreator));
+  metadata.insertMeta("fps", openvdb::FloatMetadata(float(options.framesPerSecond)));
+  metadata.insertMeta("frame", openvdb::Int32Metadata(options.frame));
+  errno = 0;
   try {
-    // The grid shares the caller's tree and has metadata of its own.
-    FloatGrid::Ptr grid = FloatGrid::create(openvdb::ConstPtrCast<openvdb::FloatTree>(levelSet.treePtr()));
-    grid->insertMeta(levelSet);
-    grid->setTransform(levelSet.transform().copy());
-    grid->setName("surface");
-    grid->setGridClass(openvdb::GRID_LEVEL_SET);
-    grid->setCreator(kCreator);
-    grid->setSaveFloatAsHalf(options.halfFloat);
-    grid->insertMeta("fps", *metadata["fps"]);
-    grid->insertMeta("frame", *metadata["frame"]);
-    bytes = Writer().bytes(grid, metadata);
+    openvdb::GridCPtrVec stampedGrids;
+    for (const auto& grid : grids) stampedGrids.push_back(stamped(*grid));
+    std::ostream& stream = file.stream();
+    Writer(options.compression).write(stream, stampedGrids, /*seekable=*/true, metadata);
+    stream.flush();
+  } catch (const IoError&) {
+    throw;
   } catch (const std::exception& error) {
-    throw IoError(path + " cannot be written: " + error.what());
+    throw IoError(path + " cannot be written: " + (errno ? std::strerror(errno) : error.what()));
   }
-  replaceIdentifier(bytes);
-  file.write(bytes);
+  Hash hash;
+  file.read(kIdentifierAt + kIdentifierSize, [&](std::string_view bytes) { hash.add(bytes); });
+  file.overwrite(kIdentifierAt, hash.identifier());
   file.commit();
 }
 

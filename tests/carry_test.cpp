@@ -54,7 +54,7 @@ Figures figuresOf(const FloatGrid& grid) {
 
 FloatGrid::ConstPtr carried(const MorphPlan& plan, const FloatGrid::Ptr& a, const FloatGrid::Ptr& b, double t,
                             bool conserve = false) {
-  return openvdb::gridConstPtrCast<FloatGrid>(plan.carrier({1 - t, t}).carry({a, b}, conserve));
+  return openvdb::gridConstPtrCast<FloatGrid>(plan.carrier({1 - t, t}).carry({a, b}, {conserve}));
 }
 
 constexpr double kWidth = 1, kVoxel = 0.2;

@@ -301,8 +301,8 @@ TEST_F(Io, MissingAndWrongInputsAreNamed) {
 TEST_F(Io, LevelSetComesBackAsWritten) {
   const FloatGrid::Ptr grid = ball();
   SurfaceOutput output;
-  output.framesPerSecond = 25;
-  output.frame = 3;
+  output.vdb.framesPerSecond = 25;
+  output.vdb.frame = 3;
   writeSurface(file("b.vdb"), *grid, output);
   EXPECT_EQ(grid->getName(), "");
   const LoadedObject loaded = loadObject(file("b.vdb"));

@@ -4,6 +4,7 @@
 #include "io/atomic_file.h"
 #include "io/output.h"
 #include "io/paths.h"
+#include "io/sequence.h"
 
 #include <tbb/global_control.h>
 #include <unistd.h>
@@ -34,7 +35,7 @@ SamplingOptions addSamplingOptions(CLI::App& command, LoadOptions& options) {
                       "inputs keep their voxel size)")
           ->type_name("N");
   given.iso =
-      command.add_option("--iso", options.iso, "Value of the surface in a VDB grid (0)")->type_name("V");
+      command.add_option("--iso", options.iso, "Value of the surface in a VDB grid (0; in fog found from the density)")->type_name("V");
   return given;
 }
 
@@ -109,7 +110,13 @@ void checkPositive(const std::string& option, double value) {
     throw InputError(option + " " + formatNumber(value) + " must be a number above 0");
 }
 
-void checkInputExists(const std::string& input) { sizeOfInput(splitInput(input).path); }
+void checkInputExists(const std::string& input) {
+  if (isSequenceInput(input)) {
+    for (const SequenceFile& file : findSequence(splitSequenceInput(input).path)) sizeOfInput(file.path);
+  } else {
+    sizeOfInput(splitInput(input).path);
+  }
+}
 
 void writeTextFile(const std::string& path, const std::string& text) {
   AtomicFile file(path);

@@ -1,128 +1,72 @@
 #include "tools/morph_command.h"
 
 #include "engine/errors.h"
-#include "engine/peers/peers.h"
+#include "io/vdb_writer.h"
 #include "tools/common_options.h"
-#include "tools/dump_slices.h"
+#include "tools/frame_maker.h"
 #include "tools/morph_report.h"
 #include "tools/morph_settings.h"
 #include "tools/resume_log.h"
+#include "tools/stopwatch.h"
 #include "tools/terminal_progress.h"
 
 #include <algorithm>
-#include <chrono>
+#include <cmath>
 #include <cstdio>
-#include <functional>
 #include <limits>
+#include <map>
 
 namespace slicemorph {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using openvdb::GridBase;
 
-/// Shares of the whole job, for the progress line.
-constexpr double kLoaded = 0.1, kPlanned = 0.25;
+/// Shares of the whole job, for the progress line, where the inputs stay the same.
+constexpr double kPlanned = 0.25;
+/// And of one frame's share, where they play.
+constexpr double kFramePlanned = 0.6;
 
-class Stopwatch {
- public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - start_).count();
-    start_ = now;
-    return seconds;
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
-void throwIfCancelled(const Progress& progress) {
-  if (progress.cancelled()) throw Cancelled();
-}
-
-std::vector<LoadedObject> loadInputs(const MorphSettings& settings, TerminalProgress& progress) {
-  std::vector<LoadedObject> loaded;
-  for (const std::string& input : settings.inputs) {
-    throwIfCancelled(progress);
-    progress.report("reading", kLoaded * double(loaded.size()) / double(settings.inputs.size()));
-    loaded.push_back(loadObject(input, settings.load));
-    progress.clear();
-    printNotes(input + ": ", loaded.back().notes, settings.quiet);
-  }
-  return loaded;
-}
-
-/// Makes the in-between of one frame; `index` into the settings' frames.
-using FrameMaker = std::function<InBetween(size_t index)>;
-
-struct Plan {
-  FrameMaker make;
-  std::vector<std::string> notes;
-  std::optional<double> restDistance;  ///< of --method levelset, voxels
-};
-
-Plan planSlices(const MorphSettings& settings, const std::vector<LoadedObject>& loaded, Progress& progress) {
-  std::vector<Object> objects;
-  for (const LoadedObject& input : loaded) objects.push_back(input.object);
-  const auto plan = std::make_shared<MorphPlan>(objects, settings.plan, &progress);
-  if (!settings.sliceFolder.empty()) dumpSlices(settings.sliceFolder, plan->slicePictures(), settings.inputs);
-  return {[plan, &settings](size_t i) { return plan->frame(settings.frames[i].weights); }, plan->notes(), {}};
-}
-
-Plan planSdf(const MorphSettings& settings, const std::vector<LoadedObject>& loaded) {
-  std::vector<FloatGrid::ConstPtr> grids;
-  double finest = std::numeric_limits<double>::max();
-  for (const LoadedObject& input : loaded) {
-    grids.push_back(input.object.levelSet);
-    finest = std::min(finest, grids.back()->voxelSize()[0]);
-  }
-  const auto blend =
-      std::make_shared<SdfBlend>(grids, settings.plan.voxelSize > 0 ? settings.plan.voxelSize : finest);
-  return {[blend, &settings](size_t i) {
-            return InBetween{blend->frame(settings.frames[i].weights), 0};
-          },
-          {},
-          {}};
-}
-
-Plan planLevelSet(const MorphSettings& settings, const std::vector<LoadedObject>& loaded,
-                  Progress& progress) {
-  const auto result = std::make_shared<LevelSetMorphResult>(levelSetMorph(
-      *loaded[0].object.levelSet, *loaded[1].object.levelSet, int(settings.frames.size()), 2000, &progress));
-  const std::string rest = "the level set came to rest after " + std::to_string(result->steps) +
-                           " steps, at most " + formatNumber(result->restDistance, 3) + " voxels from " +
-                           settings.inputs[1];
-  return {[result](size_t i) { return InBetween{result->frames[i], 0}; }, {rest}, result->restDistance};
-}
-
-Plan makePlan(const MorphSettings& settings, const std::vector<LoadedObject>& loaded, Progress& progress) {
-  if (settings.method == Method::kSdf) return planSdf(settings, loaded);
-  if (settings.method == Method::kLevelSet) return planLevelSet(settings, loaded, progress);
-  return planSlices(settings, loaded, progress);
+GridFigures figuresOf(const GridBase& grid) {
+  GridFigures figures{grid.getName(), grid.activeVoxelCount(), {}, {}};
+  grid.apply<openvdb::TypeList<FloatGrid, openvdb::DoubleGrid>>([&](const auto& scalars) {
+    double total = 0, peak = -std::numeric_limits<double>::infinity();
+    for (auto value = scalars.cbeginValueOn(); value; ++value) {
+      total += double(*value) * double(value.getVoxelCount());
+      peak = std::max(peak, double(*value));
+    }
+    figures.total = total * std::abs(grid.transform().voxelVolume());
+    if (std::isfinite(peak)) figures.peak = peak;
+  });
+  return figures;
 }
 
 /// Makes, measures and writes the frames one after another: each uses all threads, and one at a time bounds
 /// the memory.
 class FrameRun {
  public:
-  FrameRun(const MorphSettings& settings, const Plan& plan, bool halfFloat,
-           const std::vector<ShapeMeasures>& inputs)
-      : settings_(settings), plan_(plan), halfFloat_(halfFloat), inputs_(inputs), log_(settings) {}
+  FrameRun(const MorphSettings& settings, FrameMaker& maker, TerminalProgress& progress)
+      : settings_(settings), maker_(maker), progress_(progress), log_(settings) {}
 
   /// Returns the rows of the report, none where none is asked for.
-  std::vector<Json> run(TerminalProgress& progress) {
+  std::vector<Json> run() {
     std::vector<Json> rows;
     const size_t count = settings_.frames.size();
+    const bool moving = settings_.frames.back().inputFrame > 0;
     for (size_t i = 0; i < count; ++i) {
-      throwIfCancelled(progress);
-      progress.report("making frames", kPlanned + (1 - kPlanned) * double(i) / double(count));
+      const double from = moving ? double(i) / double(count) : 0, step = 1 / double(count);
+      maker_.moveTo(i, from, moving ? from + kFramePlanned * step : kPlanned);
+      takeNotes();
+      if (progress_.cancelled()) throw Cancelled();
+      progress_.report("making frames", moving ? from + kFramePlanned * step : kPlanned + (1 - kPlanned) * double(i) * step);
       const FrameJob& job = settings_.frames[i];
-      const bool done = log_.has(job) && (!measured() || log_.row(job).is_object());
-      if (done) previous_ = nullptr;
+      const bool done = isDone(i);
       const Json row = done ? log_.row(job) : makeFrame(i);
+      // The frame after the kept ones is compared with the last of these.
+      if (done) previous_ = measured() && i + 1 < count && !isDone(i + 1) ? maker_.shape().surface : nullptr;
       if (measured()) rows.push_back(row);
       if (!done) log_.add(job, row);
-      progress.clear();
+      progress_.clear();
       if (!settings_.quiet) std::printf("%s%s\n", job.path.c_str(), done ? " (kept)" : "");
       std::fflush(stdout);
     }
@@ -130,69 +74,86 @@ class FrameRun {
     return rows;
   }
 
+  const std::vector<std::string>& notes() const { return notes_; }
+
  private:
   bool measured() const { return !settings_.report.empty(); }
+  bool isDone(size_t i) const {
+    const FrameJob& job = settings_.frames[i];
+    return log_.has(job) && (!measured() || log_.row(job).is_object());
+  }
+
+  void takeNotes() {
+    const std::vector<std::string> notes = maker_.takeNotes();
+    if (notes.empty()) return;
+    progress_.clear();
+    printNotes("", notes, settings_.quiet);
+    notes_.insert(notes_.end(), notes.begin(), notes.end());
+  }
 
   Json makeFrame(size_t i) {
     const FrameJob& job = settings_.frames[i];
     FrameFigures figures;
-    // After frames kept from an earlier run, the one before this is made once more to compare with.
-    if (measured() && i > 0 && !previous_) previous_ = plan_.make(i - 1).surface;
     Stopwatch watch;
-    const InBetween frame = plan_.make(i);
+    const MorphFrame frame = maker_.make();
     figures.seconds.evaluate = watch.lap();
-    if (measured()) {
-      figures.voxelSize = frame.surface->voxelSize()[0];
-      figures.foldShare = frame.foldShare;
-      figures.shape = measureShape(*frame.surface);
-      if (previous_) figures.symmetricDifference = overlap(*previous_, *frame.surface).symmetricDifference;
-      previous_ = frame.surface;
-      figures.seconds.measure = watch.lap();
+    if (measured()) measure(frame, figures);
+    figures.seconds.measure = watch.lap();
+    if (frame.grids.empty()) {
+      writeSurface(job.path, *frame.shape.surface);
+    } else {
+      VdbOutput options = maker_.fileOptions();
+      options.framesPerSecond = settings_.framesPerSecond;
+      options.frame = job.number;
+      writeVdb(job.path, frame.grids, options);
     }
-    SurfaceOutput options;
-    options.halfFloat = halfFloat_;
-    options.framesPerSecond = settings_.framesPerSecond;
-    options.frame = job.number;
-    writeSurface(job.path, *frame.surface, options);
     figures.seconds.write = watch.lap();
-    return measured() ? describeFrame(job, figures, inputs_) : Json();
+    if (!measured()) return Json();
+    std::vector<ShapeMeasures> inputs;
+    for (const LoadedObject& input : maker_.inputs()) inputs.push_back(measuresOf(input.object.levelSet));
+    return describeFrame(job, figures, inputs);
+  }
+
+  void measure(const MorphFrame& frame, FrameFigures& figures) {
+    for (const GridBase::ConstPtr& grid : frame.grids) figures.grids.push_back(figuresOf(*grid));
+    figures.voxelSize = frame.grids.empty() ? 0 : frame.grids[0]->voxelSize()[0];
+    const FloatGrid::ConstPtr surface = frame.shape.surface;
+    if (!surface) return;
+    figures.voxelSize = surface->voxelSize()[0];
+    figures.foldShare = frame.shape.foldShare;
+    figures.shape = measureShape(*surface);
+    if (previous_) figures.symmetricDifference = overlap(*previous_, *surface).symmetricDifference;
+    previous_ = surface;
+  }
+
+  ShapeMeasures measuresOf(const FloatGrid::ConstPtr& levelSet) {
+    if (measures_.size() > 8) measures_.clear();  // of a sequence's frames that are over
+    const auto [at, fresh] = measures_.try_emplace(levelSet);
+    if (fresh) at->second = measureShape(*levelSet);
+    return at->second;
   }
 
   const MorphSettings& settings_;
-  const Plan& plan_;
-  const bool halfFloat_;
-  const std::vector<ShapeMeasures>& inputs_;
+  FrameMaker& maker_;
+  TerminalProgress& progress_;
   ResumeLog log_;
+  std::vector<std::string> notes_;
   FloatGrid::ConstPtr previous_;  ///< the frame before, kept for the report only
+  std::map<FloatGrid::ConstPtr, ShapeMeasures> measures_;
 };
 
 void runMorph(const MorphSettings& settings) {
   cancelOnInterrupt();
   TerminalProgress progress(settings.quiet);
+  FrameMaker maker(settings, progress);
+  FrameRun run(settings, maker, progress);
   ReportParts report;
-  Stopwatch watch;
-  const std::vector<LoadedObject> loaded = loadInputs(settings, progress);
-  report.loadSeconds = watch.lap();
-
-  throwIfCancelled(progress);
-  PartProgress planning(progress, kLoaded, kPlanned);
-  planning.report("planning", 0);
-  const Plan plan = makePlan(settings, loaded, planning);
-  report.planSeconds = watch.lap();
-  progress.clear();
-  printNotes("", plan.notes, settings.quiet);
-
-  if (!settings.report.empty())
-    for (const LoadedObject& input : loaded) report.inputs.push_back(measureShape(*input.object.levelSet));
-  const bool halfFloat =
-      std::all_of(loaded.begin(), loaded.end(), [](const LoadedObject& input) { return input.halfFloat; });
-  report.frames = FrameRun(settings, plan, halfFloat, report.inputs).run(progress);
+  report.frames = run.run();
   if (settings.report.empty()) return;
-
-  for (size_t k = 0; k < loaded.size(); ++k)
-    for (const std::string& note : loaded[k].notes) report.notes.push_back(settings.inputs[k] + ": " + note);
-  report.notes.insert(report.notes.end(), plan.notes.begin(), plan.notes.end());
-  report.restDistance = plan.restDistance;
+  for (const LoadedObject& input : maker.inputs()) report.inputs.push_back(measureShape(*input.object.levelSet));
+  report.notes = run.notes();
+  report.loadSeconds = maker.loadSeconds(), report.planSeconds = maker.planSeconds();
+  report.restDistance = maker.restDistance();
   writeReport(settings, report);
 }
 
@@ -200,7 +161,7 @@ void runMorph(const MorphSettings& settings) {
 
 void addMorphCommand(CLI::App& program) {
   CLI::App* command =
-      program.add_subcommand("morph", "Morph shapes into each other: a sequence, or one blend");
+      program.add_subcommand("morph", "Morph shapes and fog volumes into each other: a sequence, or one blend");
   const auto options = std::make_shared<MorphOptionSet>(*command);
   command->callback([options] { runMorph(options->settings()); });
 }

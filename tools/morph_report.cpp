@@ -13,6 +13,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 const char* nameOf(Method method) {
+  if (method == Method::kDissolve) return "dissolve";
   return method == Method::kSdf ? "sdf" : method == Method::kLevelSet ? "levelset" : "slices";
 }
 
@@ -31,12 +32,14 @@ Json summarise(const std::vector<Json>& frames) {
       const double difference = frame["symmetricDifference"];
       sum += difference, largest = std::max(largest, difference), ++steps;
     }
+    if (frame["volume"].is_null()) continue;
     lowestRatio = std::min(lowestRatio, frame["volumeRatio"].get<double>());
     lowestSizeLinear = std::min(lowestSizeLinear, frame["volumeRatioSizeLinear"].get<double>());
     pieces = std::max(pieces, frame["pieces"].get<int>());
     fold = std::max(fold, frame["foldShare"].get<double>());
     genusChanges += i && frame["genus"] != frames[i - 1]["genus"];
   }
+  if (std::isinf(lowestRatio)) return Json::object();
   return {{"pop", sum > 0 ? Json(largest * steps / sum) : Json(nullptr)},
           {"lowestVolumeRatio", lowestRatio},
           {"lowestVolumeRatioSizeLinear", lowestSizeLinear},
@@ -62,6 +65,9 @@ Json describeJob(const MorphSettings& s) {
   job["spine"] = s.plan.spine == SpineKind::kStraight ? "straight" : s.plan.spine == SpineKind::kCurved ? "curved" : "auto";
   job["align"] = s.plan.align == Align::kNone ? "none" : "auto";
   job["fps"] = s.framesPerSecond;
+  job["grids"] = s.grids;
+  job["conserve"] = s.conserve;
+  job["velocity"] = {{"name", s.velocity.name}, {"unit", s.velocity.perFrame ? "frame" : "second"}, {"add", s.velocity.add}};
   return job;
 }
 
@@ -74,15 +80,19 @@ Json describeFrame(const FrameJob& job, const FrameFigures& figures,
   }
   Json frame = {{"frame", job.number}, {"t", orNull(job.t)}, {"weights", job.weights}, {"file", job.path}};
   frame["voxelSize"] = figures.voxelSize;
-  frame["volume"] = figures.shape.volume;
+  const auto ofShape = [&](auto value) { return figures.shape ? Json(value(*figures.shape)) : Json(nullptr); };
+  frame["volume"] = ofShape([](const ShapeMeasures& s) { return s.volume; });
   frame["volumeLinear"] = linear;
-  frame["volumeRatio"] = figures.shape.volume / linear;
+  frame["volumeRatio"] = ofShape([&](const ShapeMeasures& s) { return s.volume / linear; });
   // Lengths are what a morph interpolates linearly, so the volume of a growing shape follows a cubic.
-  frame["volumeRatioSizeLinear"] = figures.shape.volume / (size * size * size);
-  frame["area"] = figures.shape.area;
-  frame["pieces"] = figures.shape.pieces;
-  frame["genus"] = figures.shape.genus;
+  frame["volumeRatioSizeLinear"] = ofShape([&](const ShapeMeasures& s) { return s.volume / (size * size * size); });
+  frame["area"] = ofShape([](const ShapeMeasures& s) { return s.area; });
+  frame["pieces"] = ofShape([](const ShapeMeasures& s) { return s.pieces; });
+  frame["genus"] = ofShape([](const ShapeMeasures& s) { return s.genus; });
   frame["foldShare"] = figures.foldShare;
+  frame["grids"] = Json::array();
+  for (const GridFigures& g : figures.grids)
+    frame["grids"].push_back({{"name", g.name}, {"activeVoxels", g.activeVoxels}, {"total", orNull(g.total)}, {"peak", orNull(g.peak)}});
   frame["symmetricDifference"] = orNull(figures.symmetricDifference);
   frame["seconds"] = {{"evaluate", figures.seconds.evaluate},
                       {"measure", figures.seconds.measure},

@@ -14,9 +14,17 @@ struct FrameSeconds {
   double evaluate = 0, measure = 0, write = 0;
 };
 
+/// Of one grid of a frame.
+struct GridFigures {
+  std::string name;
+  std::uint64_t activeVoxels = 0;
+  std::optional<double> total, peak;  ///< of scalars: values times the voxels' volume; the largest value
+};
+
 struct FrameFigures {
   double voxelSize = 0, foldShare = 0;
-  ShapeMeasures shape;
+  std::optional<ShapeMeasures> shape;  ///< none where the method makes no surface
+  std::vector<GridFigures> grids;      ///< of VDB outputs
   std::optional<double> symmetricDifference;  ///< to the frame before, world units cubed
   FrameSeconds seconds;
 };

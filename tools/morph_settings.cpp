@@ -1,12 +1,16 @@
 #include "tools/morph_settings.h"
 
 #include "engine/errors.h"
+#include "io/paths.h"
+#include "io/sequence.h"
 #include "tools/common_options.h"
 #include "tools/job_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <numeric>
+#include <sstream>
 
 namespace slicemorph {
 
@@ -18,7 +22,8 @@ struct MorphOptionSet::Values {
   LoadOptions load;
   MorphOptions plan;
   double framesPerSecond = 24;
-  bool quiet = false, resume = false;
+  std::string velocity = "vel", velocityUnit = "second";
+  bool quiet = false, resume = false, conserve = false, addVelocity = false;
 
   SamplingOptions sampling;
   CLI::Option *inputsGiven, *outputGiven, *framesGiven, *atGiven, *weightsGiven, *threadsGiven, *gridsGiven;
@@ -67,6 +72,9 @@ std::vector<double> frameTimes(const std::string& at, bool atGiven, int frames) 
   return times;
 }
 
+/// Voxels along the longest side of shapes found in fog.
+constexpr int kFogResolution = 160;
+
 /// The choices are in the option's type already; the help need not list them twice.
 CLI::Validator oneOf(std::vector<std::string> choices) {
   CLI::Validator validator = CLI::IsMember(std::move(choices));
@@ -75,7 +83,46 @@ CLI::Validator oneOf(std::vector<std::string> choices) {
 }
 
 Method methodOf(const std::string& name) {
-  return name == "sdf" ? Method::kSdf : name == "levelset" ? Method::kLevelSet : Method::kSlices;
+  if (name == "sdf") return Method::kSdf;
+  if (name == "levelset") return Method::kLevelSet;
+  return name == "dissolve" ? Method::kDissolve : Method::kSlices;
+}
+
+std::vector<std::string> parseNames(const std::string& option, const std::string& text) {
+  std::vector<std::string> names;
+  std::istringstream parts(text);
+  for (std::string name; std::getline(parts, name, ',');) names.push_back(name);
+  if (names.empty() || std::count(names.begin(), names.end(), ""))
+    throw InputError(option + " " + text + ": expected names separated by commas, for example density,temperature");
+  return names;
+}
+
+/// Files of the longest input that is a sequence; 1 where none is.
+size_t lengthOfInputs(const std::vector<std::string>& inputs) {
+  size_t length = 1;
+  for (const std::string& input : inputs)
+    if (isSequenceInput(input)) length = std::max(length, findSequence(splitSequenceInput(input).path).size());
+  return length;
+}
+
+/// How fast weights change at a time, per unit of time: those of the stretch that follows it, at the end of the last one.
+Weights slopeAt(double t, size_t objects) {
+  const size_t first = std::min(size_t(t * double(objects - 1)), objects - 2);
+  Weights slope(objects, 0.0);
+  slope[first] = -double(objects - 1);
+  slope[first + 1] = double(objects - 1);
+  return slope;
+}
+
+/// Speeds of the weights: frames are 1 / fps seconds apart, whatever their times.
+void setRates(std::vector<FrameJob>& frames, double framesPerSecond) {
+  if (frames.size() < 2 || !frames[0].t) return;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const size_t before = i > 0 ? i - 1 : i, after = i + 1 < frames.size() ? i + 1 : i;
+    const double perSecond = (*frames[after].t - *frames[before].t) / double(after - before) * framesPerSecond;
+    frames[i].rate = slopeAt(*frames[i].t, frames[i].weights.size());
+    for (double& r : frames[i].rate) r *= perSecond;
+  }
 }
 
 }  // namespace
@@ -96,15 +143,16 @@ MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Val
   v.inputsGiven =
       remember("inputs", JobType::kTexts,
                command.add_option("INPUT", v.inputs,
-                                  "Two or more shapes: .vdb (file.vdb:grid picks a grid) .obj .ply .stl "
-                                  ".off .glb; more than two follow each other in time"));
+                                  "Two or more shapes or fog volumes: .vdb (file.vdb:grid picks a grid, "
+                                  "name.####.vdb is a sequence) .obj .ply .stl .off .glb; more than two follow each "
+                                  "other in time"));
   v.outputGiven = remember("output", JobType::kText,
                            command
                                .add_option("-o,--output", v.output,
                                            "Result: .vdb .obj .ply or .stl; #### stands for the frame number")
                                ->type_name("OUTPUT"));
   v.framesGiven = add("frames", v.frames, JobType::kInteger,
-                      "Frames 1 to N, the first input at 1, the last at N (24)", "N", "time");
+                      "Frames 1 to N, the first input at 1, the last at N (24; as many as input sequences have)", "N", "time");
   v.atGiven = add("at", v.at, JobType::kNumbers, "Only these times, 0 to 1", "T[,T...]", "time");
   v.weightsGiven = add("weights", v.weights, JobType::kNumbers,
                        "One blend of all inputs: a weight per input, of sum 1", "W,W[,W...]", "time");
@@ -120,13 +168,23 @@ MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Val
   add("align", v.align, JobType::kText, "none keeps world positions and directions (auto)", "auto|none")
       ->check(oneOf({"auto", "none"}));
   add("method", v.method, JobType::kText,
-      "slices; or a classic: sdf blends distances point by point, levelset moves the surface to the nearest "
-      "(slices)",
-      "slices|sdf|levelset")
-      ->check(oneOf({"slices", "sdf", "levelset"}));
-  v.gridsGiven =
-      add("grids", v.grids, JobType::kText, "Not built yet: carry other grids of the file", "a,b,...");
-  add("fps", v.framesPerSecond, JobType::kNumber, "Frames per second, for the metadata (24)", "F");
+      "slices; or a classic: sdf blends distances point by point, levelset moves the surface to the nearest, "
+      "dissolve blends values where they are (slices)",
+      "slices|sdf|levelset|dissolve")
+      ->check(oneOf({"slices", "sdf", "levelset", "dissolve"}));
+  v.gridsGiven = add("grids", v.grids, JobType::kText,
+                     "Grids of VDB outputs, `surface` for the shape's level set (all; the surface where no input is fog)",
+                     "a,b,...");
+  remember("conserve", JobType::kFlag,
+           command.add_flag("--conserve", v.conserve,
+                            "Thin and thicken fog so that its total goes straight from the one to the other"));
+  add("velocity", v.velocity, JobType::kText, "Name of the velocity grid of VDB outputs; none: without (vel)", "NAME|none");
+  add("velocity-unit", v.velocityUnit, JobType::kText, "World units per second or per frame (second)", "second|frame")
+      ->check(oneOf({"second", "frame"}));
+  remember("add-velocity", JobType::kFlag,
+           command.add_flag("--add-velocity", v.addVelocity,
+                            "Add the inputs' own velocities (vel, v, velocity; world units per second), morphed"));
+  add("fps", v.framesPerSecond, JobType::kNumber, "Frames per second, for velocities and metadata (24)", "F");
   v.threadsGiven = remember("threads", JobType::kInteger, addThreadsOption(command, v.threads));
   add("report", v.report, JobType::kText, "Measure every frame and write the figures", "FILE.json");
   add("dump-slices", v.sliceFolder, JobType::kText,
@@ -148,7 +206,6 @@ MorphSettings MorphOptionSet::settings() {
     throw InputError("morph needs at least two inputs, not " + std::to_string(v.inputs.size()) +
                      "; for example: slicemorph morph a.obj b.obj -o morph.####.vdb");
   if (v.output.empty()) throw InputError("morph needs an output; for example: -o morph.####.vdb");
-  if (v.gridsGiven->count()) throw InputError("--grids is not built yet: only the surface is morphed");
   if (v.atGiven->count() + v.weightsGiven->count() + v.framesGiven->count() > 1)
     throw InputError("--frames, --at and --weights exclude each other; give one of them");
 
@@ -161,26 +218,40 @@ MorphSettings MorphOptionSet::settings() {
   checkRange("--slices", s.plan.slices, 8, 1024);
   checkRange("--samples", s.plan.samples, 16, 4096);
   checkPositive("--fps", s.framesPerSecond);
+  if (v.gridsGiven->count()) s.grids = parseNames("--grids", v.grids);
+  s.conserve = v.conserve;
+  if (v.velocity.empty()) throw InputError("--velocity needs a name for the grid, or none");
+  s.velocity = {v.velocity, v.velocityUnit == "frame", v.addVelocity};
   if (v.axis != "auto") s.plan.axis = parseDirection("--axis", v.axis);
   s.plan.spine = v.spine == "straight" ? SpineKind::kStraight : v.spine == "curved" ? SpineKind::kCurved : SpineKind::kAuto;
   s.plan.align = v.align == "none" ? Align::kNone : Align::kAuto;
 
   const OutputName name(s.output);
+  const size_t length = lengthOfInputs(s.inputs);
   if (v.weightsGiven->count()) {
     const Weights weights = parseNumbers("--weights", v.weights);
     checkWeights(weights, v.weights, s.inputs.size());
-    s.frames.push_back({1, std::nullopt, weights, name.path(1)});
+    for (size_t i = 0; i < length; ++i) s.frames.push_back({int(i) + 1, std::nullopt, weights, name.path(int(i) + 1), i, {}});
   } else {
-    const std::vector<double> times = frameTimes(v.at, v.atGiven->count() > 0, v.frames);
+    const bool wholeSequence = length > 1 && !v.framesGiven->count();
+    const bool atGiven = v.atGiven->count() > 0;
+    const std::vector<double> times = frameTimes(v.at, atGiven, wholeSequence ? int(length) : v.frames);
     for (size_t i = 0; i < times.size(); ++i)
-      s.frames.push_back({int(i) + 1, times[i], weightsAt(times[i], s.inputs.size()), name.path(int(i) + 1)});
+      s.frames.push_back({int(i) + 1, times[i], weightsAt(times[i], s.inputs.size()), name.path(int(i) + 1),
+                          atGiven ? size_t(std::lround(times[i] * double(length - 1))) : i, {}});
+    setRates(s.frames, s.framesPerSecond);
   }
+  // The shape found in fog only steers the map, unless it is what is asked for.
+  if (name.extension() == ".vdb" && !std::count(s.grids.begin(), s.grids.end(), "surface")) s.load.fogResolution = kFogResolution;
   if (s.frames.size() > 1 && !name.isSequence())
     throw InputError(
         "-o " + s.output + " is one file for " + std::to_string(s.frames.size()) +
         " frames; put #### where the frame number belongs (name.####.vdb), or ask for one frame by --at "
         "T or --weights");
+  if (s.method == Method::kDissolve && name.extension() != ".vdb")
+    throw InputError("--method dissolve blends values and makes no surface; the output must be .vdb, not " + s.output);
   if (s.method == Method::kLevelSet) {
+    if (length > 1) throw InputError("--method levelset takes no sequences, only two still inputs");
     if (s.inputs.size() != 2)
       throw InputError("--method levelset takes two inputs, not " + std::to_string(s.inputs.size()));
     if (v.atGiven->count() || v.weightsGiven->count() || s.frames.size() < 2)

@@ -13,7 +13,7 @@
 
 namespace slicemorph {
 
-enum class Method { kSlices, kSdf, kLevelSet };
+enum class Method { kSlices, kSdf, kLevelSet, kDissolve };
 
 /// One frame of a job.
 struct FrameJob {
@@ -21,6 +21,17 @@ struct FrameJob {
   std::optional<double> t;  ///< none for a blend given by weights
   Weights weights;
   std::string path;
+  size_t inputFrame = 0;    ///< of inputs that are sequences, from 0
+  Weights rate;             ///< change of the weights per second; empty where the job has no speed
+};
+
+/// The velocity grid of VDB outputs.
+struct VelocitySettings {
+  std::string name = "vel";  ///< "none": no velocities
+  bool perFrame = false;     ///< world units per frame, else per second
+  bool add = false;          ///< the inputs' own velocities, morphed, are added
+
+  bool wanted() const { return name != "none"; }
 };
 
 /// What `slicemorph morph` is to do, checked.
@@ -32,6 +43,9 @@ struct MorphSettings {
   Method method = Method::kSlices;
   std::vector<FrameJob> frames;
   double framesPerSecond = 24;
+  std::vector<std::string> grids;  ///< of the output; empty: all
+  bool conserve = false;
+  VelocitySettings velocity;
   std::string report, sliceFolder;  ///< empty: none
   bool quiet = false, resume = false;
   std::shared_ptr<void> threadLimit;

@@ -6,6 +6,7 @@
 #include "io/exr_writer.h"
 #include "io/output.h"
 #include "io/png_writer.h"
+#include "io/sequence.h"
 #include "tools/common_options.h"
 #include "tools/terminal_progress.h"
 
@@ -34,37 +35,12 @@ struct Shot {
   std::string input, caption;
 };
 
-/// The files that a pattern with #### stands for, by number. Throws IoError where there is none.
-std::vector<Shot> findSequence(const std::string& pattern) {
-  namespace fs = std::filesystem;
-  const std::string name = fs::path(pattern).filename().string();
-  const size_t first = name.find('#'), last = name.find_last_of('#');
-  const std::string before = name.substr(0, first), after = name.substr(last + 1);
-  fs::path folder = fs::path(pattern).parent_path();
-  if (folder.empty()) folder = ".";
-  std::vector<Shot> shots;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    const std::string file = entry.path().filename().string();
-    if (file.size() <= before.size() + after.size() || file.compare(0, before.size(), before) != 0 ||
-        file.compare(file.size() - after.size(), after.size(), after) != 0)
-      continue;
-    const std::string digits = file.substr(before.size(), file.size() - before.size() - after.size());
-    if (digits.size() > 9 || digits.find_first_not_of("0123456789") != std::string::npos) continue;
-    const int number = std::stoi(digits);
-    if (OutputName(pattern).path(number) == (fs::path(pattern).parent_path() / file).string())
-      shots.push_back({number, (fs::path(pattern).parent_path() / file).string(), std::to_string(number)});
-  }
-  if (shots.empty()) throw IoError(pattern + ": no such files");
-  std::sort(shots.begin(), shots.end(), [](const Shot& a, const Shot& b) { return a.number < b.number; });
-  return shots;
-}
-
 std::vector<Shot> listShots(const std::vector<std::string>& inputs) {
   std::vector<Shot> shots;
   for (const std::string& input : inputs) {
     if (OutputName(input).isSequence()) {
-      for (const Shot& shot : findSequence(input)) shots.push_back(shot);
+      for (const SequenceFile& file : findSequence(input))
+        shots.push_back({file.number, file.path, std::to_string(file.number)});
     } else {
       checkInputExists(input);
       shots.push_back({1, input, std::filesystem::path(input).stem().string()});

@@ -1,6 +1,7 @@
 #include "tools/resume_log.h"
 
 #include "io/paths.h"
+#include "io/sequence.h"
 #include "tools/common_options.h"
 #include "tools/morph_report.h"
 
@@ -13,12 +14,18 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// Size and time of an input's file, without its `:grid`.
-Json fingerprint(const std::string& input) {
+Json fileFingerprint(const std::string& path) {
   std::error_code error;
-  const std::string path = splitInput(input).path;
   const auto time = fs::last_write_time(path, error);
   return {{"bytes", fs::file_size(path, error)}, {"time", std::int64_t(time.time_since_epoch().count())}};
+}
+
+/// Size and time of an input's file or files, without its `:grid`.
+Json fingerprint(const std::string& input) {
+  if (!isSequenceInput(input)) return fileFingerprint(splitInput(input).path);
+  Json files = Json::array();
+  for (const SequenceFile& file : findSequence(splitSequenceInput(input).path)) files.push_back(fileFingerprint(file.path));
+  return files;
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include "engine/conventions.h"
 #include "engine/progress.h"
+#include "engine/slicemorph.h"
 
 /// The classic alternatives, as honest peers to measure against.
 namespace slicemorph {
@@ -19,6 +20,9 @@ class SdfBlend {
  private:
   std::vector<FloatGrid::Ptr> fields_;  ///< every voxel of the box active, the same leaves in each
 };
+
+/// Cross-dissolve: values are blended where they are, nothing moves. Weights as MorphPlan::carrier().
+Carrier dissolve(const Weights& weights);
 
 /// OpenVDB's LevelSetMorphing (Breen and Whitaker 2001, as in Museth's DB+grid) from `source` to `target`.
 struct LevelSetMorphResult {

@@ -38,7 +38,7 @@ Carrier::~Carrier() = default;
 Carrier::Carrier(Carrier&&) noexcept = default;
 Carrier& Carrier::operator=(Carrier&&) noexcept = default;
 
-GridBase::ConstPtr Carrier::carry(const std::vector<GridBase::ConstPtr>& grids, bool conserve) {
+GridBase::ConstPtr Carrier::carry(const std::vector<GridBase::ConstPtr>& grids, const CarryOptions& options) {
   Impl& p = *impl_;
   if (grids.size() != p.weights.size())
     throw InputError(std::to_string(grids.size()) + " grids were given for " + std::to_string(p.weights.size()) + " objects");
@@ -52,23 +52,25 @@ GridBase::ConstPtr Carrier::carry(const std::vector<GridBase::ConstPtr>& grids, 
   for (size_t k = 0; k < grids.size(); ++k) {
     if (!grids[k]) continue;
     half = half && grids[k]->saveFloatAsHalf();
-    if (p.weights[k] > 1 - kWhole) return grids[k];
+    if (p.weights[k] > 1 - kWhole && options.voxelSize == 0) return grids[k];
     if (p.weights[k] == 0 || !(isBlended(like) || k == heaviest)) continue;
     const size_t shape = p.shapeOf[k];
     carried.push_back({grids[k], shape, p.anchors[shape], p.weights[k]});
   }
-  const GridBase::Ptr result = warped(carried, like, conserve);
+  const GridBase::Ptr result = warped(carried, like, options);
   for (auto meta = like.beginMeta(); meta != like.endMeta(); ++meta)
     if (meta->first.compare(0, 5, "file_") != 0) result->insertMeta(meta->first, *meta->second);
   result->setSaveFloatAsHalf(half);
   return result;
 }
 
-GridBase::Ptr Carrier::warped(const std::vector<CarriedGrid>& carried, const GridBase& like, bool conserve) {
+GridBase::Ptr Carrier::warped(const std::vector<CarriedGrid>& carried, const GridBase& like,
+                              const CarryOptions& options) {
   if (!carried.empty()) {
-    const Transform::Ptr transform = commonTransform(carried);
+    const Transform::Ptr transform = options.voxelSize > 0 ? Transform::createLinearTransform(options.voxelSize)
+                                                           : commonTransform(carried);
     const openvdb::CoordBBox box = boxOf(carried, impl_->carrying, *transform);
-    if (!box.empty()) return warpGrids(carried, impl_->nodesFor(box, *transform), *transform, conserve);
+    if (!box.empty()) return warpGrids(carried, impl_->nodesFor(box, *transform), *transform, options.conserve);
   }
   GridBase::Ptr empty = like.copyGridWithNewTree();
   empty->setTransform(like.transform().copy());

@@ -181,6 +181,14 @@ LevelSetReading readingOf(const FloatGrid& grid, double voxelSize, double iso) {
   return reading;
 }
 
+Mesh surfaceAsRead(const FloatGrid& grid, const LevelSetReading& reading) {
+  if (!reading.fog || grid.getGridClass() == openvdb::GRID_FOG_VOLUME) return surfaceOf(grid, reading.iso);
+  const FloatGrid::Ptr fog = FloatGrid::create(openvdb::ConstPtrCast<openvdb::FloatTree>(grid.treePtr()));
+  fog->setTransform(grid.transform().copy());
+  fog->setGridClass(openvdb::GRID_FOG_VOLUME);
+  return surfaceOf(*fog, reading.iso);
+}
+
 LevelSetInput toLevelSet(const FloatGrid::ConstPtr& grid, double voxelSize, double iso) {
   if (!std::isfinite(iso)) throw InputError("the iso value is not finite");
   if (!(voxelSize >= 0) || !std::isfinite(voxelSize)) {
@@ -194,7 +202,7 @@ LevelSetInput toLevelSet(const FloatGrid::ConstPtr& grid, double voxelSize, doub
     result.grid = openvdb::ConstPtrCast<FloatGrid>(grid);
     return result;
   }
-  const Mesh mesh = surfaceOf(*grid, reading.iso);
+  const Mesh mesh = surfaceAsRead(*grid, reading);
   if (mesh.triangles.empty()) throw GeometryError(noSurface(reading));
   result.grid = voxelise(mesh, voxelSize > 0 ? voxelSize : smallestVoxelSize(*grid));
   result.grid->setName(grid->getName());

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/conventions.h"
+#include "engine/volume/mesh.h"
 
 #include <string>
 
@@ -21,6 +21,9 @@ struct LevelSetReading {
   std::string problem;             ///< why it is no shape, as a part of a sentence; empty: it is one
 };
 LevelSetReading readingOf(const FloatGrid& grid, double voxelSize = 0.0, double iso = 0.0);
+
+/// The surface of a grid as it is read, world space, wound outwards.
+Mesh surfaceAsRead(const FloatGrid& grid, const LevelSetReading& reading);
 
 /// Turns a grid as found in the wild (dense, in voxel units, rotated or non-uniform transform, other band width) into
 /// a level set by the conventions. A grid that already is one is returned as it is, shared, not copied.

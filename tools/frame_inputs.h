@@ -1,0 +1,40 @@
+#pragma once
+
+#include "io/input.h"
+#include "tools/morph_settings.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace slicemorph {
+
+/// The inputs of a job at each of its frames: of a numbered sequence the file of that place in it, the last one when it is
+/// over; any other input is the same throughout.
+class FrameInputs {
+ public:
+  /// Throws IoError where there is no file of a sequence.
+  explicit FrameInputs(const MorphSettings& settings);
+
+  bool moving() const { return length_ > 1; }
+  /// Files of the longest sequence.
+  size_t length() const { return length_; }
+  /// Which sequences end before a job of so many frames does, one sentence each.
+  std::vector<std::string> notes(size_t frames) const;
+
+  /// Loads what a frame (from 0) needs and is not loaded. Returns whether anything changed. Throws as loadObject.
+  bool moveTo(size_t frame, Progress& progress);
+  const std::vector<LoadedObject>& loaded() const { return loaded_; }
+  /// Of the inputs loaded last, one sentence each.
+  std::vector<std::string> takeNotes();
+
+ private:
+  const MorphSettings& settings_;
+  std::vector<std::vector<std::string>> files_;  ///< per input
+  size_t length_ = 1;
+  std::vector<std::string> open_;                ///< per input: what is loaded
+  std::vector<LoadedObject> loaded_;
+  std::vector<std::string> notes_;
+};
+
+}  // namespace slicemorph

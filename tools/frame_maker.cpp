@@ -1,0 +1,253 @@
+#include "tools/frame_maker.h"
+
+#include "engine/errors.h"
+#include "engine/peers/peers.h"
+#include "engine/rebuild/add_vectors.h"
+#include "engine/volume/fog.h"
+#include "tools/common_options.h"
+#include "tools/dump_slices.h"
+#include "tools/stopwatch.h"
+#include "tools/terminal_progress.h"
+
+#include <algorithm>
+#include <limits>
+#include <set>
+
+namespace slicemorph {
+namespace {
+
+using openvdb::GridBase;
+
+/// Names that hosts give to velocities.
+const std::set<std::string> kVelocityNames{"vel", "v", "velocity"};
+
+void append(std::vector<std::string>& to, const std::vector<std::string>& notes) {
+  to.insert(to.end(), notes.begin(), notes.end());
+}
+
+}  // namespace
+
+FrameMaker::FrameMaker(const MorphSettings& settings, TerminalProgress& progress)
+    : settings_(settings), progress_(progress), inputs_(settings) {
+  append(notes_, inputs_.notes(settings.frames.back().inputFrame + 1));
+}
+
+FrameMaker::~FrameMaker() = default;
+
+void FrameMaker::moveTo(size_t index, double from, double to) {
+  const bool first = !makeShape_;
+  index_ = index;
+  Stopwatch watch;
+  PartProgress reading(progress_, from, from + 0.4 * (to - from)), planning(progress_, from + 0.4 * (to - from), to);
+  const bool changed = inputs_.moveTo(job().inputFrame, reading);
+  append(notes_, inputs_.takeNotes());
+  loadSeconds_ += watch.lap();
+  if (!changed) return;
+  if (progress_.cancelled()) throw Cancelled();
+  if (first) chooseGrids();
+  planning.report("planning", 0);
+  plan(planning);
+  planSeconds_ += watch.lap();
+}
+
+void FrameMaker::plan(Progress& progress) {
+  switch (settings_.method) {
+    case Method::kSlices:
+      return planSlices(progress);
+    case Method::kSdf:
+      return planSdf();
+    case Method::kLevelSet:
+      return planLevelSet(progress);
+    case Method::kDissolve:
+      makeShape_ = [] { return InBetween(); };
+  }
+}
+
+void FrameMaker::planSlices(Progress& progress) {
+  std::vector<Object> objects;
+  for (const LoadedObject& input : inputs()) objects.push_back(input.object);
+  if (plan_) {
+    auto next = std::make_unique<MorphPlan>(objects, *plan_, &progress);
+    plan_ = std::move(next);
+  } else {
+    plan_ = std::make_unique<MorphPlan>(objects, settings_.plan, &progress);
+    if (!settings_.sliceFolder.empty()) dumpSlices(settings_.sliceFolder, plan_->slicePictures(), settings_.inputs);
+  }
+  append(notes_, plan_->notes());
+  makeShape_ = [this] { return plan_->frame(job().weights); };
+}
+
+void FrameMaker::planSdf() {
+  std::vector<FloatGrid::ConstPtr> grids;
+  double finest = std::numeric_limits<double>::max();
+  for (const LoadedObject& input : inputs()) {
+    grids.push_back(input.object.levelSet);
+    finest = std::min(finest, grids.back()->voxelSize()[0]);
+  }
+  const auto blend = std::make_shared<SdfBlend>(grids, settings_.plan.voxelSize > 0 ? settings_.plan.voxelSize : finest);
+  makeShape_ = [this, blend] { return InBetween{blend->frame(job().weights), 0}; };
+}
+
+void FrameMaker::planLevelSet(Progress& progress) {
+  const auto result = std::make_shared<LevelSetMorphResult>(levelSetMorph(
+      *inputs()[0].object.levelSet, *inputs()[1].object.levelSet, int(settings_.frames.size()), 2000, &progress));
+  notes_.push_back("the level set came to rest after " + std::to_string(result->steps) + " steps, at most " +
+                   formatNumber(result->restDistance, 3) + " voxels from " + settings_.inputs[1]);
+  restDistance_ = result->restDistance;
+  makeShape_ = [this, result] { return InBetween{result->frames[index_], 0}; };
+}
+
+/// What the output holds: the surface, or the fog that the shapes are part of, and all grids that ride along.
+void FrameMaker::chooseGrids() {
+  const bool toVdb = OutputName(settings_.output).extension() == ".vdb";
+  const bool carries = settings_.method == Method::kSlices || settings_.method == Method::kDissolve;
+  const bool anyFog = std::any_of(inputs().begin(), inputs().end(), [](const LoadedObject& input) { return input.fog; });
+  fog_ = toVdb && carries && (anyFog || settings_.method == Method::kDissolve);
+  surfaceWanted_ = !fog_;
+  if (!toVdb || !carries) return;
+  GridSets found = pairGrids(inputs());
+  append(notes_, found.notes);
+  // The grids that the shapes are made of are no riders.
+  GridSet shape = shapeSet(inputs());
+  if (shape.name.empty()) shape.name = "density";
+  std::optional<size_t> place;
+  for (size_t s = 0; s < found.sets.size(); ++s)
+    for (size_t k = 0; k < inputs().size(); ++k)
+      if (inputs()[k].file && found.sets[s].index[k] == inputs()[k].grid) {
+        found.sets[s].index[k].reset();
+        if (inputs()[k].fog && !place) place = s;
+      }
+  for (size_t s = 0; s < found.sets.size(); ++s) {
+    if (fog_ && place == s) shapeSet_ = sets_.size(), sets_.push_back(shape);
+    const auto& index = found.sets[s].index;
+    if (std::any_of(index.begin(), index.end(), [](const auto& i) { return i.has_value(); })) sets_.push_back(found.sets[s]);
+  }
+  if (fog_ && !shapeSet_) shapeSet_ = 0, sets_.insert(sets_.begin(), shape);
+  if (!settings_.grids.empty()) keepAsked(settings_.grids);
+}
+
+void FrameMaker::keepAsked(std::vector<std::string> asked) {
+  std::string known = "surface";
+  for (const GridSet& set : sets_) known += ", " + set.name;
+  std::vector<GridSet> kept;
+  std::optional<size_t> shapeSet;
+  for (size_t s = 0; s < sets_.size(); ++s) {
+    if (std::find(asked.begin(), asked.end(), sets_[s].name) == asked.end()) continue;
+    if (shapeSet_ == s) shapeSet = kept.size();
+    kept.push_back(sets_[s]);
+  }
+  for (const std::string& name : asked) {
+    const bool there = std::any_of(kept.begin(), kept.end(), [&](const GridSet& set) { return set.name == name; });
+    if (!there && name != "surface") throw InputError("--grids: no input has a grid '" + name + "'; there are " + known);
+  }
+  surfaceWanted_ = std::find(asked.begin(), asked.end(), "surface") != asked.end();
+  if (surfaceWanted_ && settings_.method == Method::kDissolve)
+    throw InputError("--grids surface: --method dissolve makes no surface");
+  sets_ = std::move(kept);
+  shapeSet_ = shapeSet;
+}
+
+InBetween FrameMaker::shape() const { return makeShape_(); }
+
+MorphFrame FrameMaker::make() const {
+  MorphFrame frame;
+  const bool carries = shapeSet_ || !sets_.empty() || settings_.velocity.wanted();
+  if (surfaceWanted_ || !settings_.report.empty()) frame.shape = makeShape_();
+  if (OutputName(settings_.output).extension() != ".vdb") return frame;
+  bool half = true;
+  for (const LoadedObject& input : inputs()) half = half && input.halfFloat;
+  if (surfaceWanted_) {
+    SurfaceOutput options;
+    options.halfFloat = half;
+    options.vdb.framesPerSecond = settings_.framesPerSecond;
+    options.vdb.frame = job().number;
+    frame.grids.push_back(surfaceGrid(*frame.shape.surface, options));
+  }
+  if (!carries || settings_.method == Method::kSdf || settings_.method == Method::kLevelSet) return frame;
+  Carrier carrier = this->carrier();
+  GridBase::ConstPtr where = surfaceWanted_ ? frame.grids[0] : nullptr;
+  for (size_t s = 0; s < sets_.size(); ++s) {
+    if (progress_.cancelled()) throw Cancelled();
+    const GridBase::ConstPtr grid =
+        shapeSet_ == s ? density(carrier) : carrier.carry(readGrids(sets_[s], inputs()), {false, voxelSize()});
+    if (shapeSet_ == s || !where) where = grid;
+    frame.grids.push_back(grid);
+  }
+  if (settings_.velocity.wanted() && !job().rate.empty() && where)
+    if (const GridBase::Ptr velocity = this->velocity(carrier, *where, frame.grids)) {
+      const auto replaced = std::remove_if(frame.grids.begin(), frame.grids.end(), [&](const auto& grid) {
+        return grid->getName() == velocity->getName();
+      });
+      frame.grids.erase(replaced, frame.grids.end());
+      velocity->setSaveFloatAsHalf(half);
+      frame.grids.push_back(velocity);
+    }
+  return frame;
+}
+
+Carrier FrameMaker::carrier() const {
+  return settings_.method == Method::kDissolve ? dissolve(job().weights) : plan_->carrier(job().weights);
+}
+
+/// The voxel size that was asked for, world units; 0 where the grids keep their own.
+double FrameMaker::voxelSize() const {
+  if (settings_.plan.voxelSize > 0) return settings_.plan.voxelSize;
+  if (settings_.load.resolution == 0) return 0;
+  double size = 0;
+  for (size_t k = 0; k < inputs().size(); ++k) size += job().weights[k] * inputs()[k].object.levelSet->voxelSize()[0];
+  return size;
+}
+
+/// The fog that the shapes are part of; of solids that with a soft rim.
+GridBase::ConstPtr FrameMaker::density(Carrier& carrier) const {
+  std::vector<GridBase::ConstPtr> grids = readGrids(sets_[*shapeSet_], inputs());
+  GridBase::ConstPtr like;
+  for (const auto& grid : grids)
+    if (grid && !like) like = grid;
+  for (size_t k = 0; k < grids.size(); ++k) {
+    if (!grids[k]) {
+      const FloatGrid::Ptr fog = fogOf(*inputs()[k].object.levelSet);
+      fog->setName(sets_[*shapeSet_].name);
+      fog->setSaveFloatAsHalf(!like || like->saveFloatAsHalf());
+      grids[k] = fog;
+    }
+    if (like && grids[k]->type() != like->type()) grids[k] = asFloatGrid(openvdb::ConstPtrCast<GridBase>(grids[k]));
+  }
+  return carrier.carry(grids, {settings_.conserve, voxelSize()});
+}
+
+/// Null where the inputs' own velocities stand under its name.
+GridBase::Ptr FrameMaker::velocity(const Carrier& carrier, const GridBase& where, const openvdb::GridCPtrVec& grids) const {
+  const VelocitySettings& v = settings_.velocity;
+  const openvdb::Vec3SGrid::Ptr velocity = carrier.velocity(where, job().rate);
+  velocity->setName(v.name);
+  for (const GridBase::ConstPtr& grid : grids) {
+    const bool isOwn = kVelocityNames.count(grid->getName()) || grid->getName() == v.name;
+    if (v.add && isOwn) {
+      addVectors(*velocity, *grid, 1);
+      break;
+    }
+    if (grid->getName() == v.name) velocity->setName(v.name + "_morph");
+  }
+  const double unit = v.perFrame ? 1 / settings_.framesPerSecond : 1;
+  if (unit != 1)
+    for (auto value = velocity->beginValueOn(); value; ++value) value.setValue(*value * float(unit));
+  velocity->insertMeta("velocity_unit", openvdb::StringMetadata(v.perFrame ? "frame" : "second"));
+  velocity->insertMeta("fps", openvdb::FloatMetadata(float(settings_.framesPerSecond)));
+  return velocity;
+}
+
+VdbOutput FrameMaker::fileOptions() const {
+  VdbOutput options;
+  for (const LoadedObject& input : inputs())
+    if (input.file) {
+      options.metadata = input.file->metadata();
+      options.compression = input.file->compression();
+      break;
+    }
+  return options;
+}
+
+std::vector<std::string> FrameMaker::takeNotes() { return std::exchange(notes_, {}); }
+
+}  // namespace slicemorph

@@ -1,0 +1,73 @@
+#pragma once
+
+#include "engine/slicemorph.h"
+#include "io/grid_sets.h"
+#include "tools/frame_inputs.h"
+#include "tools/morph_settings.h"
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace slicemorph {
+
+/// One frame's shape and grids.
+struct MorphFrame {
+  InBetween shape;                  ///< surface null with --method dissolve
+  openvdb::GridCPtrVec grids;       ///< of a VDB output, in the file's order
+};
+
+/// Makes the frames of a job, whatever its method: reads the inputs, plans, carries the grids.
+class FrameMaker {
+ public:
+  FrameMaker(const MorphSettings& settings, TerminalProgress& progress);
+  ~FrameMaker();
+
+  /// Reads and plans what a frame (index into the settings' frames) needs; frames are to come in order. `from`, `to`: this
+  /// step's part of the whole job, for the progress line.
+  void moveTo(size_t index, double from, double to);
+  /// The shape alone, of the frame moved to.
+  InBetween shape() const;
+  MorphFrame make() const;
+
+  const std::vector<LoadedObject>& inputs() const { return inputs_.loaded(); }
+  /// File metadata and compression of the output: the first VDB input's.
+  VdbOutput fileOptions() const;
+  /// What was found, decided, left out since the last call, one sentence each.
+  std::vector<std::string> takeNotes();
+  std::optional<double> restDistance() const { return restDistance_; }
+  double loadSeconds() const { return loadSeconds_; }
+  double planSeconds() const { return planSeconds_; }
+
+ private:
+  void plan(Progress& progress);
+  void planSlices(Progress& progress);
+  void planSdf();
+  void planLevelSet(Progress& progress);
+  void chooseGrids();
+  void keepAsked(std::vector<std::string> asked);
+  Carrier carrier() const;
+  openvdb::GridBase::ConstPtr density(Carrier& carrier) const;
+  openvdb::GridBase::Ptr velocity(const Carrier& carrier, const openvdb::GridBase& where,
+                                  const openvdb::GridCPtrVec& grids) const;
+  double voxelSize() const;
+  const FrameJob& job() const { return settings_.frames[index_]; }
+
+  const MorphSettings& settings_;
+  TerminalProgress& progress_;
+  FrameInputs inputs_;
+  size_t index_ = 0;
+  bool fog_ = false;                ///< the result is a fog volume
+  bool surfaceWanted_ = true;       ///< as a grid of the output
+  std::optional<size_t> shapeSet_;  ///< of sets_, where the result is a fog volume
+  std::vector<GridSet> sets_;
+  std::unique_ptr<MorphPlan> plan_;
+  std::function<InBetween()> makeShape_;
+  std::vector<std::string> notes_;
+  std::optional<double> restDistance_;
+  double loadSeconds_ = 0, planSeconds_ = 0;
+};
+
+}  // namespace slicemorph
