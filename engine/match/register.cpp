@@ -43,6 +43,8 @@ const Round kQuickRounds[] = {{false, 0.25, 0.14, 3, 1500}, {false, 0.15, 0.10, 
 
 /// What a frame of a sequence changes since the one before.
 const Round kFollowRounds[] = {{false, 0.12, 0.06, 2, 6000}, {false, 0.06, 0.045, 1.5, 8000}};
+/// The lattice that follows it meanwhile.
+constexpr double kFollowLattice = 0.045;
 /// Overlap that only a cut loses from one frame to the next.
 constexpr double kCut = 0.15;
 /// The lattice of the frame before serves as long as the objects are about so many of its cells long.
@@ -56,6 +58,9 @@ constexpr double kStillReach = 1.5;
 
 /// Cells of the frames' lattice along the objects' longest side.
 constexpr double kCells = 72;
+
+/// Smallest volume of its cells on any object.
+constexpr double kFinestFold = 0.1;
 
 /// What a limb that grows out of the body is worth although it costs overlap: the air beside it has no place on the object
 /// that lacks it.
@@ -97,7 +102,8 @@ class Registrar {
 
   std::optional<Registration> follow(const Registration& before) {
     measureObjects();
-    now_.map = now_.base = continued(before.map);
+    Displacements map = continued(before.map);
+    now_.map = now_.base = resampled(map, latticeOf(kFollowLattice));
     for (size_t k = 0; k < objects_; ++k) now_.guesses.emplace_back(now_.map, k);
     result_.overlapBefore = now_.overlap = overlapOf(now_.map);
     if (now_.overlap < before.overlapAfter - kCut) return std::nullopt;
@@ -110,9 +116,10 @@ class Registrar {
       progress_.report("match", 0.5);
       refine(round);
     }
-    removeFolds(now_.map, 0.1);
-    result_.overlapAfter = overlapOf(now_.map);
-    result_.map = std::move(now_.map), result_.notes = std::move(now_.notes);
+    addChange(map);
+    removeFolds(map, kFinestFold);
+    result_.overlapAfter = overlapOf(map);
+    result_.map = std::move(map), result_.notes = std::move(now_.notes);
     return std::move(result_);
   }
 
@@ -250,6 +257,16 @@ class Registrar {
         }
     });
     return result;
+  }
+
+  /// Adds what the rounds changed.
+  void addChange(Displacements& map) const {
+    Displacements change = resampled(now_.base, now_.map.lattice);
+    for (size_t k = 0; k < objects_; ++k)
+      for (size_t i = 0; i < change.lattice.count(); ++i) change.of[k][i] = now_.map.of[k][i] - change.of[k][i];
+    change = resampled(change, map.lattice);
+    for (size_t k = 0; k < objects_; ++k)
+      for (size_t i = 0; i < map.lattice.count(); ++i) map.of[k][i] += change.of[k][i];
   }
 
   void startFromContours() {
@@ -543,7 +560,7 @@ class Registrar {
   void finish() {
     const double longest = std::max({box_.extents()[0], box_.extents()[1], box_.extents()[2]});
     Displacements fine = resampled(now_.map, Lattice::over({box_.min() - margin_, box_.max() + margin_}, longest / kCells));
-    removeFolds(fine, 0.1);
+    removeFolds(fine, kFinestFold);
     now_.map = std::move(fine);
     result_.overlapAfter = overlapOf(now_.map);
   }
