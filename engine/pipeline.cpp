@@ -2,6 +2,7 @@
 
 #include "engine/blend/moving_lattice.h"
 #include "engine/errors.h"
+#include "engine/frame/track.h"
 #include "engine/match/choose_frames.h"
 #include "engine/match/register.h"
 #include "engine/rebuild/carrier.h"
@@ -19,6 +20,7 @@
 namespace slicemorph {
 
 struct MorphPlan::Impl {
+  MorphOptions options;
   std::vector<size_t> shapeOf;                 ///< the distinct shape of each object; equal objects share one
   std::vector<FloatGrid::ConstPtr> levelSets;  ///< per distinct shape, as all below
   Fields fields;
@@ -26,7 +28,10 @@ struct MorphPlan::Impl {
   Registration registration;
   std::unique_ptr<MovingLattice> lattice;
   std::vector<int> pieces;                     ///< of each shape
-  double voxelSize = 0;
+
+  void measure(const std::vector<Object>& objects, const Impl* before, Progress& progress);
+  void decide(Progress& progress);
+  bool follow(const Impl& before, Progress& progress);
 
   Weights shapeWeights(const Weights& weights) const;
   double frameVoxelSize(const Weights& weights) const;
@@ -63,21 +68,70 @@ MorphPlan::MorphPlan(std::vector<Object> objects, const MorphOptions& options, P
   check(objects, options);
   Progress none;
   Progress& sink = progress ? *progress : none;
-  Impl& p = *impl_;
-  p.voxelSize = options.voxelSize;
-  for (const Object& object : objects) p.shapeOf.push_back(indexOfSame(p.levelSets, object.levelSet));
+  impl_->options = options;
+  impl_->measure(objects, nullptr, sink);
+  impl_->decide(sink);
+}
 
-  sink.report("measure distances", 0);
-  p.fields.resize(p.levelSets.size());
-  p.pieces.resize(p.levelSets.size());
-  tbb::parallel_for(size_t(0), p.fields.size(), [&](size_t k) {
-    p.fields[k] = std::make_shared<DistanceField>(p.levelSets[k]);
-    p.pieces[k] = countPieces(*p.levelSets[k]);
+MorphPlan::MorphPlan(std::vector<Object> objects, const MorphPlan& before, Progress* progress)
+    : impl_(std::make_unique<Impl>()) {
+  if (objects.size() != before.objectCount())
+    throw InputError(std::to_string(objects.size()) + " objects were given to follow a plan of " +
+                     std::to_string(before.objectCount()));
+  check(objects, before.impl_->options);
+  Progress none;
+  Progress& sink = progress ? *progress : none;
+  impl_->options = before.impl_->options;
+  impl_->measure(objects, before.impl_.get(), sink);
+  if (!impl_->follow(*before.impl_, sink)) impl_->decide(sink);
+}
+
+/// Takes the objects, with the fields that an earlier plan of the same objects has already.
+void MorphPlan::Impl::measure(const std::vector<Object>& objects, const Impl* before, Progress& progress) {
+  for (const Object& object : objects) shapeOf.push_back(indexOfSame(levelSets, object.levelSet));
+  progress.report("measure distances", 0);
+  fields.resize(levelSets.size());
+  pieces.resize(levelSets.size());
+  tbb::parallel_for(size_t(0), fields.size(), [&](size_t k) {
+    if (before && k < before->levelSets.size() && isSame(*before->levelSets[k], *levelSets[k])) {
+      levelSets[k] = before->levelSets[k], fields[k] = before->fields[k], pieces[k] = before->pieces[k];
+      return;
+    }
+    fields[k] = std::make_shared<DistanceField>(levelSets[k]);
+    pieces[k] = countPieces(*levelSets[k]);
   });
-  if (p.fields.size() < 2) return;  // nothing to match: every in-between is the one shape
-  p.frames = chooseFrames(p.fields, options, sink);
-  p.registration = registerObjects(p.fields, p.frames, options, sink);
-  p.lattice = std::make_unique<MovingLattice>(p.registration.map, p.fields, p.frames.charts);
+}
+
+void MorphPlan::Impl::decide(Progress& progress) {
+  if (fields.size() < 2) return;  // nothing to match: every in-between is the one shape
+  std::vector<std::string> notes = std::move(frames.notes);
+  frames = chooseFrames(fields, options, progress);
+  frames.notes.insert(frames.notes.begin(), notes.begin(), notes.end());
+  registration = registerObjects(fields, frames, options, progress);
+  lattice = std::make_unique<MovingLattice>(registration.map, fields, frames.charts);
+}
+
+/// Goes on from an earlier plan of the same objects, if that is a start.
+bool MorphPlan::Impl::follow(const Impl& before, Progress& progress) {
+  if (shapeOf != before.shapeOf) {
+    frames.notes = {"planned anew: other objects are equal than in the frame before"};
+    return false;
+  }
+  if (fields.size() < 2) return true;
+  if (fields == before.fields) {
+    frames = before.frames, registration = before.registration;
+    lattice = std::make_unique<MovingLattice>(*before.lattice);
+    return true;
+  }
+  frames = trackFrames(before.frames, before.fields, fields, options.align);
+  std::optional<Registration> next = followRegistration(before.registration, fields, frames, options, progress);
+  if (!next) {
+    frames.notes = {"planned anew: the objects are not where those of the frame before lead to, as after a cut"};
+    return false;
+  }
+  registration = std::move(*next);
+  lattice = std::make_unique<MovingLattice>(registration.map, fields, frames.charts);
+  return true;
 }
 
 InBetween MorphPlan::frame(const Weights& weights) const {
@@ -132,7 +186,7 @@ Weights MorphPlan::Impl::shapeWeights(const Weights& weights) const {
 }
 
 double MorphPlan::Impl::frameVoxelSize(const Weights& weights) const {
-  if (voxelSize > 0) return voxelSize;
+  if (options.voxelSize > 0) return options.voxelSize;
   double size = 0;
   for (size_t k = 0; k < weights.size(); ++k) size += weights[k] * levelSets[k]->voxelSize()[0];
   return size;

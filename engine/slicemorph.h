@@ -86,6 +86,11 @@ class MorphPlan {
  public:
   /// Throws InputError for fewer than one object or options out of range, GeometryError for an empty level set.
   MorphPlan(std::vector<Object> objects, const MorphOptions& options = {}, Progress* progress = nullptr);
+  /// The plan of the next frame of a sequence: `before` is the plan of the frame before, of the same objects a moment
+  /// earlier, whose options it takes. What was decided there holds (axes, turns, spines, twist, limbs) and follows the
+  /// objects' motion; the matching starts from the one before. Where that is no start any more (a cut) the objects are
+  /// planned anew, and notes() says so. Throws InputError for another number of objects, GeometryError as above.
+  MorphPlan(std::vector<Object> objects, const MorphPlan& before, Progress* progress = nullptr);
   ~MorphPlan();
   MorphPlan(MorphPlan&&) noexcept;
   MorphPlan& operator=(MorphPlan&&) noexcept;

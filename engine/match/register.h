@@ -3,6 +3,8 @@
 #include "engine/frame/align.h"
 #include "engine/match/contour_pairs.h"
 
+#include <optional>
+
 namespace slicemorph {
 
 /// All that the matching found: the map between the objects, and the slices it started from.
@@ -21,6 +23,12 @@ struct Registration {
 /// fine, closest points. Each is kept only where the warped objects overlap better than before.
 Registration registerObjects(const Fields& fields, const Frames& frames, const MorphOptions& options,
                              Progress& progress);
+
+/// The registration of the next frame of a sequence, from the one of the frame before: `frames` are those moved along
+/// with the objects (`trackFrames`), so that the map still nearly holds. Only fine rounds are run, on top of it; limbs
+/// and contours are not matched again. Nothing where the objects so mapped overlap clearly less than before: a cut.
+std::optional<Registration> followRegistration(const Registration& before, const Fields& fields, const Frames& frames,
+                                               const MorphOptions& options, Progress& progress);
 
 /// Overlap of the objects in chart space and, after a quick, coarse matching, in the middle space.
 struct Agreement {

@@ -7,9 +7,8 @@
 
 namespace slicemorph {
 
-namespace {
-
-bool sameGrid(const FloatGrid& a, const FloatGrid& b) {
+bool isSame(const FloatGrid& a, const FloatGrid& b) {
+  if (&a == &b) return true;
   if (a.transform() != b.transform() || a.background() != b.background()) return false;
   if (a.activeVoxelCount() != b.activeVoxelCount() || !a.tree().hasSameTopology(b.tree())) return false;
   auto leafB = b.tree().cbeginLeaf();
@@ -18,11 +17,9 @@ bool sameGrid(const FloatGrid& a, const FloatGrid& b) {
   return true;
 }
 
-}  // namespace
-
 size_t indexOfSame(std::vector<FloatGrid::ConstPtr>& grids, const FloatGrid::ConstPtr& grid) {
   for (size_t i = 0; i < grids.size(); ++i)
-    if (grids[i] == grid || sameGrid(*grids[i], *grid)) return i;
+    if (isSame(*grids[i], *grid)) return i;
   grids.push_back(grid);
   return grids.size() - 1;
 }

@@ -4,7 +4,10 @@
 
 namespace slicemorph {
 
-/// Index of the grid in `grids` with the same transform, topology and values, after appending `grid` if there is none:
+/// Whether two grids have the same transform, topology and values.
+bool isSame(const FloatGrid& a, const FloatGrid& b);
+
+/// Index of the grid in `grids` that is the same, after appending `grid` if there is none:
 /// objects that are equal are one shape, whose weights add.
 size_t indexOfSame(std::vector<FloatGrid::ConstPtr>& grids, const FloatGrid::ConstPtr& grid);
 

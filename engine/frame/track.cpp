@@ -1,0 +1,156 @@
+#include "engine/frame/track.h"
+
+#include "engine/frame/moments.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace slicemorph {
+
+namespace {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+constexpr double kPi = 3.14159265358979323846;
+/// What is further off than this counts little, in sizes of the object: at first, and in the end.
+constexpr double kFirstReach = 0.3, kLastReach = 0.03, kReachStep = 0.7;
+constexpr int kMostSteps = 40;
+/// Radians and sizes: a step this small is the last.
+constexpr double kSmallStep = 1e-5;
+/// A surface whose normals lean less than this off the spokes about an axis, mean square in sizes, shows no turn about it.
+constexpr double kRound = 5e-4;
+/// What remains between the surfaces is deformation, as of so many parts that move for themselves; and a turn from frame
+/// to frame is of this order (radians). Both say how far a turn is believed.
+constexpr double kParts = 30, kUsualTurn = 0.2;
+
+/// One sample's say: weight * (residual + row . step)^2, lengths in sizes of the object.
+struct Say {
+  Vector6 row = Vector6::Zero();  ///< turn, move
+  double residual = 0, weight = 0;
+};
+
+class Tracker {
+ public:
+  Tracker(const DistanceField& earlier, const DistanceField& now, Align align)
+      : earlier_(earlier), now_(now), align_(align) {
+    const Moments a = insideMoments(earlier), b = insideMoments(now);
+    size_ = std::cbrt(b.volume);
+    motion_.from = a.centroid, motion_.to = b.centroid;
+    if (align == Align::kAuto) motion_.scale = std::cbrt(b.volume / a.volume);
+  }
+
+  Motion run() {
+    double reach = kFirstReach;
+    for (int i = 0; i < kMostSteps; ++i, reach = std::max(kReachStep * reach, kLastReach)) {
+      const Vector6 step = nextStep(reach);
+      const Vec3d turn(step[0], step[1], step[2]), move(step[3], step[4], step[5]);
+      motion_.rotation = rotationFromVector(turn) * motion_.rotation;
+      motion_.to += size_ * move;
+      if (reach == kLastReach && step.norm() < kSmallStep) break;
+    }
+    return motion_;
+  }
+
+ private:
+  /// How the surface point `at`, with the distance to the other surface and that one's normal, would have the step be.
+  Say sayOf(const Vec3d& at, double distance, const Vec3d& normal, double facing, double reach) const {
+    Say say;
+    const Vec3d turn = ((at - motion_.to) / size_).cross(normal);
+    for (int a = 0; a < 3; ++a) say.row[a] = align_ == Align::kNone ? 0 : turn[a], say.row[3 + a] = normal[a];
+    say.residual = distance / size_;
+    const double off = say.residual / reach, trust = 1 / (1 + off * off);
+    say.weight = std::max(facing, 0.0) * trust * trust;
+    return say;
+  }
+
+  std::vector<Say> says(double reach) const {
+    const std::vector<SurfaceSample>&a = earlier_.samples(), &b = now_.samples();
+    std::vector<Say> result(a.size() + b.size());
+    const double unit = size_ * size_;
+    tbb::parallel_for(size_t(0), a.size(), [&](size_t i) {
+      const Vec3d at = motion_(a[i].position), normal = now_.gradient(at);
+      result[i] = sayOf(at, now_.coarse(at), normal, normal.dot(motion_.rotation * a[i].normal), reach);
+      result[i].weight *= motion_.scale * motion_.scale * a[i].area / unit;
+    });
+    const Mat3d back = motion_.rotation.transpose();
+    tbb::parallel_for(size_t(0), b.size(), [&](size_t i) {
+      const Vec3d& at = b[i].position;
+      const Vec3d p = motion_.from + back * (at - motion_.to) / motion_.scale;
+      const Vec3d normal = motion_.rotation * earlier_.gradient(p);
+      Say& say = result[a.size() + i];
+      say = sayOf(at, -motion_.scale * earlier_.coarse(p), normal, normal.dot(b[i].normal), reach);
+      say.weight *= b[i].area / unit;
+    });
+    return result;
+  }
+
+  Vector6 nextStep(double reach) const {
+    Matrix6 h = Matrix6::Zero();
+    Vector6 g = Vector6::Zero();
+    double weight = 0, square = 0;
+    for (const Say& s : says(reach)) {
+      h += s.weight * s.row * s.row.transpose();
+      g += s.weight * s.residual * s.row;
+      weight += s.weight, square += s.weight * s.residual * s.residual;
+    }
+    if (!(weight > 0)) return Vector6::Zero();
+    h /= weight, g /= weight;
+    h.diagonal().array() += 1e-9;
+    const Eigen::Matrix3d hold = holdOf(h, square / weight);
+    const Vec3d turned = rotationVector(motion_.rotation);
+    h.topLeftCorner<3, 3>() += hold;
+    g.head<3>() += hold * Eigen::Vector3d(turned[0], turned[1], turned[2]);
+    return -h.ldlt().solve(g);
+  }
+
+  /// What holds the turn back, as a quadratic form: all directions by how unsure the fit is, those about which the
+  /// object is round so much that it does not turn.
+  static Eigen::Matrix3d holdOf(const Matrix6& h, double variance) {
+    const Eigen::Matrix3d cross = h.topRightCorner<3, 3>(), moves = h.bottomRightCorner<3, 3>();
+    const Eigen::Matrix3d turns = h.topLeftCorner<3, 3>() - cross * moves.ldlt().solve(cross.transpose());
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(turns);
+    Eigen::Vector3d hold;
+    for (int a = 0; a < 3; ++a)
+      hold[a] = kRound * kRound / std::max(solver.eigenvalues()[a], 1e-9) + variance / (kParts * kUsualTurn * kUsualTurn);
+    return solver.eigenvectors() * hold.asDiagonal() * solver.eigenvectors().transpose();
+  }
+
+  const DistanceField &earlier_, &now_;
+  Align align_;
+  double size_ = 1;
+  Motion motion_;
+};
+
+}  // namespace
+
+Motion trackMotion(const DistanceField& earlier, const DistanceField& now, Align align) {
+  return Tracker(earlier, now, align).run();
+}
+
+Frames trackFrames(const Frames& frames, const Fields& earlier, const Fields& now, Align align) {
+  Frames result = frames;
+  result.notes.clear();
+  for (size_t k = 0; k < now.size(); ++k) {
+    if (earlier[k] == now[k]) continue;
+    const Motion motion = trackMotion(*earlier[k], *now[k], align);
+    Chart& chart = result.charts[k];
+    chart.center = motion(chart.center);
+    chart.axes = motion.rotation * chart.axes;
+    chart.scale *= motion.scale;
+    char text[160];
+    std::snprintf(text, sizeof text, "shape %zu moved by %.4g, turned by %.1f degrees and grew %.3f times since the frame before",
+                  k + 1, (motion.to - motion.from).length(), rotationVector(motion.rotation).length() * 180 / kPi,
+                  motion.scale);
+    result.notes.push_back(text);
+  }
+  return result;
+}
+
+}  // namespace slicemorph
