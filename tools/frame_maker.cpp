@@ -4,10 +4,10 @@
 #include "engine/peers/peers.h"
 #include "engine/rebuild/add_vectors.h"
 #include "engine/volume/fog.h"
+#include "io/grid_choice.h"
 #include "tools/common_options.h"
 #include "tools/dump_slices.h"
 #include "tools/stopwatch.h"
-#include "tools/terminal_progress.h"
 
 #include <algorithm>
 #include <limits>

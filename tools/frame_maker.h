@@ -4,6 +4,7 @@
 #include "io/grid_sets.h"
 #include "tools/frame_inputs.h"
 #include "tools/morph_settings.h"
+#include "tools/terminal_progress.h"
 
 #include <functional>
 #include <memory>

@@ -4,9 +4,8 @@
 #include "engine/blend/node_stretch.h"
 #include "engine/errors.h"
 #include "engine/rebuild/active_blocks.h"
+#include "engine/rebuild/local_block.h"
 
-#include <openvdb/tools/Interpolation.h>
-#include <openvdb/tools/Prune.h>
 #include <openvdb/tools/SignedFloodFill.h>
 #include <tbb/parallel_for.h>
 
@@ -28,6 +27,11 @@ using CarriedTypes = openvdb::TypeList<FloatGrid, openvdb::DoubleGrid, openvdb::
 
 /// Frames of more voxels than this along their longest side have nodes twice as far apart.
 constexpr int kFineNodesUpTo = 400;
+
+/// Voxels of a grid that a cell of the in-between may spread over.
+constexpr double kMostLocal = 64 * 64 * 64;
+/// Voxels of a grid by which the faces of staggered values lie off, at most: half a voxel stretched six times.
+constexpr double kStaggeredReach = 3;
 
 template <typename Value>
 constexpr bool kIsVector = openvdb::VecTraits<Value>::IsVec;
@@ -75,6 +79,50 @@ bool turns(const GridBase& grid) {
   return grid.getVectorType() != openvdb::VEC_INVARIANT || !still.count(grid.getName());
 }
 
+/// How one object's grid is found from an in-between.
+struct Source {
+  size_t shape;
+  double weight;
+  ToIndex toIndex;
+  ActiveBlocks blocks;
+  std::shared_ptr<const NodeStretch> stretch;  ///< where values turn or thin
+};
+
+/// Whether any source may have something in the cell with this first node.
+bool cellActive(const NodeMap& nodes, const std::vector<Source>& sources, int i, int j, int k) {
+  if (!nodes.inside(i, j, k) || !nodes.inside(i + 1, j + 1, k + 1)) return false;
+  for (const Source& s : sources) {
+    openvdb::BBoxd box;
+    for (int n = 0; n < 8; ++n) {
+      const size_t node = nodes.index(i + (n & 1), j + (n >> 1 & 1), k + (n >> 2));
+      box.expand(s.toIndex(Vec3d(nodes.at[node * nodes.objects + s.shape])));
+    }
+    // The splines between the nodes overshoot by at most an eighth of the cell; the samples reach a voxel out.
+    const Vec3d slack = box.extents() / 8.0 + Vec3d(1.0);
+    if (s.blocks.meets({box.min() - slack, box.max() + slack})) return true;
+  }
+  return false;
+}
+
+/// A leaf's voxels between the nodes of one cell.
+struct CellPlaces {
+  std::vector<openvdb::Vec3s> world;  ///< relative to the anchor of the object
+  std::vector<Vec3d> index;           ///< of the object's grid
+  openvdb::BBoxd box;                 ///< of these
+
+  void find(const NodePlaces& places, const openvdb::Coord& node, const Source& source) {
+    places.find(node[0], node[1], node[2], source.shape, world);
+    index.resize(world.size());
+    box = openvdb::BBoxd();
+    for (size_t v = 0; v < world.size(); ++v) box.expand(index[v] = source.toIndex(Vec3d(world[v])));
+  }
+  /// Nodes on both sides of a fold may lie far apart.
+  bool torn() const {
+    const Vec3d e = box.extents();
+    return !(e[0] * e[1] * e[2] < kMostLocal);
+  }
+};
+
 template <typename GridType>
 class Warper {
   using Value = typename GridType::ValueType;
@@ -82,24 +130,32 @@ class Warper {
   using Leaf = typename Tree::LeafNodeType;
   using Accessor = typename GridType::ConstAccessor;
   using Stored = std::conditional_t<std::is_same_v<Value, bool>, char, Value>;  ///< vectors of bool are bits
+  using Element = typename openvdb::VecTraits<Value>::ElementType;
+  using Real = std::conditional_t<std::is_same_v<Element, double>, double, float>;
+  static constexpr int kChannels = openvdb::VecTraits<Value>::Size;
 
  public:
   Warper(const std::vector<CarriedGrid>& grids, const NodeMap& nodes, const Transform& transform, bool conserve)
-      : nodes_(nodes), places_(nodes), transform_(transform), like_(first(grids)),
-        worldPerVoxel_(worldPerVoxel(transform)), conserve_(conserve && kBlends<Value> && !kIsVector<Value>),
-        turn_(kIsVector<Value> && kBlends<Value> && turns(*like_)),
-        staggered_(kIsVector<Value> && like_->getGridClass() == openvdb::GRID_STAGGERED) {
+      : nodes_(nodes), places_(nodes), transform_(transform),
+        like_(openvdb::gridConstPtrCast<GridType>(grids.front().grid)), worldPerVoxel_(worldPerVoxel(transform)),
+        conserve_(conserve && kBlends<Value> && !kIsVector<Value>), turn_(kIsVector<Value> && kBlends<Value> && turns(*like_)),
+        staggered_(kIsVector<Value> && like_->getGridClass() == openvdb::GRID_STAGGERED),
+        smooth_(like_->getGridClass() != openvdb::GRID_LEVEL_SET), band_(isBand()) {
+    if (!kBlends<Value> && grids.size() > 1) throw InputError("values of the type " + like_->valueType() + " cannot be blended");
     const Mat3d voxelPerWorld = worldPerVoxel_.inverse();
+    double rest = 1;
+    background_ = like_->background();
     for (const CarriedGrid& g : grids) {
       const auto grid = openvdb::gridConstPtrCast<GridType>(g.grid);
       if (!grid) throw InputError("grids of different types cannot be blended: " + like_->type() + " and " + g.grid->type());
-      carried_.push_back({grid, g.shape, g.weight, ToIndex(grid->transform(), g.anchor), ActiveBlocks(grid->tree()), nullptr});
-      if (conserve_ || turn_ || staggered_)
-        carried_.back().stretch = std::make_shared<NodeStretch>(nodes, g.shape, voxelPerWorld);
+      std::shared_ptr<const NodeStretch> stretch;
+      if (conserve_ || turn_ || staggered_) stretch = std::make_shared<NodeStretch>(nodes, g.shape, voxelPerWorld);
+      grids_.push_back(grid);
+      sources_.push_back({g.shape, g.weight, ToIndex(grid->transform(), g.anchor), ActiveBlocks(grid->tree()), stretch});
+      rest -= g.weight;
+      if constexpr (kBlends<Value>) background_ += Value((grid->background() - like_->background()) * g.weight);
     }
-    if (!kBlends<Value> && grids.size() > 1) throw InputError("values of the type " + like_->valueType() + " cannot be blended");
-    background_ = blendedBackground();
-    band_ = isBand();
+    if constexpr (kBlends<Value>) missing_ = Value(like_->background() * (std::abs(rest) < 1e-12 ? 0 : rest));
   }
 
   typename GridType::Ptr run() {
@@ -108,165 +164,135 @@ class Warper {
     result->setGridClass(like_->getGridClass());
     result->setVectorType(like_->getVectorType());
     const std::vector<openvdb::Coord> origins =
-        leavesWith(nodes_, [this](int i, int j, int k) { return cellActive(i, j, k); });
+        leavesWith(nodes_, [this](int i, int j, int k) { return cellActive(nodes_, sources_, i, j, k); });
     std::vector<Leaf*> leaves(origins.size(), nullptr);
-    tbb::parallel_for(size_t(0), origins.size(), [&](size_t i) { leaves[i] = filled(origins[i]); });
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, origins.size()), [&](const tbb::blocked_range<size_t>& range) {
+      Scratch scratch(*this);
+      for (size_t i = range.begin(); i != range.end(); ++i) leaves[i] = filled(origins[i], scratch);
+    });
     for (Leaf* leaf : leaves)
       if (leaf) result->tree().addLeaf(leaf);
-    if constexpr (std::is_floating_point_v<Value>)
+    if constexpr (std::is_same_v<GridType, FloatGrid>)
       if (band_) openvdb::tools::signedFloodFill(result->tree());
-    openvdb::tools::prune(result->tree());
+    result->tree().prune();
     return result;
   }
 
  private:
-  struct Carried {
-    typename GridType::ConstPtr grid;
-    size_t shape;
-    double weight;
-    ToIndex toIndex;
-    ActiveBlocks blocks;
-    std::shared_ptr<const NodeStretch> stretch;  ///< where it is needed
-  };
-
-  static typename GridType::ConstPtr first(const std::vector<CarriedGrid>& grids) {
-    return openvdb::gridConstPtrCast<GridType>(grids.front().grid);
-  }
-
-  Value blendedBackground() const {
-    if constexpr (kBlends<Value>) {
-      Value sum = like_->background();
-      for (const Carried& c : carried_) sum += Value((c.grid->background() - like_->background()) * c.weight);
-      return sum;
-    } else {
-      return carried_.front().grid->background();
+  /// What one thread works with.
+  struct Scratch {
+    explicit Scratch(const Warper& warper) : sum(warper.cellSize()), on(sum.size()) {
+      places.world.resize(sum.size());
+      for (const auto& grid : warper.grids_) accessors.push_back(grid->getConstAccessor());
     }
-  }
-
-  /// A narrow band, whose inside is not active.
-  bool isBand() const {
-    return like_->getGridClass() == openvdb::GRID_LEVEL_SET && like_->background() > openvdb::zeroVal<Value>() &&
-           like_->tree().activeTileCount() == 0;
-  }
-
-  /// Whether a carried grid may have something in the cell with this first node.
-  bool cellActive(int i, int j, int k) const {
-    if (!nodes_.inside(i, j, k) || !nodes_.inside(i + 1, j + 1, k + 1)) return false;
-    for (const Carried& c : carried_) {
-      openvdb::BBoxd box;
-      for (int n = 0; n < 8; ++n) {
-        const size_t node = nodes_.index(i + (n & 1), j + (n >> 1 & 1), k + (n >> 2));
-        box.expand(c.toIndex(Vec3d(nodes_.at[node * nodes_.objects + c.shape])));
-      }
-      // The splines between the nodes overshoot by at most an eighth of the cell; the samples reach a voxel out.
-      const Vec3d slack = box.extents() / 8.0 + Vec3d(1.0);
-      if (c.blocks.meets({box.min() - slack, box.max() + slack})) return true;
-    }
-    return false;
-  }
-
-  struct Cell {
-    std::vector<openvdb::Vec3s> places;
+    std::vector<Accessor> accessors;
+    CellPlaces places;
+    LocalBlock<Real> block;
     std::vector<Stored> sum;
     std::vector<char> on;
   };
 
+  size_t cellSize() const { return size_t(nodes_.step) * size_t(nodes_.step) * size_t(nodes_.step); }
+
+  /// A narrow band, whose inside is not active.
+  bool isBand() const {
+    if constexpr (std::is_same_v<GridType, FloatGrid>)
+      return like_->getGridClass() == openvdb::GRID_LEVEL_SET && like_->background() > 0 && like_->tree().activeTileCount() == 0;
+    return false;
+  }
+
   /// The leaf's values; null where nothing turns out to be there.
-  Leaf* filled(const openvdb::Coord& origin) const {
+  Leaf* filled(const openvdb::Coord& origin, Scratch& scratch) const {
     auto leaf = std::make_unique<Leaf>(origin, background_);
     const int step = nodes_.step;
-    const size_t voxels = size_t(step) * step * step;
-    Cell cell{std::vector<openvdb::Vec3s>(voxels), {}, {}};
     for (int x = 0; x < kLeaf; x += step)
       for (int y = 0; y < kLeaf; y += step)
         for (int z = 0; z < kLeaf; z += step) {
           const openvdb::Coord node((origin[0] + x) / step, (origin[1] + y) / step, (origin[2] + z) / step);
-          if (!cellActive(node[0], node[1], node[2])) continue;
-          cell.sum.assign(voxels, backgroundShare());
-          cell.on.assign(voxels, 0);
-          for (const Carried& c : carried_) addCell(c, node, cell);
-          put(cell, {x, y, z}, *leaf);
+          if (!cellActive(nodes_, sources_, node[0], node[1], node[2])) continue;
+          std::fill(scratch.sum.begin(), scratch.sum.end(), missing_);
+          std::fill(scratch.on.begin(), scratch.on.end(), 0);
+          for (size_t s = 0; s < sources_.size(); ++s) addCell(s, node, scratch);
+          put(scratch, {x, y, z}, *leaf);
         }
     return leaf->isEmpty() ? nullptr : leaf.release();
   }
 
-  /// Of what the carried grids' weights lack to 1.
-  Value backgroundShare() const {
-    if constexpr (kBlends<Value>) {
-      double rest = 1;
-      for (const Carried& c : carried_) rest -= c.weight;
-      return Value(like_->background() * (std::abs(rest) < 1e-12 ? 0 : rest));
-    } else {
-      return background_;
-    }
-  }
-
-  void put(const Cell& cell, const openvdb::Coord& at, Leaf& leaf) const {
+  void put(const Scratch& scratch, const openvdb::Coord& at, Leaf& leaf) const {
     size_t v = 0;
     for (int a = 0; a < nodes_.step; ++a)
       for (int b = 0; b < nodes_.step; ++b)
         for (int d = 0; d < nodes_.step; ++d, ++v) {
-          const auto offset = Leaf::coordToOffset(at.offsetBy(a, b, d));
-          if (cell.on[v]) leaf.setValueOn(offset, cell.sum[v]);
-          else if (band_) leaf.setValueOff(offset, cell.sum[v]);
+          const openvdb::Index offset = Leaf::coordToOffset(at.offsetBy(a, b, d));
+          if (scratch.on[v]) leaf.setValueOn(offset, scratch.sum[v]);
+          else if (band_) leaf.setValueOff(offset, scratch.sum[v]);
         }
   }
 
-  void addCell(const Carried& c, const openvdb::Coord& node, Cell& cell) const {
-    const int step = nodes_.step;
-    places_.find(node[0], node[1], node[2], c.shape, cell.places);
-    const Accessor accessor = c.grid->getConstAccessor();
-    size_t v = 0;
-    for (int a = 0; a < step; ++a)
-      for (int b = 0; b < step; ++b)
-        for (int d = 0; d < step; ++d, ++v) {
-          const Vec3d place(cell.places[v]);
-          if constexpr (!kBlends<Value>) {
-            Value value;
-            cell.on[v] = accessor.probeValue(openvdb::Coord::round(c.toIndex(place)), value);
-            cell.sum[v] = value;
-          } else if (!c.stretch) {
-            Value value;
-            cell.on[v] |= openvdb::tools::BoxSampler::sample(accessor, c.toIndex(place), value);
-            cell.sum[v] += Value(value * c.weight);
-          } else {
-            const NodeStretch::Local local =
-                c.stretch->at(node[0], node[1], node[2], openvdb::Vec3s(float(a), float(b), float(d)) / float(step));
-            cell.on[v] |= addStretched(c, accessor, place, local, cell.sum[v]);
-          }
-        }
-  }
-
-  /// Adds a value that the map turns or thins; returns whether there is one.
-  bool addStretched(const Carried& c, const Accessor& accessor, const Vec3d& place, const NodeStretch::Local& local,
-                    Value& sum) const {
-    Value value;
-    if constexpr (kIsVector<Value>) {
-      if (!staggered_) {
-        const bool on = openvdb::tools::BoxSampler::sample(accessor, c.toIndex(place), value);
-        sum += Value(turned(local, value) * c.weight);
-        return on;
+  void addCell(size_t s, const openvdb::Coord& node, Scratch& scratch) const {
+    const Source& source = sources_[s];
+    scratch.places.find(places_, node, source);
+    if (scratch.places.torn()) return;
+    if constexpr (!kBlends<Value>) {
+      for (size_t v = 0; v < scratch.sum.size(); ++v) {
+        Value value{};
+        scratch.on[v] = scratch.accessors[s].probeValue(openvdb::Coord::round(scratch.places.index[v]), value);
+        scratch.sum[v] = value;
       }
-      // Each component lives on the face before the voxel in its direction.
+    } else {
+      openvdb::BBoxd box = scratch.places.box;
+      if (staggered_) box.min() -= Vec3d(kStaggeredReach + 0.5), box.max() += Vec3d(kStaggeredReach + 0.5);
+      scratch.block.template fill<GridType>(scratch.accessors[s], box);
+      if (!scratch.block.anyActive() && grids_[s]->background() == openvdb::zeroVal<Value>()) return;
+      for (size_t v = 0; v < scratch.sum.size(); ++v) {
+        scratch.on[v] |= scratch.block.active(scratch.places.index[v]);
+        scratch.sum[v] += value(source, node, scratch, v);
+      }
+    }
+  }
+
+  Value value(const Source& source, const openvdb::Coord& node, const Scratch& scratch, size_t v) const {
+    const Vec3d& at = scratch.places.index[v];
+    if (!source.stretch) return Value(sampled(scratch.block, at) * source.weight);
+    const int step = nodes_.step, n = int(v);
+    const openvdb::Vec3s fraction(float(n / (step * step)), float(n / step % step), float(n % step));
+    const NodeStretch::Local local = source.stretch->at(node[0], node[1], node[2], fraction / float(step));
+    if constexpr (!kIsVector<Value>) {
+      return Value(sampled(scratch.block, at) * (source.weight * double(local.volume)));
+    } else {
+      if (!staggered_) return Value(turned(local, sampled(scratch.block, at)) * source.weight);
+      // Each component lives on the face before the voxel in its direction, in the in-between as in the grid.
+      Value result;
+      const double size = std::cbrt(double(local.volume));
       for (int axis = 0; axis < 3; ++axis) {
         const Vec3d toFace(worldPerVoxel_(0, axis), worldPerVoxel_(1, axis), worldPerVoxel_(2, axis));
-        const double size = std::cbrt(double(local.volume));
-        const Vec3d face = place - 0.5 * size * (Mat3d(local.rotation) * toFace);
-        openvdb::tools::StaggeredBoxSampler::sample(accessor, c.toIndex(face), value);
-        sum[axis] += typename Value::ValueType(c.weight * turned(local, value)[axis]);
+        Vec3d face = source.toIndex(Vec3d(scratch.places.world[v]) - 0.5 * size * (Mat3d(local.rotation) * toFace));
+        for (int c = 0; c < 3; ++c)
+          face[c] = std::clamp(face[c], scratch.places.box.min()[c] - kStaggeredReach, scratch.places.box.max()[c] + kStaggeredReach);
+        Value whole;
+        for (int c = 0; c < 3; ++c) {
+          Vec3d own = face;
+          own[c] += 0.5;
+          whole[c] = Element(scratch.block.cubic(own, c));
+        }
+        result[axis] = Element(turned(local, whole)[axis] * source.weight);
       }
-      return openvdb::tools::BoxSampler::sample(accessor, c.toIndex(place), value);
-    } else if constexpr (std::is_floating_point_v<Value>) {
-      const bool on = openvdb::tools::BoxSampler::sample(accessor, c.toIndex(place), value);
-      sum += Value(value * c.weight * local.volume);
-      return on;
+      return result;
     }
-    return false;
+  }
+
+  Value sampled(const LocalBlock<Real>& block, const Vec3d& at) const {
+    if constexpr (kIsVector<Value>) {
+      Value value;
+      for (int c = 0; c < kChannels; ++c) value[c] = Element(smooth_ ? block.cubic(at, c) : block.linear(at, c));
+      return value;
+    } else {
+      return Value(smooth_ ? block.cubic(at, 0) : block.linear(at, 0));
+    }
   }
 
   Value turned(const NodeStretch::Local& local, const Value& v) const {
-    if (!turn_) return v;
-    return Value(Mat3d(local.rotation).transpose() * Vec3d(v));
+    return turn_ ? Value(Mat3d(local.rotation).transpose() * Vec3d(v)) : v;
   }
 
   const NodeMap& nodes_;
@@ -274,9 +300,13 @@ class Warper {
   const Transform& transform_;
   typename GridType::ConstPtr like_;
   Mat3d worldPerVoxel_;
-  bool conserve_, turn_, staggered_, band_ = false;
-  std::vector<Carried> carried_;
+  bool conserve_, turn_, staggered_;
+  bool smooth_;  ///< splines; jumps of dense level sets to their far values would ring
+  bool band_;
+  std::vector<typename GridType::ConstPtr> grids_;
+  std::vector<Source> sources_;
   Value background_;
+  Value missing_{};  ///< of what the weights lack to 1
 };
 
 /// Whether index spaces of two transforms differ by a shift only.

@@ -1,0 +1,88 @@
+#pragma once
+
+#include "engine/conventions.h"
+
+namespace slicemorph {
+
+/// A box of a grid's values, copied out so that interpolation finds them without the tree. Vectors are kept as three
+/// scalars. `Real`: float or double.
+template <typename Real>
+class LocalBlock {
+ public:
+  /// Copies all that interpolation at index-space points within `points` needs.
+  template <typename GridType>
+  void fill(const typename GridType::ConstAccessor& accessor, const openvdb::BBoxd& points);
+
+  /// Whether any voxel of the box is active.
+  bool anyActive() const { return any_; }
+  /// Whether any of the eight voxels around a point is active.
+  bool active(const Vec3d& at) const;
+  /// Trilinear value.
+  Real linear(const Vec3d& at, int channel) const;
+  /// Catmull-Rom spline through the 4 x 4 x 4 voxels around, kept within their range: sharper than trilinear, and never
+  /// beyond what is there.
+  Real cubic(const Vec3d& at, int channel) const;
+
+ private:
+  struct Corner {
+    size_t index;      ///< of the voxel before the point
+    Real fraction[3];  ///< from there
+  };
+  Corner cornerOf(const Vec3d& at) const;
+  size_t index(const openvdb::Coord& c) const {
+    return (size_t(c[0] - low_[0]) * size_t(size_[1]) + size_t(c[1] - low_[1])) * size_t(size_[2]) + size_t(c[2] - low_[2]);
+  }
+  void reset(const openvdb::BBoxd& points, int channels);
+  template <typename Value>
+  void put(size_t i, const Value& value, bool on);
+
+  openvdb::Coord low_, size_;
+  size_t count_ = 0;
+  std::vector<Real> values_;  ///< per channel and voxel, z fastest
+  std::vector<char> active_;
+  bool any_ = false;
+};
+
+template <typename Real>
+template <typename Value>
+void LocalBlock<Real>::put(size_t i, const Value& value, bool on) {
+  if constexpr (openvdb::VecTraits<Value>::IsVec) {
+    for (int channel = 0; channel < 3; ++channel) values_[size_t(channel) * count_ + i] = Real(value[channel]);
+  } else {
+    values_[i] = Real(value);
+  }
+  active_[i] = on;
+  any_ |= on;
+}
+
+template <typename Real>
+template <typename GridType>
+void LocalBlock<Real>::fill(const typename GridType::ConstAccessor& accessor, const openvdb::BBoxd& points) {
+  using Leaf = typename GridType::TreeType::LeafNodeType;
+  using Value = typename GridType::ValueType;
+  constexpr int kSide = int(Leaf::DIM);
+  reset(points, openvdb::VecTraits<Value>::Size);
+  const openvdb::Coord high = low_ + size_ - openvdb::Coord(1), first = low_ & ~(kSide - 1);
+  openvdb::Coord block, c;
+  for (block[0] = first[0]; block[0] <= high[0]; block[0] += kSide)
+    for (block[1] = first[1]; block[1] <= high[1]; block[1] += kSide)
+      for (block[2] = first[2]; block[2] <= high[2]; block[2] += kSide) {
+        const openvdb::Coord from = openvdb::Coord::maxComponent(block, low_);
+        const openvdb::Coord to = openvdb::Coord::minComponent(block.offsetBy(kSide - 1), high);
+        const Leaf* leaf = accessor.probeConstLeaf(block);
+        Value tile{};
+        const bool tileOn = !leaf && accessor.probeValue(block, tile);
+        for (c[0] = from[0]; c[0] <= to[0]; ++c[0])
+          for (c[1] = from[1]; c[1] <= to[1]; ++c[1])
+            for (c[2] = from[2]; c[2] <= to[2]; ++c[2]) {
+              const openvdb::Index n = Leaf::coordToOffset(c);
+              if (leaf) put(index(c), Value(leaf->getValue(n)), leaf->isValueOn(n));
+              else put(index(c), tile, tileOn);
+            }
+      }
+}
+
+extern template class LocalBlock<float>;
+extern template class LocalBlock<double>;
+
+}  // namespace slicemorph
