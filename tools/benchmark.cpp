@@ -1,10 +1,16 @@
-// Benchmarks as ratios against peers of the same run. Usage: slicemorph_benchmark [MESH MESH] [--quick]
-// Without meshes: the bundled creature and ring. --quick leaves out OpenVDB's LevelSetMorphing and 512 voxels.
+// Benchmarks as ratios against peers of the same run. Usage: slicemorph_benchmark [MESH MESH] [--quick] [--fog]
+// Without meshes: the bundled creature and ring. --fog leaves out all but the fog, --quick OpenVDB's LevelSetMorphing and 512 voxels.
 #include "engine/measure/measure.h"
 #include "engine/peers/peers.h"
 #include "engine/slicemorph.h"
+#include "engine/volume/level_set.h"
 #include "engine/volume/voxelise.h"
 #include "io/input.h"
+
+#include <openvdb/tools/Composite.h>
+#include <openvdb/tools/GridTransformer.h>
+#include <openvdb/tools/LevelSetSphere.h>
+#include <openvdb/tools/LevelSetUtil.h>
 
 #include <sys/resource.h>
 
@@ -12,9 +18,12 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <random>
 
 namespace slicemorph {
 namespace {
+
+using openvdb::GridBase;
 
 double seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -132,6 +141,56 @@ void curvedAgainstStraight() {
               bent.ours, bent.voxelising);
 }
 
+/// Clouds of puffs: `extent` voxels along the longest side, active where some puff is.
+FloatGrid::Ptr cloud(int extent, int puffs, double radius, unsigned seed) {
+  auto grid = FloatGrid::create(0.f);
+  grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+  grid->setName("density");
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> place(radius, extent - radius);
+  for (int i = 0; i < puffs; ++i) {
+    // Along a bent plume, so that the box is mostly empty.
+    const double t = (i + 0.5) / puffs, bend = 0.3 * std::sin(3 * t + seed);
+    const Vec3d middle(extent * (0.5 + bend) + 0.1 * (place(random) - 0.5 * extent), radius + t * (extent - 2 * radius),
+                       0.5 * extent + 0.1 * (place(random) - 0.5 * extent));
+    FloatGrid::Ptr puff = openvdb::tools::createLevelSetSphere<FloatGrid>(float(radius * (0.6 + 0.4 * t)), openvdb::Vec3f(middle), 1.f, 3.f);
+    openvdb::tools::sdfToFogVolume(*puff, float(0.5 * radius));
+    openvdb::tools::compMax(*grid, *puff);
+  }
+  grid->tree().voxelizeActiveTiles();
+  return grid;
+}
+
+/// A frame of fog, beside a trilinear resampling of the same grids onto voxels that lie between theirs.
+void fogAgainstResample(const std::vector<GridBase::ConstPtr>& grids, const char* name) {
+  std::vector<Object> objects;
+  for (const GridBase::ConstPtr& grid : grids)
+    objects.push_back({"fog", toLevelSet(openvdb::gridConstPtrCast<FloatGrid>(grid), grid->voxelSize()[0] * 2).grid});
+  const MorphPlan plan(objects);
+  GridBase::ConstPtr frame;
+  const double ours = timeOf([&] { frame = plan.carrier(at(0.5)).carry(grids); });
+  const double peer = timeOf([&] {
+    for (const GridBase::ConstPtr& grid : grids) {
+      auto out = FloatGrid::create();
+      out->setTransform(grid->transform().copy());
+      out->transform().preTranslate(Vec3d(0.3, 0.4, 0.2));
+      openvdb::tools::resampleToMatch<openvdb::tools::BoxSampler>(*openvdb::gridConstPtrCast<FloatGrid>(grid), *out);
+    }
+  });
+  std::printf("fog frame / resampleToMatch      %6.3f   goal <= 2      (%.3f s / %.3f s; %s, %.1f and %.1f, out %.1f million voxels)\n",
+              ours / peer, ours, peer, name, double(grids[0]->activeVoxelCount()) / 1e6,
+              double(grids[1]->activeVoxelCount()) / 1e6, double(frame->activeVoxelCount()) / 1e6);
+  std::fflush(stdout);
+}
+
+void fog(bool quick) {
+  fogAgainstResample({cloud(128, 12, 20, 1), cloud(128, 12, 20, 2)}, "128");
+  fogAgainstResample({cloud(256, 12, 40, 1), cloud(256, 12, 40, 2)}, "256");
+  if (quick) return;
+  fogAgainstResample({cloud(1024, 40, 90, 1), cloud(1024, 40, 90, 2)}, "1024");
+  std::printf("peak memory                      %6.2f   goal <  6 GiB\n", peakGiB());
+}
+
 void run(const std::vector<std::string>& inputs, bool quick) {
   std::vector<double> costs;
   for (int resolution : {128, 256, 512}) {
@@ -162,19 +221,21 @@ void run(const std::vector<std::string>& inputs, bool quick) {
 
 int main(int argc, char** argv) {
   std::vector<std::string> inputs;
-  bool quick = false;
+  bool quick = false, fog = false;
   for (int i = 1; i < argc; ++i) {
     if (std::strcmp(argv[i], "--quick") == 0) quick = true;
+    else if (std::strcmp(argv[i], "--fog") == 0) fog = true;
     else inputs.push_back(argv[i]);
   }
   if (inputs.empty()) inputs = {SLICEMORPH_ASSETS "/creature.ply", SLICEMORPH_ASSETS "/ring.ply"};
   if (inputs.size() != 2) {
-    std::fprintf(stderr, "usage: slicemorph_benchmark [MESH MESH] [--quick]\n");
+    std::fprintf(stderr, "usage: slicemorph_benchmark [MESH MESH] [--quick] [--fog]\n");
     return 2;
   }
   openvdb::initialize();
   try {
-    slicemorph::run(inputs, quick);
+    if (!fog) slicemorph::run(inputs, quick);
+    slicemorph::fog(quick);
   } catch (const std::exception& e) {
     std::fprintf(stderr, "slicemorph_benchmark: %s\n", e.what());
     return 1;

@@ -16,6 +16,7 @@ void LocalBlock<Real>::reset(const openvdb::BBoxd& points, int channels) {
   values_.resize(count_ * size_t(channels));
   active_.resize(count_);
   any_ = false;
+  uniform_ = true;
 }
 
 template <typename Real>

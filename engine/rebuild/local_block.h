@@ -15,6 +15,8 @@ class LocalBlock {
 
   /// Whether any voxel of the box is active.
   bool anyActive() const { return any_; }
+  /// Whether all voxels are active and of one value.
+  bool uniform() const { return uniform_; }
   /// Whether any of the eight voxels around a point is active.
   bool active(const Vec3d& at) const;
   /// Trilinear value.
@@ -35,12 +37,14 @@ class LocalBlock {
   void reset(const openvdb::BBoxd& points, int channels);
   template <typename Value>
   void put(size_t i, const Value& value, bool on);
+  template <typename Value>
+  bool isFirst(const Value& value) const;
 
   openvdb::Coord low_, size_;
   size_t count_ = 0;
   std::vector<Real> values_;  ///< per channel and voxel, z fastest
   std::vector<char> active_;
-  bool any_ = false;
+  bool any_ = false, uniform_ = false;
 };
 
 template <typename Real>
@@ -52,7 +56,15 @@ void LocalBlock<Real>::put(size_t i, const Value& value, bool on) {
     values_[i] = Real(value);
   }
   active_[i] = on;
-  any_ |= on;
+}
+
+template <typename Real>
+template <typename Value>
+bool LocalBlock<Real>::isFirst(const Value& value) const {
+  if constexpr (openvdb::VecTraits<Value>::IsVec)
+    return values_[0] == Real(value[0]) && values_[count_] == Real(value[1]) && values_[2 * count_] == Real(value[2]);
+  else
+    return values_[0] == Real(value);
 }
 
 template <typename Real>
@@ -69,16 +81,24 @@ void LocalBlock<Real>::fill(const typename GridType::ConstAccessor& accessor, co
       for (block[2] = first[2]; block[2] <= high[2]; block[2] += kSide) {
         const openvdb::Coord from = openvdb::Coord::maxComponent(block, low_);
         const openvdb::Coord to = openvdb::Coord::minComponent(block.offsetBy(kSide - 1), high);
+        const size_t row = size_t(to[2] - from[2] + 1);
         const Leaf* leaf = accessor.probeConstLeaf(block);
         Value tile{};
         const bool tileOn = !leaf && accessor.probeValue(block, tile);
+        const Value* values = leaf ? leaf->buffer().data() : nullptr;
         for (c[0] = from[0]; c[0] <= to[0]; ++c[0])
-          for (c[1] = from[1]; c[1] <= to[1]; ++c[1])
-            for (c[2] = from[2]; c[2] <= to[2]; ++c[2]) {
-              const openvdb::Index n = Leaf::coordToOffset(c);
-              if (leaf) put(index(c), Value(leaf->getValue(n)), leaf->isValueOn(n));
-              else put(index(c), tile, tileOn);
+          for (c[1] = from[1]; c[1] <= to[1]; ++c[1]) {
+            c[2] = from[2];
+            const size_t i = index(c);
+            const openvdb::Index n = Leaf::coordToOffset(c);
+            if (leaf) {
+              for (openvdb::Index z = 0; z < row; ++z) put(i + z, values[n + z], leaf->isValueOn(n + z));
+            } else {
+              for (size_t z = 0; z < row; ++z) put(i + z, tile, tileOn);
             }
+          }
+        any_ |= leaf ? !leaf->isEmpty() : tileOn;
+        uniform_ = uniform_ && !leaf && tileOn && isFirst(tile);
       }
 }
 

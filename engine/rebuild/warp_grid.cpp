@@ -243,13 +243,23 @@ class Warper {
       openvdb::BBoxd box = scratch.places.box;
       if (staggered_) box.min() -= Vec3d(kStaggeredReach + 0.5), box.max() += Vec3d(kStaggeredReach + 0.5);
       scratch.block.template fill<GridType>(scratch.accessors[s], box);
-      if (!scratch.block.anyActive() && grids_[s]->background() == openvdb::zeroVal<Value>()) return;
+      if (!scratch.block.anyActive() && zeroOutside(s)) return;
+      if (scratch.block.uniform() && !source.stretch) {
+        const Value value(sampled(scratch.block, scratch.places.index[0]) * source.weight);
+        for (Stored& sum : scratch.sum) sum += value;
+        std::fill(scratch.on.begin(), scratch.on.end(), 1);
+        return;
+      }
       for (size_t v = 0; v < scratch.sum.size(); ++v) {
-        scratch.on[v] |= scratch.block.active(scratch.places.index[v]);
-        scratch.sum[v] += value(source, node, scratch, v);
+        const bool on = scratch.block.active(scratch.places.index[v]);
+        scratch.on[v] |= on;
+        if (on || !zeroOutside(s)) scratch.sum[v] += value(source, node, scratch, v);
       }
     }
   }
+
+  /// Whether there is nothing where a grid is not active.
+  bool zeroOutside(size_t s) const { return !band_ && grids_[s]->background() == openvdb::zeroVal<Value>(); }
 
   Value value(const Source& source, const openvdb::Coord& node, const Scratch& scratch, size_t v) const {
     const Vec3d& at = scratch.places.index[v];
