@@ -39,11 +39,11 @@ Distance ellipsoid(const Vec3d& axes) {
   return distanceOf([=](const Vec3d& p) { return ((p / axes).length() - 1) * std::min({axes[0], axes[1], axes[2]}); });
 }
 
-/// A ball of radius 0.8 with bumps of a tenth.
+/// A ball of radius 0.7 with bumps of a tenth.
 Distance bumpy() {
   return distanceOf([](const Vec3d& p) {
     const Vec3d n = p / std::max(p.length(), 1e-6);
-    return p.length() - 0.8 - 0.08 * (std::sin(3 * n[0] + 1) + std::sin(4 * n[1] + 2 * n[0]) + std::sin(4 * n[2] - n[1]));
+    return p.length() - 0.7 - 0.07 * (std::sin(3 * n[0] + 1) + std::sin(4 * n[1] + 2 * n[0]) + std::sin(4 * n[2] - n[1]));
   });
 }
 
@@ -143,7 +143,7 @@ void reportAnew(const Sequence& a, const Sequence& b) {
 }
 
 Sequence crossing() {
-  return sequence([](int i) { return ellipsoid({0.8 - 0.15 * i / 9, 0.65 + 0.15 * i / 9, 0.5}); });
+  return sequence([](int i) { return ellipsoid({1.1 - 0.2 * i / 9, 0.9 + 0.2 * i / 9, 0.75}); });
 }
 Sequence turning() {
   return sequence([](int i) { return shapes::placed(bumpy(), aboutZ(10 * i), {0, 0, 0}); });
