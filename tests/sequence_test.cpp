@@ -19,6 +19,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kFrames = 10;
+constexpr double kVoxel = 2.0 / 48;
 using shapes::Distance;
 
 Object object(const FloatGrid::Ptr& grid) { return {"shape", grid}; }
@@ -75,9 +76,9 @@ Mat3d aboutZ(double degrees) { return rotationFromVector({0, 0, degrees * kPi / 
 using Sequence = std::vector<FloatGrid::Ptr>;  ///< per frame
 
 template <typename Shape>
-Sequence sequence(const Shape& shape, double h = 2.0 / 72) {
+Sequence sequence(const Shape& shape) {
   Sequence result;
-  for (int i = 0; i < kFrames; ++i) result.push_back(shapes::levelSet(shape(i), shapes::cube({0, 0, 0}, 1.3), h));
+  for (int i = 0; i < kFrames; ++i) result.push_back(shapes::levelSet(shape(i), shapes::cube({0, 0, 0}, 1.3), kVoxel));
   return result;
 }
 
@@ -97,7 +98,6 @@ Plans plansOf(const Sequence& a, const Sequence& b, bool follow) {
     const std::vector<Object> objects{object(a[i]), object(b[i])};
     if (follow && i > 0) plans.frames.emplace_back(objects, plans.frames.back());
     else plans.frames.emplace_back(objects);
-    if (std::getenv("NOTES")) for (auto& n : plans.frames.back().notes()) std::printf("   %zu: %s\n", i, n.c_str());
     (i > 0 ? plans.next : plans.first) += (seconds() - start) / (i > 0 ? double(a.size() - 1) : 1);
   }
   return plans;
@@ -113,7 +113,6 @@ double popOf(const std::vector<MorphPlan>& plans, const Time& time) {
     if (before) {
       const double d = overlap(*before, *now).symmetricDifference;
       sum += d, largest = std::max(largest, d);
-      if (std::getenv("NOTES")) std::printf("   jump %.5f\n", d);
     }
     before = now;
   }
@@ -142,6 +141,7 @@ void reportAnew(const Sequence& a, const Sequence& b) {
   report("planned anew", plans, popOf(plans.frames, playing), popOf(plans.frames, held));
 }
 
+/// The larger by about as much as makes its shrinking even out what the other one's turn adds, frame for frame.
 Sequence crossing() {
   return sequence([](int i) { return ellipsoid({1.1 - 0.2 * i / 9, 0.9 + 0.2 * i / 9, 0.75}); });
 }
@@ -164,7 +164,7 @@ TEST(Sequence, DISABLED_PlannedAnew) {
 const Vec3d kBar(1, 0.32, 0.21);
 
 FloatGrid::Ptr bar(double degrees, const Vec3d& offset = {0, 0, 0}) {
-  return shapes::levelSet(shapes::placed(shapes::box(kBar, 0.05), aboutZ(degrees), offset), shapes::cube(offset, 1.1), 2.0 / 72);
+  return shapes::levelSet(shapes::placed(shapes::box(kBar, 0.05), aboutZ(degrees), offset), shapes::cube(offset, 1.1), kVoxel);
 }
 
 /// Of the longest axis about z, degrees, from -90 to 90.
@@ -180,36 +180,37 @@ TEST(Sequence, TurningBarIsFollowedTheLongWay) {
   const FloatGrid::Ptr still = bar(0, {3, 0, 0});
   std::optional<MorphPlan> plan;
   double before = 0;
-  for (int i = 0; i <= 12; ++i) {
-    const std::vector<Object> objects{object(bar(10 * i)), object(still)};
-    if (plan) plan = MorphPlan(objects, *plan);
-    else plan.emplace(objects);
+  for (int degrees = 10; degrees <= 100; degrees += 10) {
+    const std::vector<Object> objects{object(bar(degrees)), object(still)};
+    plan = plan ? MorphPlan(objects, *plan) : MorphPlan(objects);
     const double direction = directionOf(plan->frame(at(0.5)).surface);
-    if (i > 0) EXPECT_NEAR(between(direction, before), 5, 1) << "frame " << i;
+    if (degrees > 10) {
+      EXPECT_NEAR(between(direction, before), 5, 1) << degrees << " degrees";
+    }
+    EXPECT_NEAR(between(direction, 0.5 * degrees), 0, 1) << degrees << " degrees";
     before = direction;
-    EXPECT_NEAR(between(direction, 5 * i), 0, 1) << "frame " << i;
   }
-  // Planned anew, it takes the shorter way: the bar turned by 120 degrees is the one turned by -60.
-  const MorphPlan anew({object(bar(120)), object(still)});
-  EXPECT_NEAR(directionOf(anew.frame(at(0.5)).surface), -30, 1);
+  // Planned anew, it takes the shorter way: the bar turned by 100 degrees is the one turned by -80.
+  const MorphPlan anew({object(bar(100)), object(still)});
+  EXPECT_NEAR(directionOf(anew.frame(at(0.5)).surface), -40, 1);
 }
 
 TEST(Sequence, StillObjectsKeepTheirPlan) {
-  const FloatGrid::Ptr a = bar(20), b = turning()[0];
+  const FloatGrid::Ptr a = bar(20), b = bar(0, {3, 0, 0});
   const MorphPlan first({object(a), object(b)}), next({object(a->deepCopy()), object(b->deepCopy())}, first);
   EXPECT_EQ(next.notes(), first.notes());
   for (double t : {0.3, 0.8}) EXPECT_TRUE(sameValues(*first.frame(at(t)).surface, *next.frame(at(t)).surface)) << t;
 }
 
 TEST(Sequence, SameForAnyThreadCount) {
-  const Sequence a = billowing(1), b = billowing(2);
-  const MorphPlan first({object(a[0]), object(b[0])});
+  const Sequence a = billowing(1);
+  const MorphPlan first({object(a[0]), object(a[9])});
   FloatGrid::Ptr one;
-  for (int threads : {1, 2, 4}) {
+  for (int threads : {1, 4}) {
     tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-    const FloatGrid::Ptr frame = MorphPlan({object(a[1]), object(b[1])}, first).frame(at(0.5)).surface;
-    if (one) EXPECT_TRUE(sameValues(*one, *frame)) << threads << " threads";
-    else one = frame;
+    const FloatGrid::Ptr frame = MorphPlan({object(a[1]), object(a[8])}, first).frame(at(0.5)).surface;
+    if (!one) one = frame;
+    EXPECT_TRUE(sameValues(*one, *frame)) << threads << " threads";
   }
 }
 
@@ -219,7 +220,7 @@ bool plannedAnew(const MorphPlan& plan) {
 }
 
 TEST(Sequence, CutsAndNewEqualsArePlannedAnew) {
-  const FloatGrid::Ptr a = bar(0), b = bar(0, {3, 0, 0}), other = turning()[0];
+  const FloatGrid::Ptr a = bar(0), b = bar(0, {3, 0, 0});
   const MorphPlan first({object(a), object(b)});
   EXPECT_FALSE(plannedAnew(MorphPlan({object(bar(8)), object(b)}, first)));
   EXPECT_TRUE(plannedAnew(MorphPlan({object(bar(90)), object(b)}, first))) << "a cut";
@@ -231,8 +232,8 @@ TEST(Sequence, CutsAndNewEqualsArePlannedAnew) {
 }
 
 Motion motionOf(const Distance& earlier, const Distance& now, const Vec3d& offset = {0, 0, 0}, double half = 1.3) {
-  const DistanceField a(shapes::levelSet(earlier, shapes::cube({0, 0, 0}, 1.3), 2.0 / 72));
-  const DistanceField b(shapes::levelSet(now, shapes::cube(offset, half), 2.0 / 72));
+  const DistanceField a(shapes::levelSet(earlier, shapes::cube({0, 0, 0}, 1.3), kVoxel));
+  const DistanceField b(shapes::levelSet(now, shapes::cube(offset, half), kVoxel));
   return trackMotion(a, b, Align::kAuto);
 }
 
@@ -244,7 +245,7 @@ TEST(Track, FollowsAMovedTurnedAndScaledBody) {
   for (const Distance& shape : {shapes::box(kBar, 0.05), bumpy()}) {
     const Motion m = motionOf(shape, shapes::placed(shape, turn, offset, 1.1), offset, 1.5);
     // A tenth of a voxel at the body's far end, one unit away.
-    const double tenth = 0.1 * 2 / 72;
+    const double tenth = 0.1 * kVoxel;
     EXPECT_LE(degreesOf(m.rotation * turn.transpose()), tenth * 180 / kPi);
     EXPECT_NEAR(m.scale, 1.1, tenth);
     EXPECT_LE((m(Vec3d(0, 0, 0)) - offset).length(), 2 * tenth);
