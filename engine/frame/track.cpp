@@ -149,7 +149,8 @@ Frames trackFrames(const Frames& frames, const Fields& earlier, const Fields& no
     char text[160];
     std::snprintf(text, sizeof text,
                   "shape %zu moved by %.4g, turned by %.1f degrees and grew %.3f times since the frame before", k + 1,
-                  (motion.to - motion.from).length(), rotationVector(motion.rotation).length() * 180 / kPi, motion.scale);
+                  (motion.to - motion.from).length(), rotationVector(motion.rotation).length() * 180 / kPi,
+                  motion.scale);
     result.notes.push_back(text);
   }
   return result;
