@@ -24,10 +24,11 @@ constexpr double kFirstReach = 0.3, kLastReach = 0.03, kReachStep = 0.7;
 constexpr int kMostSteps = 40;
 /// Radians and sizes: a step this small is the last.
 constexpr double kSmallStep = 1e-5;
-/// A surface whose normals lean less than this off the spokes about an axis, mean square in sizes, shows no turn about it.
+/// A surface whose normals lean less than this off the spokes about an axis, mean square in sizes, shows no turn about
+/// it.
 constexpr double kRound = 5e-4;
-/// What remains between the surfaces is deformation, as of so many parts that move for themselves; and a turn from frame
-/// to frame is of this order (radians). Both say how far a turn is believed.
+/// What remains between the surfaces is deformation, as of so many parts that move for themselves; and a turn from
+/// frame to frame is of this order (radians). Both say how far a turn is believed.
 constexpr double kParts = 30, kUsualTurn = 0.2;
 
 /// One sample's say: weight * (residual + row . step)^2, lengths in sizes of the object.
@@ -118,7 +119,8 @@ class Tracker {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(turns);
     Eigen::Vector3d hold;
     for (int a = 0; a < 3; ++a)
-      hold[a] = kRound * kRound / std::max(solver.eigenvalues()[a], 1e-9) + variance / (kParts * kUsualTurn * kUsualTurn);
+      hold[a] = kRound * kRound / std::max(solver.eigenvalues()[a], 1e-9) +
+                variance / (kParts * kUsualTurn * kUsualTurn);
     return solver.eigenvectors() * hold.asDiagonal() * solver.eigenvectors().transpose();
   }
 
@@ -145,8 +147,9 @@ Frames trackFrames(const Frames& frames, const Fields& earlier, const Fields& no
     chart.axes = motion.rotation * chart.axes;
     chart.scale *= motion.scale;
     char text[160];
-    std::snprintf(text, sizeof text, "shape %zu moved by %.4g, turned by %.1f degrees and grew %.3f times since the frame before",
-                  k + 1, (motion.to - motion.from).length(), rotationVector(motion.rotation).length() * 180 / kPi,
+    std::snprintf(text, sizeof text,
+                  "shape %zu moved by %.4g, turned by %.1f degrees and grew %.3f times since the frame before", k + 1,
+                  (motion.to - motion.from).length(), rotationVector(motion.rotation).length() * 180 / kPi,
                   motion.scale);
     result.notes.push_back(text);
   }

@@ -53,11 +53,15 @@ Vec3d sampleField(const Lattice& lattice, const VectorField& field, const Vec3d&
 
 VectorField resampleField(const Lattice& from, const VectorField& field, const Lattice& to) {
   VectorField result(to.count(), openvdb::Vec3s(0.f));
+  std::vector<Taps> taps[3];
+  for (int axis = 0; axis < 3; ++axis)
+    for (int i = 0; i < to.size[axis]; ++i)
+      taps[axis].push_back(catmullRom((to.position(i, i, i)[axis] - from.origin[axis]) / from.spacing));
   tbb::parallel_for(0, int(to.size[2]), [&](int z) {
+    const Taps& tz = taps[2][z];
     for (int y = 0; y < to.size[1]; ++y)
       for (int x = 0; x < to.size[0]; ++x) {
-        const Vec3d q = (to.position(x, y, z) - from.origin) / from.spacing;
-        const Taps tx = catmullRom(q[0]), ty = catmullRom(q[1]), tz = catmullRom(q[2]);
+        const Taps &tx = taps[0][x], &ty = taps[1][y];
         Vec3d sum(0.0);
         for (int k = 0; k < 4; ++k)
           for (int j = 0; j < 4; ++j)

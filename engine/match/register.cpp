@@ -43,24 +43,13 @@ const Round kQuickRounds[] = {{false, 0.25, 0.14, 3, 1500}, {false, 0.15, 0.10, 
 
 /// What a frame of a sequence changes since the one before.
 const Round kFollowRounds[] = {{false, 0.12, 0.06, 2, 6000}, {false, 0.06, 0.045, 1.5, 8000}};
-/// The lattice that follows it meanwhile.
-constexpr double kFollowLattice = 0.045;
 /// Overlap that only a cut loses from one frame to the next.
 constexpr double kCut = 0.15;
-/// The lattice of the frame before serves as long as the objects are about so many of its cells long.
-constexpr double kFewestCells = 48, kMostCells = 108;
-
 /// Limbs are followed by fields of this spacing, and the map that follows them is kept on a lattice of this one.
 constexpr double kFlowSpacing = 0.08, kFlowLattice = 0.04;
 /// Per object: samples of the body, which keeps its place meanwhile; and how far it is from a limb, in the limb's radii.
 constexpr int kStillSamples = 900;
 constexpr double kStillReach = 1.5;
-
-/// Cells of the frames' lattice along the objects' longest side.
-constexpr double kCells = 72;
-
-/// Smallest volume of its cells on any object.
-constexpr double kFinestFold = 0.1;
 
 /// What a limb that grows out of the body is worth although it costs overlap: the air beside it has no place on the object
 /// that lacks it.
@@ -96,14 +85,14 @@ class Registrar {
     }
     now_ = std::move(best);
     finish();
-    result_.map = std::move(now_.map), result_.notes = std::move(now_.notes);
     return std::move(result_);
   }
 
   std::optional<Registration> follow(const Registration& before) {
     measureObjects();
-    Displacements map = continued(before.map);
-    now_.map = now_.base = resampled(map, latticeOf(kFollowLattice));
+    now_.base = continued(before.base);
+    now_.map = resampled(before.map, latticeOf(kFollowRounds[0].spacing));
+    removeFolds(now_.map);
     for (size_t k = 0; k < objects_; ++k) now_.guesses.emplace_back(now_.map, k);
     result_.overlapBefore = now_.overlap = overlapOf(now_.map);
     if (now_.overlap < before.overlapAfter - kCut) return std::nullopt;
@@ -116,10 +105,7 @@ class Registrar {
       progress_.report("match", 0.5);
       refine(round);
     }
-    addChange(map);
-    removeFolds(map, kFinestFold);
-    result_.overlapAfter = overlapOf(map);
-    result_.map = std::move(map), result_.notes = std::move(now_.notes);
+    finish();
     return std::move(result_);
   }
 
@@ -234,19 +220,15 @@ class Registrar {
     return Lattice::over({box_.min() - margin_, box_.max() + margin_}, spacing * size_);
   }
 
-  /// The map of the frame before on a lattice that covers the objects as they are now: its own nodes as far as they go,
-  /// so that frame after frame blurs nothing, and beyond them what its outermost nodes say.
+  /// Displacements on a lattice that covers the objects as they are now: its own nodes as far as they go, so that frame
+  /// after frame blurs nothing, and beyond them what its outermost nodes say.
   Displacements continued(const Displacements& before) const {
     const Lattice& old = before.lattice;
-    const double longest = std::max({box_.extents()[0], box_.extents()[1], box_.extents()[2]});
-    const openvdb::BBoxd box(box_.min() - margin_, box_.max() + margin_);
-    const double cells = longest / old.spacing;
-    if (cells < kFewestCells || cells > kMostCells) return resampled(before, Lattice::over(box, longest / kCells));
-    const openvdb::Coord low = openvdb::Coord::floor((box.min() - old.origin) / old.spacing);
-    const openvdb::Coord high = openvdb::Coord::ceil((box.max() - old.origin) / old.spacing);
+    const openvdb::Coord low = openvdb::Coord::floor((box_.min() - margin_ - old.origin) / old.spacing);
+    const openvdb::Coord high = openvdb::Coord::ceil((box_.max() + margin_ - old.origin) / old.spacing);
     const Lattice lattice{old.position(low[0], low[1], low[2]), old.spacing, high - low + openvdb::Coord(1)};
     Displacements result{lattice, std::vector<VectorField>(objects_, VectorField(lattice.count()))};
-    tbb::parallel_for(0, int(lattice.size[2]), [&](int z) {
+    for (int z = 0; z < lattice.size[2]; ++z)
       for (int y = 0; y < lattice.size[1]; ++y)
         for (int x = 0; x < lattice.size[0]; ++x) {
           openvdb::Coord from = low + openvdb::Coord(x, y, z);
@@ -255,18 +237,7 @@ class Registrar {
           for (size_t k = 0; k < objects_; ++k)
             result.of[k][lattice.index(x, y, z)] = before.of[k][old.index(from[0], from[1], from[2])];
         }
-    });
     return result;
-  }
-
-  /// Adds what the rounds changed.
-  void addChange(Displacements& map) const {
-    Displacements change = resampled(now_.base, now_.map.lattice);
-    for (size_t k = 0; k < objects_; ++k)
-      for (size_t i = 0; i < change.lattice.count(); ++i) change.of[k][i] = now_.map.of[k][i] - change.of[k][i];
-    change = resampled(change, map.lattice);
-    for (size_t k = 0; k < objects_; ++k)
-      for (size_t i = 0; i < map.lattice.count(); ++i) map.of[k][i] += change.of[k][i];
   }
 
   void startFromContours() {
@@ -559,10 +530,10 @@ class Registrar {
   /// The lattice the frames move: as fine as the eye needs, still free of folds.
   void finish() {
     const double longest = std::max({box_.extents()[0], box_.extents()[1], box_.extents()[2]});
-    Displacements fine = resampled(now_.map, Lattice::over({box_.min() - margin_, box_.max() + margin_}, longest / kCells));
-    removeFolds(fine, kFinestFold);
-    now_.map = std::move(fine);
-    result_.overlapAfter = overlapOf(now_.map);
+    Displacements fine = resampled(now_.map, Lattice::over({box_.min() - margin_, box_.max() + margin_}, longest / 72));
+    removeFolds(fine, 0.1);
+    result_.overlapAfter = overlapOf(fine);
+    result_.map = std::move(fine), result_.base = std::move(now_.base), result_.notes = std::move(now_.notes);
   }
 
   const Fields& fields_;

@@ -10,6 +10,7 @@ namespace slicemorph {
 /// All that the matching found: the map between the objects, and the slices it started from.
 struct Registration {
   Displacements map;        ///< free of folds
+  Displacements base;       ///< what the matching's smooth fields were added to: slices or limbs laid on each other
   SlicePlanes planes;
   std::vector<ContourStack> stacks;
   std::vector<ContourPair> pairs;
