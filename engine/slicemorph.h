@@ -66,8 +66,9 @@ class Carrier {
   openvdb::GridBase::ConstPtr carry(const std::vector<openvdb::GridBase::ConstPtr>& grids, const CarryOptions& options = {});
 
   /// Velocity of what is at the active voxels of a grid while the weights change by `rate` a unit of time (one number per
-  /// object, of sum 0): world units per that time, on the same voxels, named "vel". Of the forward map.
-  openvdb::Vec3SGrid::Ptr velocity(const openvdb::GridBase& where, const Weights& rate) const;
+  /// object, of sum 0): world units per that time, named "vel". Of the forward map. On the same voxels and as far around
+  /// them as they get within `reach` of that time: a renderer looks velocities up where things arrive.
+  openvdb::Vec3SGrid::Ptr velocity(const openvdb::GridBase& where, const Weights& rate, double reach = 0) const;
 
   struct Impl;
   explicit Carrier(std::unique_ptr<Impl> impl);
@@ -76,6 +77,7 @@ class Carrier {
   Carrier& operator=(Carrier&&) noexcept;
 
  private:
+  void fillVelocities(openvdb::Vec3SGrid& grid, const Weights& rate) const;
   openvdb::GridBase::Ptr warped(const std::vector<CarriedGrid>& grids, const openvdb::GridBase& like,
                                 const CarryOptions& options);
   std::unique_ptr<Impl> impl_;

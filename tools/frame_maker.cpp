@@ -18,6 +18,9 @@ namespace {
 
 using openvdb::GridBase;
 
+/// Frames that a shutter is open before or after its frame, at most.
+constexpr double kShutter = 0.5;
+
 /// Names that hosts give to velocities.
 const std::set<std::string> kVelocityNames{"vel", "v", "velocity"};
 
@@ -219,7 +222,7 @@ GridBase::ConstPtr FrameMaker::density(Carrier& carrier) const {
 /// Null where the inputs' own velocities stand under its name.
 GridBase::Ptr FrameMaker::velocity(const Carrier& carrier, const GridBase& where, const openvdb::GridCPtrVec& grids) const {
   const VelocitySettings& v = settings_.velocity;
-  const openvdb::Vec3SGrid::Ptr velocity = carrier.velocity(where, job().rate);
+  const openvdb::Vec3SGrid::Ptr velocity = carrier.velocity(where, job().rate, kShutter / settings_.framesPerSecond);
   velocity->setName(v.name);
   for (const GridBase::ConstPtr& grid : grids) {
     const bool isOwn = kVelocityNames.count(grid->getName()) || grid->getName() == v.name;

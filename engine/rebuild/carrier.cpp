@@ -3,6 +3,7 @@
 #include "engine/blend/node_places.h"
 #include "engine/errors.h"
 
+#include <openvdb/tools/Morphology.h>
 #include <openvdb/tree/LeafManager.h>
 
 #include <algorithm>
@@ -19,6 +20,8 @@ using Transform = openvdb::math::Transform;
 constexpr double kWhole = 1e-9;
 /// Node maps that are kept; a file has mostly one transform.
 constexpr size_t kKeptMaps = 3;
+/// Voxels around what moves in which velocities are found.
+constexpr int kMostReach = 24;
 
 openvdb::Vec3STree::Ptr topologyOf(const GridBase& where) {
   openvdb::Vec3STree::Ptr tree;
@@ -29,6 +32,12 @@ openvdb::Vec3STree::Ptr topologyOf(const GridBase& where) {
   if (!known) throw InputError("no velocities are made where a grid of " + where.valueType() + " is active");
   tree->voxelizeActiveTiles();
   return tree;
+}
+
+double fastest(const openvdb::Vec3SGrid& grid) {
+  double most = 0;
+  for (auto v = grid.cbeginValueOn(); v; ++v) most = std::max(most, double(v->lengthSqr()));
+  return std::sqrt(most);
 }
 
 }  // namespace
@@ -77,21 +86,32 @@ GridBase::Ptr Carrier::warped(const std::vector<CarriedGrid>& carried, const Gri
   return empty;
 }
 
-openvdb::Vec3SGrid::Ptr Carrier::velocity(const GridBase& where, const Weights& rate) const {
-  const Impl& p = *impl_;
+openvdb::Vec3SGrid::Ptr Carrier::velocity(const GridBase& where, const Weights& rate, double reach) const {
   auto result = openvdb::Vec3SGrid::create(topologyOf(where));
   result->setTransform(where.transform().copy());
   result->setName("vel");
   result->setVectorType(openvdb::VEC_CONTRAVARIANT_RELATIVE);
-  const openvdb::CoordBBox box = result->evalActiveVoxelBoundingBox();
-  if (!p.carrying.lattice || box.empty()) return result;
+  if (!impl_->carrying.lattice || result->empty()) return result;
+  fillVelocities(*result, rate);
+  const Vec3d size = result->voxelSize();
+  const double far = reach * fastest(*result) / std::min({size[0], size[1], size[2]});
+  if (far == 0) return result;
+  openvdb::tools::dilateActiveValues(result->tree(), std::min(int(std::ceil(far)), kMostReach));
+  fillVelocities(*result, rate);
+  return result;
+}
+
+/// At the grid's active voxels, which are no tiles.
+void Carrier::fillVelocities(openvdb::Vec3SGrid& grid, const Weights& rate) const {
+  const Impl& p = *impl_;
+  const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
   Weights shapeRate(p.shapeWeights.size(), 0);
   for (size_t k = 0; k < rate.size(); ++k) shapeRate[p.shapeOf[k]] += rate[k];
   const NodeMap nodes = p.carrying.lattice->velocitiesWithin(box, p.shapeWeights, shapeRate, p.carrying.pose,
-                                                             where.transform(), carryingStep(box));
+                                                             grid.transform(), carryingStep(box));
   const NodePlaces velocities(nodes);
   const int step = nodes.step;
-  openvdb::tree::LeafManager<openvdb::Vec3STree> leaves(result->tree());
+  openvdb::tree::LeafManager<openvdb::Vec3STree> leaves(grid.tree());
   leaves.foreach([&](openvdb::Vec3STree::LeafNodeType& leaf, size_t) {
     std::vector<openvdb::Vec3s> cell(size_t(step) * step * step);
     const openvdb::Coord o = leaf.origin();
@@ -108,7 +128,6 @@ openvdb::Vec3SGrid::Ptr Carrier::velocity(const GridBase& where, const Weights& 
           }
         }
   });
-  return result;
 }
 
 const NodeMap& Carrier::Impl::nodesFor(const openvdb::CoordBBox& box, const Transform& transform) {
