@@ -278,24 +278,30 @@ def gas(d):
 
 
 def odd_files(d):
-    """Rotated transforms, names that come three times, a rider on other voxels: in the right place."""
+    """Rotated transforms, three grids of one name, grids that are not there on one side: in the right place."""
     dragon, triple, sphere = real("dragon_with_xform.vdb"), real("three_grids_same_name.vdb"), real("ls_sphere.vdb")
-    run("morph", dragon, sphere, "-o", d + "/m.####.vdb", "--frames", 3, "--quiet")
-    for path in frames(d):
-        assert metadata(path, "surface")["class"] == "level set", path
-    first = vdb.read(frames(d)[0], "surface")
-    source = vdb.readAll(dragon)[0][0]
-    ends = lambda g: np.array([g.transform.indexToWorld(c) for c in g.evalActiveVoxelBoundingBox()])
-    corner = lambda g: np.array([g.transform.indexToWorld((x, y, z)) for x, y, z in
-                                 [(p[0][i], p[1][j], p[2][k]) for p in [list(zip(*g.evalActiveVoxelBoundingBox()))]
-                                  for i in range(2) for j in range(2) for k in range(2)]])
-    low, high = corner(source).min(0), corner(source).max(0)
-    got = ends(first)
-    reach = 3 * np.array(first.transform.voxelSize())  # the band
-    assert (got[0] >= low - reach).all() and (got[1] <= high + reach).all(), (got, low, high)
+    heat = puff((2, 0, 0), (2, 1, 1), 0.3, name="heat")
+    other = write(d + "/other.vdb", puff((2, 0, 0), (2, 1, 1), 0.3), heat)
+    source = vdb.read(dragon, "density")
+    for to in (other, sphere):
+        run("morph", dragon, to, "-o", d + "/m.####.vdb", "--frames", 3, "--quiet")
+        first, middle = vdb.read(d + "/m.0001.vdb", "density"), vdb.read(d + "/m.0002.vdb", "density")
+        assert first.transform == source.transform and first.activeVoxelCount() == source.activeVoxelCount()
+        assert middle.gridClass == vdb.GridClass.FOG_VOLUME
+        ends = [figures(source)[2], (2, 0, 0) if to == other else (0, 0, 0)]
+        # What is densest need not be the middle of the shape that travels: a tenth of the dragon's 20 units.
+        assert np.linalg.norm(figures(middle)[2] - np.mean(ends, 0)) < 2, (figures(middle)[2], ends)
+    run("morph", dragon, other, "-o", d + "/m.####.vdb", "--frames", 3, "--quiet")
+    whole = figures(heat)[1]
+    peaks = [figures(vdb.read(path, "heat"))[1] if vdb.readGridMetadata(path, "heat") and
+             vdb.read(path, "heat").activeVoxelCount() else 0 for path in frames(d)]
+    assert peaks[0] == 0 and abs(peaks[1] - 0.5 * whole) < 0.05 and peaks[2] == whole, peaks
     run("morph", triple, triple, "-o", d + "/t.####.vdb", "--frames", 2, "--quiet")
-    out = subprocess.run(["vdb_print", d + "/t.0001.vdb"], capture_output=True, text=True).stdout
-    assert len(out.splitlines()) >= 3, out
+    run("morph", triple, other, "-o", d + "/t.####.vdb", "--frames", 3, "--quiet")
+    for path in frames(d, "t"):
+        assert [g.name for g in vdb.readAll(path)[0]].count("density") == 3, path
+    counts = lambda path: sorted(g.activeVoxelCount() for g in vdb.readAll(path)[0] if g.name == "density")
+    assert counts(d + "/t.0001.vdb") == counts(triple)
 
 
 def mixed_pairs(d):

@@ -170,8 +170,8 @@ void resample(const GridBase& grid) {
     using Grid = std::decay_t<decltype(typed)>;
     using Sampler = std::conditional_t<std::is_same_v<Grid, openvdb::Int32Grid>, openvdb::tools::PointSampler,
                                        openvdb::tools::BoxSampler>;
-    Grid in(typed, openvdb::ShallowCopy());
-    in.setGridClass(openvdb::GRID_UNKNOWN);  // level sets would be rebuilt
+    Grid in(openvdb::ConstPtrCast<typename Grid::TreeType>(typed.treePtr()));  // of no class: level sets would be rebuilt
+    in.setTransform(typed.transform().copy());
     Grid out(typed.background());
     out.setTransform(typed.transform().copy());
     out.transform().preTranslate(Vec3d(0.3, 0.4, 0.2));
