@@ -8,6 +8,7 @@
 #include "engine/volume/voxelise.h"
 #include "io/input.h"
 #include "io/mesh_reader.h"
+#include "tests/all_tests.h"
 #include "tests/section_parts.h"
 
 #include <gtest/gtest.h>
@@ -66,7 +67,7 @@ TEST_P(RealPair, StaysOneSolidThing) {
   const std::string from = kMeshes / pair.from, to = kMeshes / pair.to;
   if (!std::filesystem::exists(from)) GTEST_SKIP() << from << " is not there";
   const MorphPlan plan({loadObject(from).object, loadObject(to).object});
-  constexpr int kTimes = 25;
+  const int kTimes = allTests() ? 25 : 11;
   std::vector<double> volume, change;
   FloatGrid::Ptr before;
   int mostPieces = 0, genusChanges = 0, genus = 0;

@@ -4,6 +4,7 @@
 #include "engine/frame/track.h"
 #include "engine/measure/measure.h"
 #include "engine/slicemorph.h"
+#include "tests/all_tests.h"
 #include "tests/same_values.h"
 #include "tests/shapes.h"
 
@@ -154,7 +155,10 @@ Sequence billowing(unsigned seed) {
 }
 
 TEST(Sequence, AxesThatCrossAndATurningBlob) { expectNoJumps(crossing(), turning()); }
-TEST(Sequence, BillowingClouds) { expectNoJumps(billowing(1), billowing(2)); }
+TEST(Sequence, BillowingClouds) {
+  if (!allTests()) GTEST_SKIP() << "fog_test.py has clouds; SLICEMORPH_ALL_TESTS=1 runs it";
+  expectNoJumps(billowing(1), billowing(2));
+}
 
 // For comparison; too slow for every day.
 TEST(Sequence, DISABLED_PlannedAnew) {
