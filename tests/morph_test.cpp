@@ -79,6 +79,38 @@ TEST(Morph, BarTurnsByARightAngle) { expectBarTurns(90, {0, 0, 1}, {0, 0, 0}, 1)
 TEST(Morph, BarTurnsBy30MovedAndScaled) { expectBarTurns(30, {1, 2, 3}, {0.7, -1.3, 0.4}, 1.7); }
 TEST(Morph, BarTurnsBy75MovedAndScaled) { expectBarTurns(75, {1, 2, 3}, {0.7, -1.3, 0.4}, 1.7); }
 
+/// The lattice's margin is a share of the objects' size: of large voxels the band reaches beyond it.
+void expectWholeBand(double voxels) {
+  const double h = 2 / voxels;
+  const Distance bar = shapes::box({1, 0.32, 0.21}, 0.05);
+  const auto turned = [&](double degrees, double x) {
+    return shapes::placed(bar, rotationFromVector({0, 0, degrees * kPi / 180}), {x, 0, 0});
+  };
+  const MorphPlan plan({object(shapes::levelSet(turned(60, 0), shapes::cube({0, 0, 0}, 1.1), h)),
+                        object(shapes::levelSet(turned(0, 3), shapes::cube({3, 0, 0}, 1.1), h))});
+  for (double t : {0.1, 0.3, 0.5, 0.7, 0.9}) {
+    const FloatGrid::Ptr frame = plan.frame(at(t)).surface;
+    EXPECT_EQ(checks::closedAndManifold(surfaceOf(*frame)), "") << "t " << t;
+    EXPECT_EQ(measureShape(*frame).pieces, 1) << "t " << t;
+    const Distance truth = turned(60 * (1 - t), 3 * t);
+    const auto accessor = frame->getConstAccessor();
+    int missing = 0, wrongSide = 0;
+    const Vec3d middle(3 * t, 0, 0), reach(1.3);
+    const openvdb::CoordBBox box(openvdb::Coord::floor((middle - reach) / h), openvdb::Coord::ceil((middle + reach) / h));
+    for (auto c = box.begin(); c; ++c) {
+      const double d = truth(h * (*c).asVec3d());
+      // A voxel less than the half width: the surface is met to one voxel. Outside, as the bar is thinner than its band.
+      missing += d > 0 && d < (kHalfWidth - 1) * h && !accessor.isValueOn(*c);
+      wrongSide += std::abs(d) > h && (accessor.getValue(*c) < 0) != (d < 0);
+    }
+    EXPECT_EQ(missing, 0) << "t " << t;
+    EXPECT_EQ(wrongSide, 0) << "t " << t;
+  }
+}
+
+TEST(Morph, BandOfLargeVoxelsIsWhole) { expectWholeBand(48); }
+TEST(Morph, BandOfVeryLargeVoxelsIsWhole) { expectWholeBand(24); }
+
 /// By 120 degrees a bar alone could as well have turned another way; one with four knobs could not. They lie opposite
 /// each other, so that the middle stays where it is.
 TEST(Morph, UnsymmetricBarTurnsBy120) {

@@ -205,10 +205,67 @@ NodeMap MovingLattice::nodesNearSurface(const Pose& pose, const openvdb::math::T
   }
   map.foldShare = allCrossed ? double(allFolded) / double(allCrossed) : 0;
   if (allCrossed == 0) return map;
+  // The lattice's margin is a share of the objects' size; voxels may be so large that the band's cells stand out of it.
+  const bool ends = endsWithin(float((kHalfWidth + kSteepest * step * std::sqrt(3.0)) * voxel), pose);
+  if (ends) {
+    const Vec3d nodes(reach / (voxel * step));
+    box = openvdb::BBoxd(box.min() - nodes, box.max() + nodes);
+  }
   map.origin = openvdb::Coord::floor(box.min());
   map.size = openvdb::Coord::ceil(box.max()) - map.origin + openvdb::Coord(1);
   findNodes(frame, map);
+  if (ends) continueBeyond(pose, transform, reach, map);
   return map;
+}
+
+/// Whether an outermost node of the lattice is nearer to the surface than a distance in chart units.
+bool MovingLattice::endsWithin(float distance, const Pose& pose) const {
+  for (int z = 0; z < lattice_.size[2]; ++z)
+    for (int y = 0; y < lattice_.size[1]; ++y) {
+      const bool whole = z == 0 || y == 0 || z == lattice_.size[2] - 1 || y == lattice_.size[1] - 1;
+      for (int x = 0; x < lattice_.size[0]; x += whole ? 1 : lattice_.size[0] - 1)
+        if (pose.distance[lattice_.index(x, y, z)] < distance) return true;
+    }
+  return false;
+}
+
+/// Finds the nodes beyond the lattice, where its outermost nodes' displacements go on. `reach`: chart units.
+void MovingLattice::continueBeyond(const Pose& pose, const openvdb::math::Transform& transform, float reach,
+                                   NodeMap& map) const {
+  VectorField displacement(lattice_.count());
+  tbb::parallel_for(0, int(lattice_.size[2]), [&](int z) {
+    for (int y = 0; y < lattice_.size[1]; ++y)
+      for (int x = 0; x < lattice_.size[0]; ++x) {
+        const size_t i = lattice_.index(x, y, z);
+        displacement[i] = openvdb::Vec3s(pose.at[i] - lattice_.position(x, y, z));
+      }
+  });
+  const openvdb::Coord end = lattice_.size - openvdb::Coord(1);
+  const Vec3d first = lattice_.origin, last = lattice_.position(end[0], end[1], end[2]);
+  // The outermost cells are looked at, too: their tetrahedra end a little elsewhere than the trilinear field.
+  const openvdb::BBoxd inner(first + Vec3d(lattice_.spacing), last - Vec3d(lattice_.spacing));
+  tbb::parallel_for(0, int(map.size[2]), [&](int z) {
+    for (int y = 0; y < map.size[1]; ++y)
+      for (int x = 0; x < map.size[0]; ++x) {
+        const openvdb::Coord c = map.origin + openvdb::Coord(x, y, z);
+        const size_t n = map.index(c[0], c[1], c[2]);
+        if (map.known[n]) continue;
+        const Vec3d q = pose.chart.toChart(transform.indexToWorld(map.step * c.asVec3d()));
+        Vec3d s = q;
+        if (!toMiddleContinued(lattice_, displacement, q, s) || inner.isInside(s)) continue;
+        const Vec3d border = openvdb::math::minComponent(openvdb::math::maxComponent(s, first), last);
+        // The objects lie within the lattice: what is far from them at its border is further out here.
+        const openvdb::Coord nearest = openvdb::Coord::round((border - first) / lattice_.spacing);
+        if (pose.distance[lattice_.index(nearest[0], nearest[1], nearest[2])] > reach + lattice_.spacing) continue;
+        bool crossed = false;
+        for (size_t k = 0; k < objects_; ++k) {
+          const Vec3d a = sampleContinued(lattice_, chart_[k], border) + s - border;
+          crossed |= charts_[k].spread(a) <= 0;
+          map.at[n * objects_ + k] = openvdb::Vec3s(charts_[k].toWorld(a) - anchor_[k]);
+        }
+        map.known[n] = !crossed;
+      }
+  });
 }
 
 openvdb::BBoxd MovingLattice::boxOf(size_t object, const openvdb::BBoxd& world, const Pose& pose,

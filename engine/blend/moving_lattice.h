@@ -7,6 +7,9 @@
 
 namespace slicemorph {
 
+/// How much faster than a distance the blend of the objects' distances may change.
+constexpr double kSteepest = 1.3;
+
 /// Vectors at the nodes of a coarse grid over a frame's voxels; for the backward map of an in-between where each node lies
 /// on every object. Nodes far from the in-between surface are not known.
 struct NodeMap {
@@ -71,6 +74,8 @@ class MovingLattice {
   void fillBox(const openvdb::CoordBBox& box, Frame frame, const openvdb::math::Transform& transform,
                const Beyond& beyond, NodeMap& map) const;
   void rasterise(const Frame& frame, int z, Found& found) const;
+  bool endsWithin(float distance, const Pose& pose) const;
+  void continueBeyond(const Pose& pose, const openvdb::math::Transform& transform, float reach, NodeMap& map) const;
 
   Lattice lattice_;
   std::vector<Chart> charts_;

@@ -22,6 +22,45 @@ Taps catmullRom(double x) {
   return {int(f) - 1, catmullRomWeights(x - f)};
 }
 
+/// Trilinear value at a point in units of the spacing from the lattice's origin, not beyond the lattice.
+Vec3d interpolated(const Lattice& lattice, const VectorField& field, const Vec3d& q) {
+  int base[3];
+  float w[3];
+  for (int a = 0; a < 3; ++a) {
+    base[a] = std::min(int(q[a]), lattice.size[a] - 2);
+    w[a] = float(q[a] - base[a]);
+  }
+  const openvdb::Vec3s* v = &field[lattice.index(base[0], base[1], base[2])];
+  const size_t dy = lattice.size[0], dz = size_t(lattice.size[0]) * lattice.size[1];
+  const auto row = [&](size_t o) { return v[o] + (v[o + 1] - v[o]) * w[0]; };
+  const openvdb::Vec3s n0 = row(0), n1 = row(dy), f0 = row(dz), f1 = row(dz + dy);
+  const openvdb::Vec3s near = n0 + (n1 - n0) * w[1], far = f0 + (f1 - f0) * w[1];
+  return Vec3d(near + (far - near) * w[2]);
+}
+
+/// toMiddle for any displacement D(s), known on a lattice of this spacing.
+template <typename Displacement>
+bool solveMiddle(const Displacement& displacement, double spacing, const Vec3d& a, Vec3d& s) {
+  const double h = 0.5 * spacing;
+  for (int i = 0; i < 12; ++i) {
+    const Vec3d r = a - s - displacement(s);
+    if (r.length() < 1e-3 * spacing) return true;
+    Mat3d jacobian;
+    for (int axis = 0; axis < 3; ++axis) {
+      Vec3d e(0.0);
+      e[axis] = h;
+      Vec3d column = (displacement(s + e) - displacement(s - e)) / (2 * h);
+      column[axis] += 1;
+      for (int row = 0; row < 3; ++row) jacobian(row, axis) = column[row];
+    }
+    Vec3d step = jacobian.det() > 0.02 ? jacobian.inverse() * r : 0.5 * r;
+    const double longest = 2 * spacing;
+    if (step.length() > longest) step *= longest / step.length();
+    s += step;
+  }
+  return (a - s - displacement(s)).length() < 0.2 * spacing;
+}
+
 }  // namespace
 
 Lattice Lattice::over(const openvdb::BBoxd& box, double spacing) {
@@ -36,19 +75,15 @@ Lattice Lattice::over(const openvdb::BBoxd& box, double spacing) {
 
 Vec3d sampleField(const Lattice& lattice, const VectorField& field, const Vec3d& z) {
   const Vec3d q = (z - lattice.origin) / lattice.spacing;
-  int base[3];
-  float w[3];
-  for (int a = 0; a < 3; ++a) {
+  for (int a = 0; a < 3; ++a)
     if (!(q[a] >= 0) || q[a] > lattice.size[a] - 1) return Vec3d(0.0);
-    base[a] = std::min(int(q[a]), lattice.size[a] - 2);
-    w[a] = float(q[a] - base[a]);
-  }
-  const openvdb::Vec3s* v = &field[lattice.index(base[0], base[1], base[2])];
-  const size_t dy = lattice.size[0], dz = size_t(lattice.size[0]) * lattice.size[1];
-  const auto row = [&](size_t o) { return v[o] + (v[o + 1] - v[o]) * w[0]; };
-  const openvdb::Vec3s n0 = row(0), n1 = row(dy), f0 = row(dz), f1 = row(dz + dy);
-  const openvdb::Vec3s near = n0 + (n1 - n0) * w[1], far = f0 + (f1 - f0) * w[1];
-  return Vec3d(near + (far - near) * w[2]);
+  return interpolated(lattice, field, q);
+}
+
+Vec3d sampleContinued(const Lattice& lattice, const VectorField& field, const Vec3d& z) {
+  Vec3d q = (z - lattice.origin) / lattice.spacing;
+  for (int a = 0; a < 3; ++a) q[a] = std::min(std::max(q[a], 0.0), lattice.size[a] - 1.0);
+  return interpolated(lattice, field, q);
 }
 
 VectorField resampleField(const Lattice& from, const VectorField& field, const Lattice& to) {
@@ -88,24 +123,11 @@ Weights pathWeights(const Weights& weights) {
 }
 
 bool toMiddle(const Displacements& map, size_t object, const Vec3d& a, Vec3d& s) {
-  const double h = 0.5 * map.lattice.spacing;
-  for (int i = 0; i < 12; ++i) {
-    const Vec3d r = a - s - map.at(object, s);
-    if (r.length() < 1e-3 * map.lattice.spacing) return true;
-    Mat3d jacobian;
-    for (int axis = 0; axis < 3; ++axis) {
-      Vec3d e(0.0);
-      e[axis] = h;
-      Vec3d column = (map.at(object, s + e) - map.at(object, s - e)) / (2 * h);
-      column[axis] += 1;
-      for (int row = 0; row < 3; ++row) jacobian(row, axis) = column[row];
-    }
-    Vec3d step = jacobian.det() > 0.02 ? jacobian.inverse() * r : 0.5 * r;
-    const double longest = 2 * map.lattice.spacing;
-    if (step.length() > longest) step *= longest / step.length();
-    s += step;
-  }
-  return (a - s - map.at(object, s)).length() < 0.2 * map.lattice.spacing;
+  return solveMiddle([&](const Vec3d& p) { return map.at(object, p); }, map.lattice.spacing, a, s);
+}
+
+bool toMiddleContinued(const Lattice& lattice, const VectorField& displacement, const Vec3d& a, Vec3d& s) {
+  return solveMiddle([&](const Vec3d& p) { return sampleContinued(lattice, displacement, p); }, lattice.spacing, a, s);
 }
 
 MiddleGuess::MiddleGuess(const Displacements& map, size_t object)

@@ -23,6 +23,9 @@ using VectorField = std::vector<openvdb::Vec3s>;
 /// Trilinear value; zero beyond the lattice.
 Vec3d sampleField(const Lattice& lattice, const VectorField& field, const Vec3d& z);
 
+/// Trilinear value; beyond the lattice that of its nearest point.
+Vec3d sampleContinued(const Lattice& lattice, const VectorField& field, const Vec3d& z);
+
 /// The field on another lattice, by Catmull-Rom splines: no creases at the coarse nodes. Zero beyond the lattice.
 VectorField resampleField(const Lattice& from, const VectorField& field, const Lattice& to);
 
@@ -42,6 +45,9 @@ Weights pathWeights(const Weights& weights);
 
 /// Middle point of an object's chart point, by Newton's method on s + D(s) = a from a guess at s. Returns whether it is one.
 bool toMiddle(const Displacements& map, size_t object, const Vec3d& a, Vec3d& s);
+
+/// The same for one field of displacements that goes on beyond the lattice as sampleContinued.
+bool toMiddleContinued(const Lattice& lattice, const VectorField& displacement, const Vec3d& a, Vec3d& s);
 
 /// Where to start toMiddle from if a map carries points far: the middle point of the node that lies nearest on the object.
 class MiddleGuess {

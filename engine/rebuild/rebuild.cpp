@@ -12,9 +12,6 @@ namespace slicemorph {
 
 namespace {
 
-/// How much faster than a distance the blend may change: for deciding what is certainly outside the band.
-constexpr double kSteepest = 1.3;
-
 class Rebuilder {
  public:
   Rebuilder(const NodeMap& nodes, const Fields& fields, const std::vector<double>& factors,
