@@ -2,8 +2,6 @@
 
 #include "engine/errors.h"
 
-#include <boost/iostreams/device/file_descriptor.hpp>
-#include <boost/iostreams/stream.hpp>
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -11,6 +9,8 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <streambuf>
+#include <vector>
 
 namespace slicemorph {
 namespace {
@@ -37,6 +37,37 @@ void flushFolder(const std::string& path) {
 
 }  // namespace
 
+/// Puts a stream's bytes into the file; its failures are the file's.
+class AtomicFile::StreamBuffer : public std::streambuf {
+ public:
+  explicit StreamBuffer(AtomicFile& file) : file_(file), bytes_(kBuffer) { setp(bytes_.data(), bytes_.data() + bytes_.size()); }
+
+ protected:
+  int_type overflow(int_type c) override {
+    drain();
+    if (c != traits_type::eof()) *pptr() = char(c), pbump(1);
+    return traits_type::not_eof(c);
+  }
+  int sync() override {
+    drain();
+    return 0;
+  }
+  pos_type seekoff(off_type offset, std::ios::seekdir from, std::ios::openmode) override {
+    drain();
+    return pos_type(::lseek(file_.descriptor_, off_t(offset), from == std::ios::beg ? SEEK_SET : from == std::ios::cur ? SEEK_CUR : SEEK_END));
+  }
+  pos_type seekpos(pos_type to, std::ios::openmode mode) override { return seekoff(off_type(to), std::ios::beg, mode); }
+
+ private:
+  void drain() {
+    file_.writeThrough({pbase(), size_t(pptr() - pbase())});
+    setp(bytes_.data(), bytes_.data() + bytes_.size());
+  }
+
+  AtomicFile& file_;
+  std::vector<char> bytes_;
+};
+
 AtomicFile::AtomicFile(const std::string& path) : path_(path), temporary_(temporaryFor(path)) {
   descriptor_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (descriptor_ < 0) fail("cannot be created");
@@ -59,9 +90,8 @@ void AtomicFile::write(std::string_view bytes) {
 
 std::ostream& AtomicFile::stream() {
   if (!stream_) {
-    namespace io = boost::iostreams;
-    stream_ = std::make_unique<io::stream<io::file_descriptor_sink>>(
-        io::file_descriptor_sink(descriptor_, io::never_close_handle), std::streamsize(kBuffer));
+    streamBuffer_ = std::make_unique<StreamBuffer>(*this);
+    stream_ = std::make_unique<std::ostream>(streamBuffer_.get());
     stream_->exceptions(std::ios::failbit | std::ios::badbit);
   }
   return *stream_;
@@ -111,7 +141,6 @@ void AtomicFile::writeThrough(std::string_view bytes) {
 
 void AtomicFile::discard() noexcept {
   if (descriptor_ < 0) return;
-  stream_.reset();
   ::close(descriptor_);
   ::unlink(temporary_.c_str());
   descriptor_ = -1;

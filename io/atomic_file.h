@@ -20,7 +20,7 @@ class AtomicFile {
   AtomicFile& operator=(const AtomicFile&) = delete;
 
   void write(std::string_view bytes);
-  /// For writers that go back to fill in what they learn later; not together with write(). Its failures are the stream's.
+  /// For writers that go back to fill in what they learn later; not together with write(). Throws as write() does.
   std::ostream& stream();
   /// Everything from `offset` on, in parts; what was written to the stream has to be flushed.
   void read(std::uint64_t offset, const std::function<void(std::string_view)>& part);
@@ -35,6 +35,8 @@ class AtomicFile {
   std::string path_, temporary_;
   std::string buffer_;
   int descriptor_ = -1;
+  class StreamBuffer;
+  std::unique_ptr<StreamBuffer> streamBuffer_;
   std::unique_ptr<std::ostream> stream_;
 };
 

@@ -9,9 +9,11 @@
 #include <openvdb/io/File.h>
 #include <openvdb/io/GridDescriptor.h>
 
+#include <algorithm>
 #include <fstream>
 #include <map>
 #include <mutex>
+#include <string_view>
 
 namespace slicemorph {
 namespace {
@@ -61,8 +63,7 @@ class Reader : public openvdb::io::Archive {
     walker.text();
     if (version() >= kFirstWithInstances) walker.text();
     stream_.seekg(begin);
-    GridDescriptor descriptor;
-    descriptor.read(stream_);
+    GridDescriptor descriptor = readNames();
     if (!hasOffsets()) return descriptor;
     const std::int64_t here = stream_.tellg(), end = descriptor.getEndPos();
     if (descriptor.getGridPos() < here || descriptor.getBlockPos() < descriptor.getGridPos() ||
@@ -73,6 +74,23 @@ class Reader : public openvdb::io::Archive {
       throw Damaged("it is truncated: grid '" + GridDescriptor::nameAsString(descriptor.uniqueName()) +
                     "' ends at byte " + std::to_string(end) + ", the file has " + std::to_string(size_));
     }
+    return descriptor;
+  }
+
+  /// OpenVDB's own reader of descriptors refuses a file with one grid of a type that it does not know.
+  GridDescriptor readNames() {
+    constexpr std::string_view kHalf = "_HalfFloat";
+    const std::string name = openvdb::readString(stream_);
+    std::string type = openvdb::readString(stream_);
+    const bool half = type.size() > kHalf.size() && type.compare(type.size() - kHalf.size(), kHalf.size(), kHalf) == 0;
+    if (half) type.resize(type.size() - kHalf.size());
+    GridDescriptor descriptor(name, type, half);
+    if (version() >= kFirstWithInstances) descriptor.setInstanceParentName(openvdb::readString(stream_));
+    std::int64_t positions[3];
+    stream_.read(reinterpret_cast<char*>(positions), sizeof positions);
+    descriptor.setGridPos(positions[0]);
+    descriptor.setBlockPos(positions[1]);
+    descriptor.setEndPos(positions[2]);
     return descriptor;
   }
 
@@ -231,9 +249,11 @@ struct VdbFile::Impl {
   }
 
   GridBase::Ptr readDelayed(size_t index) const {
-    if (!streamed.empty()) return readConnected(index);
-    Reader(path, size).checkGrid(descriptors.at(index));
-    if (descriptors[index].isInstance()) return readConnected(index);
+    // OpenVDB's own files, which alone read with delay, have to know all types.
+    const bool known = std::all_of(descriptors.begin(), descriptors.end(),
+                                   [](const GridDescriptor& d) { return GridBase::isRegistered(d.gridType()); });
+    if (!streamed.empty() || !known || descriptors.at(index).isInstance()) return readConnected(index);
+    Reader(path, size).checkGrid(descriptors[index]);
     openvdb::io::File file(path);
     file.setCopyMaxBytes(0);
     file.open(/*delayLoad=*/true);

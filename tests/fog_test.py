@@ -11,6 +11,7 @@ import math
 import os
 import re
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
@@ -304,6 +305,33 @@ def odd_files(d):
     assert counts(d + "/t.0001.vdb") == counts(triple)
 
 
+def unknown_types(d):
+    """A grid of a type that no OpenVDB knows is left out with a line that says so; the rest goes on."""
+    good = puff((0, 0, 0), (1, 1, 1), 0.3)
+    path = write(d + "/a.vdb", good, puff((0, 0, 0), (1, 1, 1), 0.3, name="mystery"))
+    whole = open(path, "rb").read()
+    at = whole.index(b"Tree_float_5_4_3", whole.index(b"mystery"))
+    with open(path, "wb") as f:
+        f.write(whole[:at] + b"Tree_riddle_5_4_" + whole[at + 16:])
+    b = write(d + "/b.vdb", puff((2, 0, 0), (1, 1, 1), 0.3))
+    notes = run("morph", path, b, "-o", d + "/m.####.vdb", "--frames", 2).stderr
+    assert "'mystery'" in notes and "left out" in notes and "Tree_riddle_5_4_" in notes, notes
+    assert set(names(d + "/m.0002.vdb")) == {"density", "vel"}
+
+
+def order_is_kept(d):
+    """Grids come out in the order of the first input's file, then the other's, then ours."""
+    a = write(d + "/a.vdb", puff((0, 0, 0), (1, 1, 1), 0.3, name="zeta"), puff((0, 0, 0), (1, 1, 1), 0.3),
+              puff((0, 0, 0), (1, 1, 1), 0.3, name="alpha"))
+    b = write(d + "/b.vdb", puff((2, 0, 0), (1, 1, 1), 0.3, name="middle"), puff((2, 0, 0), (1, 1, 1), 0.3))
+    run("morph", a, b, "-o", d + "/m.####.vdb", "--frames", 3, "--quiet")
+    whole = open(d + "/m.0002.vdb", "rb").read()
+    # The table of contents names each grid before its data, which ends with the next one's name.
+    places = [whole.index(b"\x10\x00\x00\x00Tree_", whole.index(struct.pack("<I", len(n)) + n)) for n in
+              (b"zeta", b"density", b"alpha", b"middle", b"vel")]
+    assert places == sorted(places), places
+
+
 def mixed_pairs(d):
     """A solid becomes smoke and the other way round; --grids chooses; meshes out of fog."""
     ball = write(d + "/ball.vdb", solid(lambda x, y, z: np.sqrt(x * x + y * y + z * z) - 1, (0, 0, 0), 1.4, 0.1))
@@ -380,7 +408,8 @@ def truncated(d):
 
 
 CASES = [puff_travels, puff_turns, puff_doubles, velocity_of_a_moving_sphere, velocity_of_a_turning_bar,
-         own_velocities_are_added, gas, odd_files, mixed_pairs, sequences, truncated]
+         own_velocities_are_added, gas, odd_files, unknown_types, order_is_kept,
+         mixed_pairs, sequences, truncated]
 failed = 0
 for case in CASES:
     if ONLY and not any(name in case.__name__ for name in ONLY):

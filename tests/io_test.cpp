@@ -344,6 +344,7 @@ TEST_F(Io, GridsAreChosenByName) {
   };
   FloatGrid::Ptr far = FloatGrid::create(1e4f);
   far->fill(openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(9)), 1e4f);
+  far->tree().setValue(openvdb::Coord(60), 1e4f);  // so that it is no dense one, which comes last
   const openvdb::DoubleGrid::Ptr doubles(new openvdb::DoubleGrid(*ball(1.5)));
   doubles->setName("double");
   const auto vectors = openvdb::Vec3SGrid::create();
