@@ -189,6 +189,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 /// Bent charts, limbs and all: a plan of its own for every thread count.
 TEST(Curved, ThreadsDoNotChangeAValue) {
+  if (!allTests()) GTEST_SKIP() << "limbs_test compares threads, too; SLICEMORPH_ALL_TESTS=1 runs it";
   const Case c{"bend120", by(0), by(120)};
   const Mesh straight = bar(c, true);
   const Object a = object(straight), b = object(shapes::bent(straight, c.to));
@@ -207,7 +208,7 @@ TEST(Curved, RoundAndStoutShapesStayStraight) {
   const auto grid = [&](const shapes::Distance& d) { return Object{"shape", shapes::levelSet(d, shapes::cube({0, 0, 0}, 1.1), h)}; };
   const std::vector<Object> objects{grid(shapes::sphere({0, 0, 0}, 1)), grid(shapes::torus({0, 0, 0}, 0.7, 0.3)),
                                     grid(shapes::box({0.8, 0.8, 0.8}, 0.05))};
-  for (size_t i = 0; i < objects.size(); ++i) {
+  for (size_t i = 0; i < (allTests() ? objects.size() : 1); ++i) {
     MorphOptions straight;
     straight.spine = SpineKind::kStraight;
     const std::vector<Object> pair{objects[i], objects[(i + 1) % objects.size()]};
