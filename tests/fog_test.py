@@ -387,6 +387,13 @@ def sequences(d):
     # The second cloud stops half way, so only the frames in which both play are held to the mean.
     playing = jumps[:6]
     assert max(playing) < 1.5 * np.mean(playing), jumps
+    # Grids may come and go, and change their order.
+    extra = cloud(4, 0)
+    extra.name = "flame"
+    write(d + "/a.0005.vdb", extra, cloud(4, 0))
+    run("morph", d + "/a.####.vdb", d + "/b.####.vdb", "-o", d + "/c.####.vdb", "--frames", 6, "--quiet")
+    assert set(names(d + "/c.0005.vdb")) == {"density", "flame", "vel"} and set(names(d + "/c.0004.vdb")) == {"density", "vel"}
+    assert abs(figures(vdb.read(d + "/c.0004.vdb", "density"))[0] / figures(vdb.read(d + "/c.0005.vdb", "density"))[0] - 1) < 0.2
     error = run("morph", d + "/none.####.vdb", d + "/b.####.vdb", "-o", d + "/x.####.vdb", code=1).stderr
     assert "none.####.vdb" in error and "no such files" in error
 

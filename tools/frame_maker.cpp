@@ -43,11 +43,13 @@ void FrameMaker::moveTo(size_t index, double from, double to) {
   Stopwatch watch;
   PartProgress reading(progress_, from, from + 0.4 * (to - from)), planning(progress_, from + 0.4 * (to - from), to);
   const bool changed = inputs_.moveTo(job().inputFrame, reading);
-  append(notes_, inputs_.takeNotes());
+  // Of a sequence the first files stand for the others.
+  const std::vector<std::string> inputNotes = inputs_.takeNotes();
+  if (first) append(notes_, inputNotes);
   loadSeconds_ += watch.lap();
   if (!changed) return;
   if (progress_.cancelled()) throw Cancelled();
-  if (first) chooseGrids();
+  chooseGrids(first);
   planning.report("planning", 0);
   plan(planning);
   planSeconds_ += watch.lap();
@@ -72,11 +74,13 @@ void FrameMaker::planSlices(Progress& progress) {
   if (plan_) {
     auto next = std::make_unique<MorphPlan>(objects, *plan_, &progress);
     plan_ = std::move(next);
+    for (const std::string& note : plan_->notes())
+      if (note.rfind("planned anew", 0) == 0) notes_.push_back("frame " + std::to_string(job().number) + ": " + note);
   } else {
     plan_ = std::make_unique<MorphPlan>(objects, settings_.plan, &progress);
     if (!settings_.sliceFolder.empty()) dumpSlices(settings_.sliceFolder, plan_->slicePictures(), settings_.inputs);
+    append(notes_, plan_->notes());
   }
-  append(notes_, plan_->notes());
   makeShape_ = [this] { return plan_->frame(job().weights); };
 }
 
@@ -101,15 +105,17 @@ void FrameMaker::planLevelSet(Progress& progress) {
 }
 
 /// What the output holds: the surface, or the fog that the shapes are part of, and all grids that ride along.
-void FrameMaker::chooseGrids() {
+void FrameMaker::chooseGrids(bool first) {
   const bool toVdb = OutputName(settings_.output).extension() == ".vdb";
   const bool carries = settings_.method == Method::kSlices || settings_.method == Method::kDissolve;
   const bool anyFog = std::any_of(inputs().begin(), inputs().end(), [](const LoadedObject& input) { return input.fog; });
   fog_ = toVdb && carries && (anyFog || settings_.method == Method::kDissolve);
   surfaceWanted_ = !fog_;
+  sets_.clear();
+  shapeSet_.reset();
   if (!toVdb || !carries) return;
   GridSets found = pairGrids(inputs());
-  append(notes_, found.notes);
+  if (first) append(notes_, found.notes);
   // The grids that the shapes are made of are no riders.
   GridSet shape = shapeSet(inputs());
   if (shape.name.empty()) shape.name = "density";
@@ -126,10 +132,11 @@ void FrameMaker::chooseGrids() {
     if (std::any_of(index.begin(), index.end(), [](const auto& i) { return i.has_value(); })) sets_.push_back(found.sets[s]);
   }
   if (fog_ && !shapeSet_) shapeSet_ = 0, sets_.insert(sets_.begin(), shape);
-  if (!settings_.grids.empty()) keepAsked(settings_.grids);
+  if (!settings_.grids.empty()) keepAsked(settings_.grids, first);
 }
 
-void FrameMaker::keepAsked(std::vector<std::string> asked) {
+/// Grids that are asked for must be there in the first frame; in others of a sequence they may come and go.
+void FrameMaker::keepAsked(const std::vector<std::string>& asked, bool first) {
   std::string known = "surface";
   for (const GridSet& set : sets_) known += ", " + set.name;
   std::vector<GridSet> kept;
@@ -141,7 +148,7 @@ void FrameMaker::keepAsked(std::vector<std::string> asked) {
   }
   for (const std::string& name : asked) {
     const bool there = std::any_of(kept.begin(), kept.end(), [&](const GridSet& set) { return set.name == name; });
-    if (!there && name != "surface") throw InputError("--grids: no input has a grid '" + name + "'; there are " + known);
+    if (first && !there && name != "surface") throw InputError("--grids: no input has a grid '" + name + "'; there are " + known);
   }
   surfaceWanted_ = std::find(asked.begin(), asked.end(), "surface") != asked.end();
   if (surfaceWanted_ && settings_.method == Method::kDissolve)

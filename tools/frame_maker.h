@@ -47,8 +47,8 @@ class FrameMaker {
   void planSlices(Progress& progress);
   void planSdf();
   void planLevelSet(Progress& progress);
-  void chooseGrids();
-  void keepAsked(std::vector<std::string> asked);
+  void chooseGrids(bool first);
+  void keepAsked(const std::vector<std::string>& asked, bool first);
   Carrier carrier() const;
   openvdb::GridBase::ConstPtr density(Carrier& carrier) const;
   openvdb::GridBase::Ptr velocity(const Carrier& carrier, const openvdb::GridBase& where,
