@@ -24,7 +24,7 @@ openvdb::GridBase::ConstPtr headerOf(const VdbFile& file, size_t index) {
 
 }  // namespace
 
-GridSets pairGrids(const std::vector<LoadedObject>& inputs) {
+GridSets pairGrids(const std::vector<LoadedObject>& inputs, bool onlyNamed) {
   GridSets result;
   std::map<std::pair<std::string, int>, size_t> known;  // name and occurrence
   std::vector<std::string> types;
@@ -35,6 +35,7 @@ GridSets pairGrids(const std::vector<LoadedObject>& inputs) {
     for (size_t i = 0; i < file.entries().size(); ++i) {
       const std::string name = plainName(file.entries()[i]);
       const std::pair<std::string, int> key{name, seen[name]++};
+      if (onlyNamed && inputs[k].named && i != inputs[k].grid) continue;
       const openvdb::GridBase::ConstPtr header = headerOf(file, i);
       const std::string of = "grid '" + file.entries()[i].name + "' of " + inputs[k].object.name;
       if (!header) {

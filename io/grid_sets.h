@@ -21,8 +21,9 @@ struct GridSets {
 };
 
 /// Pairs the grids of the inputs by name, the second of several of one name with the second. Left out, with a note: grids
-/// of types that cannot be carried, and those whose type differs from the first input's of that name.
-GridSets pairGrids(const std::vector<LoadedObject>& inputs);
+/// of types that cannot be carried, and those whose type differs from the first input's of that name. `onlyNamed`: of
+/// inputs whose grid was named (`file.vdb:grid`) that one alone.
+GridSets pairGrids(const std::vector<LoadedObject>& inputs, bool onlyNamed = false);
 
 /// The set that the inputs' shapes make: their own grids whatever their names, named after the first.
 GridSet shapeSet(const std::vector<LoadedObject>& inputs);

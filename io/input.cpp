@@ -82,6 +82,7 @@ LoadedObject loadVdb(const InputName& name, const LoadOptions& options) {
       LoadedObject loaded = loadGrid(asFloatGrid(file.read(index)), options);
       loaded.file = opened;
       loaded.grid = index;
+      loaded.named = named;
       if (!named && file.entries().size() > 1) {
         loaded.notes.insert(loaded.notes.begin(), "took grid '" + grid + "' of " +
                                                       std::to_string(file.entries().size()) + passedOver);

@@ -23,6 +23,7 @@ struct LoadedObject {
   bool fog = false;                 ///< the shape is that of a fog volume
   std::shared_ptr<const VdbFile> file;  ///< null for meshes
   size_t grid = 0;                  ///< in the file, that the shape is taken from
+  bool named = false;               ///< that grid was asked for by name
 };
 
 /// Reads one input of the command line as a level set: `file.vdb`, `file.vdb:grid`, `.obj .ply .stl .off .glb`.

@@ -114,7 +114,7 @@ void FrameMaker::chooseGrids(bool first) {
   sets_.clear();
   shapeSet_.reset();
   if (!toVdb || !carries) return;
-  GridSets found = pairGrids(inputs());
+  GridSets found = pairGrids(inputs(), settings_.grids.empty());
   if (first) append(notes_, found.notes);
   // The grids that the shapes are made of are no riders.
   GridSet shape = shapeSet(inputs());
