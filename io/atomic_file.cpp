@@ -40,7 +40,7 @@ void flushFolder(const std::string& path) {
 /// Puts a stream's bytes into the file; its failures are the file's.
 class AtomicFile::StreamBuffer : public std::streambuf {
  public:
-  explicit StreamBuffer(AtomicFile& file) : file_(file), bytes_(kBuffer) { setp(bytes_.data(), bytes_.data() + bytes_.size()); }
+  explicit StreamBuffer(AtomicFile& file) : file_(file), bytes_(kBuffer) { reset(); }
 
  protected:
   int_type overflow(int_type c) override {
@@ -54,15 +54,17 @@ class AtomicFile::StreamBuffer : public std::streambuf {
   }
   pos_type seekoff(off_type offset, std::ios::seekdir from, std::ios::openmode) override {
     drain();
-    return pos_type(::lseek(file_.descriptor_, off_t(offset), from == std::ios::beg ? SEEK_SET : from == std::ios::cur ? SEEK_CUR : SEEK_END));
+    const int whence = from == std::ios::beg ? SEEK_SET : from == std::ios::cur ? SEEK_CUR : SEEK_END;
+    return pos_type(::lseek(file_.descriptor_, off_t(offset), whence));
   }
   pos_type seekpos(pos_type to, std::ios::openmode mode) override { return seekoff(off_type(to), std::ios::beg, mode); }
 
  private:
   void drain() {
     file_.writeThrough({pbase(), size_t(pptr() - pbase())});
-    setp(bytes_.data(), bytes_.data() + bytes_.size());
+    reset();
   }
+  void reset() { setp(bytes_.data(), bytes_.data() + bytes_.size()); }
 
   AtomicFile& file_;
   std::vector<char> bytes_;

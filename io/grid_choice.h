@@ -16,7 +16,8 @@ bool isScalar(const openvdb::GridBase& grid);
 size_t findGrid(const VdbFile& file, const InputName& name);
 
 /// Scalar grids in the order in which they are tried where none is named: class level set first, then `density`, then
-/// level sets that are dense by the file's statistics (domains of a simulation), unknown classes, other fog volumes. Throws InputError listing what is there where there is none.
+/// level sets that are dense by the file's statistics (domains of a simulation), unknown classes, other fog volumes.
+/// Throws InputError listing what is there where there is none.
 std::vector<size_t> gridsToTry(const VdbFile& file, const std::string& path);
 
 /// A float grid as it is, a double grid converted; null for any other.
