@@ -19,7 +19,6 @@ FrameInputs::FrameInputs(const MorphSettings& settings)
     } else {
       files_.back().push_back(input);
     }
-    length_ = std::max(length_, files_.back().size());
   }
 }
 

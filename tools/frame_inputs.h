@@ -16,9 +16,6 @@ class FrameInputs {
   /// Throws IoError where there is no file of a sequence.
   explicit FrameInputs(const MorphSettings& settings);
 
-  bool moving() const { return length_ > 1; }
-  /// Files of the longest sequence.
-  size_t length() const { return length_; }
   /// Which sequences end before a job of so many frames does, one sentence each.
   std::vector<std::string> notes(size_t frames) const;
 
@@ -31,7 +28,6 @@ class FrameInputs {
  private:
   const MorphSettings& settings_;
   std::vector<std::vector<std::string>> files_;  ///< per input
-  size_t length_ = 1;
   std::vector<std::string> open_;                ///< per input: what is loaded
   std::vector<LoadedObject> loaded_;
   std::vector<std::string> notes_;

@@ -25,6 +25,20 @@ double volumeOf(const Vec3d* p, const int* t) {
   return (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]).dot(p[t[3]] - p[t[0]]);
 }
 
+/// Calls `action(q, n)` for every node that is not known, with its chart point; it may make the node known.
+template <typename Action>
+void forUnknownNodes(const NodeMap& map, const Chart& chart, const openvdb::math::Transform& transform,
+                     const Action& action) {
+  tbb::parallel_for(0, int(map.size[2]), [&](int z) {
+    for (int y = 0; y < map.size[1]; ++y)
+      for (int x = 0; x < map.size[0]; ++x) {
+        const openvdb::Coord c = map.origin + openvdb::Coord(x, y, z);
+        const size_t n = map.index(c[0], c[1], c[2]);
+        if (!map.known[n]) action(chart.toChart(transform.indexToWorld(map.step * c.asVec3d())), n);
+      }
+  });
+}
+
 }  // namespace
 
 MovingLattice::MovingLattice(const Displacements& map, const Fields& fields, const std::vector<Chart>& charts)
@@ -244,27 +258,20 @@ void MovingLattice::continueBeyond(const Pose& pose, const openvdb::math::Transf
   const Vec3d first = lattice_.origin, last = lattice_.position(end[0], end[1], end[2]);
   // The outermost cells are looked at, too: their tetrahedra end a little elsewhere than the trilinear field.
   const openvdb::BBoxd inner(first + Vec3d(lattice_.spacing), last - Vec3d(lattice_.spacing));
-  tbb::parallel_for(0, int(map.size[2]), [&](int z) {
-    for (int y = 0; y < map.size[1]; ++y)
-      for (int x = 0; x < map.size[0]; ++x) {
-        const openvdb::Coord c = map.origin + openvdb::Coord(x, y, z);
-        const size_t n = map.index(c[0], c[1], c[2]);
-        if (map.known[n]) continue;
-        const Vec3d q = pose.chart.toChart(transform.indexToWorld(map.step * c.asVec3d()));
-        Vec3d s = q;
-        if (!toMiddleContinued(lattice_, displacement, q, s) || inner.isInside(s)) continue;
-        const Vec3d border = openvdb::math::minComponent(openvdb::math::maxComponent(s, first), last);
-        // The objects lie within the lattice: what is far from them at its border is further out here.
-        const openvdb::Coord nearest = openvdb::Coord::round((border - first) / lattice_.spacing);
-        if (pose.distance[lattice_.index(nearest[0], nearest[1], nearest[2])] > reach + lattice_.spacing) continue;
-        bool crossed = false;
-        for (size_t k = 0; k < objects_; ++k) {
-          const Vec3d a = sampleContinued(lattice_, chart_[k], border) + s - border;
-          crossed |= charts_[k].spread(a) <= 0;
-          map.at[n * objects_ + k] = openvdb::Vec3s(charts_[k].toWorld(a) - anchor_[k]);
-        }
-        map.known[n] = !crossed;
-      }
+  forUnknownNodes(map, pose.chart, transform, [&](const Vec3d& q, size_t n) {
+    Vec3d s = q;
+    if (!toMiddleContinued(lattice_, displacement, q, s) || inner.isInside(s)) return;
+    const Vec3d border = openvdb::math::minComponent(openvdb::math::maxComponent(s, first), last);
+    // The objects lie within the lattice: what is far from them at its border is further out here.
+    const openvdb::Coord nearest = openvdb::Coord::round((border - first) / lattice_.spacing);
+    if (pose.distance[lattice_.index(nearest[0], nearest[1], nearest[2])] > reach + lattice_.spacing) return;
+    bool crossed = false;
+    for (size_t k = 0; k < objects_; ++k) {
+      const Vec3d a = sampleContinued(lattice_, chart_[k], border) + s - border;
+      crossed |= charts_[k].spread(a) <= 0;
+      map.at[n * objects_ + k] = openvdb::Vec3s(charts_[k].toWorld(a) - anchor_[k]);
+    }
+    map.known[n] = !crossed;
   });
 }
 
@@ -327,16 +334,9 @@ void MovingLattice::fillBox(const openvdb::CoordBBox& box, Frame frame, const op
   map.origin = openvdb::Coord::floor(box.min().asVec3d() / map.step) - openvdb::Coord(1);
   map.size = openvdb::Coord::ceil(box.max().asVec3d() / map.step) + openvdb::Coord(2) - map.origin;
   findNodes(frame, map);
-  tbb::parallel_for(0, int(map.size[2]), [&](int z) {
-    for (int y = 0; y < map.size[1]; ++y)
-      for (int x = 0; x < map.size[0]; ++x) {
-        const openvdb::Coord c = map.origin + openvdb::Coord(x, y, z);
-        const size_t n = map.index(c[0], c[1], c[2]);
-        if (map.known[n]) continue;
-        const Vec3d q = frame.pose.chart.toChart(transform.indexToWorld(map.step * c.asVec3d()));
-        for (size_t f = 0; f < map.objects; ++f) map.at[n * map.objects + f] = beyond(q, f);
-        map.known[n] = 1;
-      }
+  forUnknownNodes(map, frame.pose.chart, transform, [&](const Vec3d& q, size_t n) {
+    for (size_t f = 0; f < map.objects; ++f) map.at[n * map.objects + f] = beyond(q, f);
+    map.known[n] = 1;
   });
 }
 

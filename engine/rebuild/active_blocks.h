@@ -55,7 +55,7 @@ ActiveBlocks::ActiveBlocks(const TreeType& tree) {
   tree.evalActiveVoxelBoundingBox(box);
   reserve(box);
   for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf)
-    if (!leaf->isEmpty()) add(leaf->getNodeBoundingBox() );
+    if (!leaf->isEmpty()) add(leaf->getNodeBoundingBox());
   auto tile = tree.cbeginValueOn();
   tile.setMaxDepth(TreeType::ValueOnCIter::LEAF_DEPTH - 1);
   for (; tile; ++tile) {

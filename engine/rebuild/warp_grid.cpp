@@ -361,19 +361,10 @@ openvdb::CoordBBox boxOf(const std::vector<CarriedGrid>& grids, const Carrying& 
   for (const CarriedGrid& g : grids) {
     const openvdb::CoordBBox active = g.grid->evalActiveVoxelBoundingBox();
     if (active.empty()) continue;
-    openvdb::BBoxd world;
-    for (int corner = 0; corner < 8; ++corner)
-      world.expand(g.grid->transform().indexToWorld(Vec3d(corner & 1 ? active.max()[0] + 1 : active.min()[0] - 1,
-                                                          corner & 2 ? active.max()[1] + 1 : active.min()[1] - 1,
-                                                          corner & 4 ? active.max()[2] + 1 : active.min()[2] - 1)));
-    if (carrying.lattice) {
-      box.expand(carrying.lattice->boxOf(g.shape, world, carrying.pose, transform));
-    } else {
-      for (int corner = 0; corner < 8; ++corner)
-        box.expand(transform.worldToIndex(Vec3d((corner & 1 ? world.max() : world.min())[0],
-                                                (corner & 2 ? world.max() : world.min())[1],
-                                                (corner & 4 ? world.max() : world.min())[2])));
-    }
+    const openvdb::BBoxd reach(active.min().asVec3d() - Vec3d(1.0), active.max().asVec3d() + Vec3d(1.0));
+    const openvdb::BBoxd world = g.grid->transform().indexToWorld(reach);
+    box.expand(carrying.lattice ? carrying.lattice->boxOf(g.shape, world, carrying.pose, transform)
+                                : transform.worldToIndex(world));
   }
   if (box.empty()) return {};
   return {openvdb::Coord::floor(box.min()), openvdb::Coord::ceil(box.max())};
