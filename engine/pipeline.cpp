@@ -24,12 +24,15 @@ struct MorphPlan::Impl {
   std::vector<size_t> shapeOf;                 ///< the distinct shape of each object; equal objects share one
   std::vector<FloatGrid::ConstPtr> levelSets;  ///< per distinct shape, as all below
   Fields fields;
+  std::vector<Fields> inner;                   ///< further surfaces, each per distinct shape; null where one has none
   Frames frames;
   Registration registration;
   std::unique_ptr<MovingLattice> lattice;
   std::vector<int> pieces;                     ///< of each shape
+  std::vector<Landmark> shapeLandmarks;        ///< the options', per distinct shape
 
   void measure(const std::vector<Object>& objects, const Impl* before, Progress& progress);
+  void measureInner(const std::vector<Object>& objects);
   void decide(Progress& progress);
   bool follow(const Impl& before, Progress& progress);
 
@@ -39,6 +42,9 @@ struct MorphPlan::Impl {
 };
 
 namespace {
+
+/// Nodes that carry images lie this share of the matching's lattice apart; without one that many on the object's diagonal.
+constexpr double kImageShare = 0.75, kImageNodes = 64;
 
 void check(const std::vector<Object>& objects, const MorphOptions& options) {
   if (objects.empty()) throw InputError("a morph needs at least one object");
@@ -51,6 +57,10 @@ void check(const std::vector<Object>& objects, const MorphOptions& options) {
   };
   range("slices", options.slices, 8, 1024);
   range("samples", options.samples, 16, 4096);
+  for (const Landmark& mark : options.landmarks)
+    if (mark.size() != objects.size())
+      throw InputError("a landmark has " + std::to_string(mark.size()) + " places for " + std::to_string(objects.size()) +
+                       " objects");
   if (options.voxelSize < 0 || !std::isfinite(options.voxelSize))
     throw InputError("voxel size is " + std::to_string(options.voxelSize) + "; it must be positive");
 }
@@ -100,14 +110,40 @@ void MorphPlan::Impl::measure(const std::vector<Object>& objects, const Impl* be
     fields[k] = std::make_shared<DistanceField>(levelSets[k]);
     pieces[k] = countPieces(*levelSets[k]);
   });
+  measureInner(objects);
+  std::vector<Landmark> landmarks;  // of the distinct shapes
+  for (const Landmark& mark : options.landmarks) {
+    landmarks.emplace_back(levelSets.size());
+    for (size_t k = objects.size(); k-- > 0;) landmarks.back()[shapeOf[k]] = mark[k];
+  }
+  shapeLandmarks = std::move(landmarks);
+}
+
+/// Surfaces that only one shape has tell nothing.
+void MorphPlan::Impl::measureInner(const std::vector<Object>& objects) {
+  size_t count = 0;
+  for (const Object& object : objects) count = std::max(count, object.inner.size());
+  for (size_t n = 0; n < count; ++n) {
+    std::vector<FloatGrid::ConstPtr> grids(levelSets.size());
+    for (size_t k = 0; k < objects.size(); ++k)
+      if (n < objects[k].inner.size() && objects[k].inner[n] && !objects[k].inner[n]->empty()) grids[shapeOf[k]] = objects[k].inner[n];
+    if (grids.size() - size_t(std::count(grids.begin(), grids.end(), nullptr)) < 2) continue;
+    Fields surface(levelSets.size());
+    tbb::parallel_for(size_t(0), surface.size(), [&](size_t k) {
+      if (grids[k]) surface[k] = std::make_shared<DistanceField>(grids[k]);
+    });
+    inner.push_back(std::move(surface));
+  }
 }
 
 void MorphPlan::Impl::decide(Progress& progress) {
   if (fields.size() < 2) return;  // nothing to match: every in-between is the one shape
   std::vector<std::string> notes = std::move(frames.notes);
-  frames = chooseFrames(fields, options, progress);
+  MorphOptions ofShapes = options;
+  ofShapes.landmarks = shapeLandmarks;
+  frames = chooseFrames(fields, ofShapes, progress);
   frames.notes.insert(frames.notes.begin(), notes.begin(), notes.end());
-  registration = registerObjects(fields, frames, options, progress);
+  registration = registerObjects(fields, inner, frames, ofShapes, progress);
   lattice = std::make_unique<MovingLattice>(registration.map, fields, frames.charts);
 }
 
@@ -124,7 +160,7 @@ bool MorphPlan::Impl::follow(const Impl& before, Progress& progress) {
     return true;
   }
   frames = trackFrames(before.frames, before.fields, fields, options.align);
-  std::optional<Registration> next = followRegistration(before.registration, fields, frames, options, progress);
+  std::optional<Registration> next = followRegistration(before.registration, fields, inner, frames, options, progress);
   if (!next) {
     frames.notes = {"planned anew: the objects are not where those of the frame before lead to, as after a cut"};
     return false;
@@ -161,8 +197,33 @@ Carrier MorphPlan::carrier(const Weights& weights) const {
   for (const auto& field : p.fields) carrier->anchors.push_back(field->anchor());
   carrier->carrying.anchor = carrier->anchors[0];
   carrier->carrying.lattice = p.lattice.get();
-  if (p.lattice) carrier->carrying.pose = p.lattice->poseAt(carrier->shapeWeights);
+  carrier->sizes.assign(p.fields.size(), 1);
+  carrier->imageSpacing = p.fields[0]->box().extents().length() / kImageNodes;
+  if (p.lattice) {
+    carrier->carrying.pose = p.lattice->poseAt(carrier->shapeWeights);
+    const Chart& chart = carrier->carrying.pose.chart;
+    for (size_t k = 0; k < p.fields.size(); ++k) carrier->sizes[k] = chart.meanScale() / p.frames.charts[k].meanScale();
+    carrier->imageSpacing = p.registration.map.lattice.spacing * chart.meanScale() * kImageShare;
+  }
   return Carrier(std::move(carrier));
+}
+
+std::vector<Vec3d> MorphPlan::correspond(const std::vector<Vec3d>& points, size_t from, size_t to) const {
+  const Impl& p = *impl_;
+  if (from >= p.shapeOf.size() || to >= p.shapeOf.size())
+    throw InputError("there is no object " + std::to_string(std::max(from, to)) + "; there are " + std::to_string(p.shapeOf.size()));
+  const size_t a = p.shapeOf[from], b = p.shapeOf[to];
+  if (a == b) return points;
+  const Displacements& map = p.registration.map;
+  const MiddleGuess guess(map, a);
+  std::vector<Vec3d> result(points.size());
+  tbb::parallel_for(size_t(0), points.size(), [&](size_t i) {
+    const Vec3d z = p.frames.charts[a].toChart(points[i]);
+    Vec3d s = guess.near(z);
+    if (!toMiddle(map, a, z, s)) s = z;  // beyond the map, where charts alone carry
+    result[i] = p.frames.charts[b].toWorld(s + map.at(b, s));
+  });
+  return result;
 }
 
 Weights MorphPlan::Impl::shapeWeights(const Weights& weights) const {

@@ -2,6 +2,7 @@
 
 #include "engine/conventions.h"
 #include "engine/progress.h"
+#include "engine/volume/image.h"
 
 #include <memory>
 #include <string>
@@ -14,7 +15,13 @@ namespace slicemorph {
 struct Object {
   std::string name;
   FloatGrid::ConstPtr levelSet;
+  /// Further surfaces, level sets by the conventions, that help to match the objects: other isovalues, labels. The n-th of
+  /// one object belongs with the n-th of the others; null, or beyond the end: it has none.
+  std::vector<FloatGrid::ConstPtr> inner = {};
 };
+
+/// The same place on every object, world.
+using Landmark = std::vector<Vec3d>;
 
 enum class SpineKind { kAuto, kStraight, kCurved };
 enum class Align { kAuto, kNone };
@@ -26,6 +33,7 @@ struct MorphOptions {
   Align align = Align::kAuto;             ///< kNone: world positions and directions are kept
   Vec3d axis{0, 0, 0};                    ///< slicing direction of the first object, world; zero: found
   double voxelSize = 0;                   ///< of every frame, world units; 0: follows the objects' own
+  std::vector<Landmark> landmarks = {};   ///< places that the map is to carry onto each other
 };
 
 /// One slice of the plan, for debug pictures: contours in chart space (x, y) and the pairs that were accepted.
@@ -46,6 +54,7 @@ struct InBetween {
 };
 
 struct CarriedGrid;
+class LabelField;
 
 struct CarryOptions {
   bool conserve = false;  ///< the sum of all values times the voxels' volume is the weighted sum of the objects' own
@@ -69,6 +78,15 @@ class Carrier {
   /// object, of sum 0): world units per that time, named "vel". Of the forward map. On the same voxels and as far around
   /// them as they get within `reach` of that time: a renderer looks velocities up where things arrive.
   openvdb::Vec3SGrid::Ptr velocity(const openvdb::GridBase& where, const Weights& rate, double reach = 0) const;
+
+  /// In-between of dense images on a lattice: sum_k w_k V_k(M_k(p)), trilinear; beyond an image its smallest value. Of the
+  /// images' own number type where they share one (whole numbers are rounded), else of one that holds all. At weight 1 it
+  /// is that image itself, resampled only where its lattice is another. `images`: one per object. Throws InputError.
+  Image carry(const std::vector<const Image*>& images, const ImageLattice& on) const;
+
+  /// In-between of label maps: at every voxel the label whose blended distance, sum_k w_k d_k(M_k(p)), lies deepest inside;
+  /// the space without a label counts as one. No gaps, no overlaps, no order of labels. `labels`: one per object.
+  Image carryLabels(const std::vector<const LabelField*>& labels, const ImageLattice& on) const;
 
   struct Impl;
   explicit Carrier(std::unique_ptr<Impl> impl);
@@ -102,6 +120,9 @@ class MorphPlan {
 
   /// For the grids that ride with the shapes; weights as frame().
   Carrier carrier(const Weights& weights) const;
+
+  /// Where what one object has at some world points is on another one.
+  std::vector<Vec3d> correspond(const std::vector<Vec3d>& points, size_t from, size_t to) const;
 
   size_t objectCount() const;
   std::vector<SlicePicture> slicePictures() const;

@@ -137,7 +137,7 @@ void writeSliceExr(const std::string& path, const Section& section, const SliceE
   writeFloats(path, header, {{"surface.sdf", section.values.data(), 1}, {"coverage", coverage.data(), 1}});
 }
 
-void writeImageExr(const std::string& path, const Image& image) {
+void writePictureExr(const std::string& path, const Picture& image) {
   std::vector<Channel> channels;
   for (size_t c = 0; c < 4; ++c) channels.push_back({std::string(1, "RGBA"[c]), image.rgba.data() + c, 4});
   writeFloats(path, Imf::Header(image.width, image.height), channels);

@@ -23,6 +23,6 @@ struct SliceExrOptions {
 void writeSliceExr(const std::string& path, const Section& section, const SliceExrOptions& options = {});
 
 /// Writes a picture as a float EXR (ZIP), channels R G B A, linear light, premultiplied. Throws IoError.
-void writeImageExr(const std::string& path, const Image& image);
+void writePictureExr(const std::string& path, const Picture& image);
 
 }  // namespace slicemorph

@@ -1,14 +1,17 @@
 #include "io/file_info.h"
 
 #include "engine/errors.h"
+#include "engine/volume/image_shape.h"
 #include "engine/volume/level_set.h"
 #include "io/grid_choice.h"
+#include "io/input.h"
 #include "io/mesh_reader.h"
 #include "io/paths.h"
 #include "io/vdb_reader.h"
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <sstream>
 
 namespace slicemorph {
@@ -143,10 +146,51 @@ VdbInfo describeVdb(const InputName& name) {
   return info;
 }
 
+ImageInfo describeImage(const ImageFile& file) {
+  constexpr const char* kTypes[] = {"uint8", "int16", "uint16", "int32", "float", "double"};
+  const ImageLattice& lattice = file.image.lattice;
+  ImageInfo info;
+  info.name = file.name, info.format = file.format, info.about = file.about, info.notes = file.notes;
+  info.volumes = file.volumes;
+  info.type = kTypes[file.image.values.index()];
+  info.size = lattice.size, info.spacing = lattice.spacing(), info.origin = lattice.origin;
+  for (int d = 0; d < 3; ++d) info.axes[d] = lattice.step[d].unit();
+  const bool any = std::visit(
+      [&](const auto& values) {
+        if (values.empty()) return false;
+        const auto [low, high] = std::minmax_element(values.begin(), values.end());
+        info.minimum = double(*low), info.maximum = double(*high);
+        return true;
+      },
+      file.image.values);
+  if (!any) {
+    info.reading = "cannot be read without --spacing X,Y,Z";
+  } else if (looksLikeLabels(file.image)) {
+    info.labels = labelsOf(file.image).size();
+    info.reading = "map of " + std::to_string(info.labels) + (info.labels == 1 ? " label" : " labels") + ", the shape is that of all";
+  } else if (info.minimum < info.maximum) {
+    std::ostringstream how;
+    how << "grey values, the shape is what is above " << otsuValue(file.image) << " (--iso sets another)";
+    info.reading = how.str();
+  } else {
+    info.reading = "all values are equal: no shape";
+  }
+  return info;
+}
+
 }  // namespace
 
-FileInfo describeFile(const std::string& input) {
+FileInfo describeFile(const std::string& input, const ImageOptions& options) {
   initialiseVdb();
+  if (isImageInput(input)) {
+    FileInfo info;
+    info.kind = FileInfo::Kind::kImage;
+    info.path = splitImageInput(input).path;
+    for (const std::string& file : filesOfInput(input)) info.bytes += std::filesystem::file_size(file);
+    for (const ImageFile& file : listImages(input, options)) info.images.push_back(describeImage(file));
+    info.format = info.images[0].format;
+    return info;
+  }
   const InputName name = splitInput(input);
   const std::string extension = extensionOf(name.path);
   FileInfo info;
@@ -154,7 +198,7 @@ FileInfo describeFile(const std::string& input) {
   info.bytes = sizeOfInput(name.path);
   if (extension != ".vdb" && !isMeshExtension(extension)) {
     throw InputError(name.path + ": cannot read the extension '" + extension +
-                     "'; use .vdb, .obj, .ply, .stl, .off or .glb");
+                     "'; use .vdb, .obj, .ply, .stl, .off, .glb or an image (.nii .nii.gz .nrrd .nhdr .mha .mhd, a DICOM folder)");
   }
   info.format = extension.substr(1);
   if (extension == ".vdb") {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/conventions.h"
+#include "io/image/image_file.h"
 
 #include <cstdint>
 #include <string>
@@ -43,18 +44,34 @@ struct VdbInfo {
   std::string chosen;            ///< the grid read when none is named; empty: none can be
 };
 
+/// One image of a file or a folder.
+struct ImageInfo {
+  std::string name;              ///< as an input selects it, for example `folder:2`
+  std::string format, about;     ///< "NIfTI" ...; what the file says of itself
+  std::string type;              ///< of its values as read: "uint8", "int16", "uint16", "int32", "float", "double"
+  openvdb::Coord size{0, 0, 0};
+  Vec3d spacing{0, 0, 0}, origin{0, 0, 0};  ///< LPS millimetres; origin: centre of the first voxel
+  Vec3d axes[3];                 ///< unit directions of i, j, k
+  int volumes = 1;               ///< times or components in the file
+  double minimum = 0, maximum = 0;
+  size_t labels = 0;             ///< of a label map; 0: grey values
+  std::vector<std::string> notes;
+  std::string reading;           ///< how it is read as a shape
+};
+
 struct FileInfo {
-  enum class Kind { kMesh, kVdb };
+  enum class Kind { kMesh, kVdb, kImage };
   Kind kind = Kind::kMesh;
   std::string path;              ///< without a `:grid` suffix
-  std::string format;            ///< "obj", "ply", "stl", "off", "glb", "vdb"
+  std::string format;            ///< "obj", "ply", "stl", "off", "glb", "vdb", "nifti" ...
   std::uint64_t bytes = 0;       ///< file size
   MeshInfo mesh;                 ///< for kMesh
+  std::vector<ImageInfo> images; ///< for kImage: the series of a folder, else one
   VdbInfo vdb;                   ///< for kVdb; of one grid only where the path names one (`file.vdb:grid`)
 };
 
 /// Describes a file without voxelising it. One unreadable grid does not hide the others: its `problem` tells why.
 /// Throws IoError and InputError as loadObject does where the file as a whole cannot be read.
-FileInfo describeFile(const std::string& path);
+FileInfo describeFile(const std::string& path, const ImageOptions& options = {});
 
 }  // namespace slicemorph

@@ -1,15 +1,21 @@
 #include "io/input.h"
 
 #include "engine/errors.h"
+#include "engine/volume/image_shape.h"
 #include "engine/volume/level_set.h"
 #include "engine/volume/voxelise.h"
 #include "io/grid_choice.h"
 #include "io/mesh_reader.h"
 #include "io/paths.h"
+#include "io/sequence.h"
 #include "io/vdb_reader.h"
 
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <sstream>
 
 namespace slicemorph {
@@ -96,6 +102,52 @@ LoadedObject loadVdb(const InputName& name, const LoadOptions& options) {
   throw GeometryError("no grid is a shape" + passedOver);
 }
 
+/// Of a level set of an image's shape, world units.
+double voxelSizeFor(const Image& image, const FloatGrid& shape, const LoadOptions& options) {
+  if (options.voxelSize > 0) return options.voxelSize;
+  const openvdb::BBoxd box = shape.transform().indexToWorld(shape.evalActiveVoxelBoundingBox());
+  const double longest = box.extents()[int(box.maxExtent())];
+  if (options.resolution) return longest / options.resolution;
+  const Vec3d spacing = image.lattice.spacing();
+  return std::max(std::min({spacing[0], spacing[1], spacing[2]}), longest / kDefaultResolution);
+}
+
+FloatGrid::Ptr levelSetOf(const FloatGrid::Ptr& shape, double iso, double voxelSize) {
+  return toLevelSet(shape, voxelSize, iso).grid;
+}
+
+LoadedObject loadImage(const std::string& input, const LoadOptions& options) {
+  ImageFile file = readImage(input, options.image);
+  LoadedObject loaded;
+  loaded.notes = std::move(file.notes);
+  loaded.image = std::make_shared<const Image>(std::move(file.image));
+  const Image& image = *loaded.image;
+  const bool isoGiven = options.isoGiven || options.iso != 0;
+  loaded.labels = options.imageKind == ImageKind::kLabels ||
+                  (options.imageKind == ImageKind::kAuto && !isoGiven && looksLikeLabels(image));
+  if (loaded.labels) {
+    const size_t count = labelsOf(image).size();
+    if (count == 0) throw GeometryError("the label map is empty: every voxel is 0");
+    loaded.notes.push_back("read as a map of " + std::to_string(count) + (count == 1 ? " label" : " labels") +
+                           (options.imageKind == ImageKind::kAuto ? " (--image grey reads grey values)" : ""));
+    const FloatGrid::Ptr shape = shapeOfLabels(image);
+    loaded.object.levelSet = levelSetOf(shape, 0.5, voxelSizeFor(image, *shape, options));
+    return loaded;
+  }
+  const double iso = loaded.iso = isoGiven ? options.iso : otsuValue(image);
+  const FloatGrid::Ptr shape = shapeAbove(image, iso);
+  const double voxelSize = voxelSizeFor(image, *shape, options);
+  loaded.object.levelSet = levelSetOf(shape, iso, voxelSize);
+  for (double further : options.furtherIsos)
+    loaded.object.inner.push_back(levelSetOf(shapeAbove(image, further), further, voxelSize));
+  if (!isoGiven) {
+    std::ostringstream note;
+    note << "its shape is what is above " << iso << " (found from its values; --iso sets another)";
+    loaded.notes.push_back(note.str());
+  }
+  return loaded;
+}
+
 /// The engine does not know the file's name: it is put in front where a message lacks it.
 template <typename Error>
 [[noreturn]] void rethrow(const std::string& path, const Error& error) {
@@ -111,10 +163,16 @@ LoadedObject loadObject(const std::string& input, const LoadOptions& options) {
   const std::string extension = extensionOf(name.path);
   try {
     checkOptions(options);
+    if (isImageInput(input)) {
+      LoadedObject loaded = loadImage(input, options);
+      loaded.object.name = input;
+      return loaded;
+    }
     if (extension != ".vdb" && !isMeshExtension(extension)) {
       sizeOfInput(name.path);  // a missing file or a folder is the better message
       throw InputError(name.path + ": cannot read the extension '" + extension +
-                       "'; use .vdb, .obj, .ply, .stl, .off or .glb");
+                       "'; use .vdb, .obj, .ply, .stl, .off, .glb, or an image: .nii .nii.gz .nrrd .nhdr .mha .mhd, a DICOM "
+                       "folder, name.####.tif|png|exr");
     }
     LoadedObject loaded = extension == ".vdb" ? loadVdb(name, options) : loadMesh(name.path, options);
     loaded.object.name = std::filesystem::path(name.path).stem().string();
@@ -126,6 +184,69 @@ LoadedObject loadObject(const std::string& input, const LoadOptions& options) {
   } catch (const std::bad_alloc&) {
     throw IoError(name.path + " cannot be read: there is not enough memory; use a larger voxel size");
   }
+}
+
+LoadOptions optionsOfInput(const LoadOptions& options, size_t input) {
+  LoadOptions own = options;
+  if (options.isosByInput.empty()) return own;
+  const std::vector<double>& isos = options.isosByInput.at(input);
+  own.iso = isos[0];
+  own.furtherIsos.assign(isos.begin() + 1, isos.end());
+  return own;
+}
+
+void addLabelSurfaces(std::vector<LoadedObject>& objects) {
+  constexpr size_t kMost = 24;
+  std::map<std::int64_t, std::pair<size_t, double>> found;  // per label: objects that have it, its volume in them
+  for (const LoadedObject& object : objects) {
+    if (!object.labels) return;
+    std::map<std::int64_t, size_t> counts;
+    std::visit([&](const auto& values) { for (const auto v : values) if (v != 0) ++counts[std::int64_t(v)]; }, object.image->values);
+    const ImageLattice& lattice = object.image->lattice;
+    const double voxel = std::abs(lattice.step[0].dot(lattice.step[1].cross(lattice.step[2])));
+    for (const auto& [label, count] : counts) ++found[label].first, found[label].second += double(count) * voxel;
+  }
+  if (found.size() < 2) return;  // the shape itself
+  std::vector<std::pair<double, std::int64_t>> shared;
+  for (const auto& [label, about] : found)
+    if (about.first > 1) shared.emplace_back(-about.second, label);
+  std::sort(shared.begin(), shared.end());
+  shared.resize(std::min(shared.size(), kMost));
+  for (LoadedObject& object : objects) {
+    const std::vector<std::int64_t> own = labelsOf(*object.image);
+    object.object.inner.assign(shared.size(), nullptr);
+    const double voxelSize = object.object.levelSet->voxelSize()[0];
+    tbb::parallel_for(size_t(0), shared.size(), [&](size_t n) {
+      if (!std::binary_search(own.begin(), own.end(), shared[n].second)) return;
+      try {
+        object.object.inner[n] = levelSetOf(shapeOfLabel(*object.image, shared[n].second), 0.5, voxelSize);
+      } catch (const GeometryError&) {  // too thin for the voxel size: it goes along with the others
+      }
+    });
+  }
+}
+
+bool isMovingInput(const std::string& input) { return isSequenceInput(input) && !isImageInput(input); }
+
+std::vector<std::string> filesOfInput(const std::string& input) {
+  namespace fs = std::filesystem;
+  std::vector<std::string> files;
+  if (isSequenceInput(input)) {
+    for (const SequenceFile& file : findSequence(splitSequenceInput(input).path)) files.push_back(file.path);
+  } else {
+    const std::string path = isImageInput(input) ? splitImageInput(input).path : splitInput(input).path;
+    std::error_code error;
+    if (isImageInput(input) && fs::is_directory(path, error)) {
+      for (const auto& entry : fs::directory_iterator(path, error))
+        if (entry.is_regular_file()) files.push_back(entry.path().string());
+      if (error || files.empty()) throw IoError(path + ": no files in this folder");
+      std::sort(files.begin(), files.end());
+      return files;
+    }
+    files.push_back(path);
+  }
+  for (const std::string& file : files) sizeOfInput(file);
+  return files;
 }
 
 }  // namespace slicemorph

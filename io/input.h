@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/slicemorph.h"
+#include "io/image/image_file.h"
 #include "io/vdb_reader.h"
 
 #include <memory>
@@ -9,12 +10,24 @@
 
 namespace slicemorph {
 
+/// How the values of an image are taken; kAuto: whole numbers from 0 that are mostly like their neighbours are labels.
+enum class ImageKind { kAuto, kGrey, kLabels };
+
 struct LoadOptions {
   double voxelSize = 0;  ///< world units; 0: `resolution` for meshes, their own for VDBs
   int resolution = 0;    ///< voxels along the longest side, 8 to 4096; 0: 256 for meshes, their own for VDBs
   double iso = 0;        ///< the surface's value in a VDB grid; 0: found from the density in fog
+  std::vector<double> furtherIsos;  ///< of an image: surfaces that steer the map beside the one at `iso`
+  bool isoGiven = false;            ///< `iso` is wanted although it is 0
+  /// By input, where they differ: the surface's value and further ones.
+  std::vector<std::vector<double>> isosByInput;
+  ImageKind imageKind = ImageKind::kAuto;
+  ImageOptions image;
   int fogResolution = 0; ///< most voxels along the longest side of the shape found in fog; 0: as many as the fog has
 };
+
+/// The options with what is said of one input alone.
+LoadOptions optionsOfInput(const LoadOptions& options, size_t input);
 
 struct LoadedObject {
   Object object;
@@ -24,11 +37,25 @@ struct LoadedObject {
   std::shared_ptr<const VdbFile> file;  ///< null for meshes
   size_t grid = 0;                  ///< in the file, that the shape is taken from
   bool named = false;               ///< that grid was asked for by name
+  std::shared_ptr<const Image> image;   ///< null for meshes and VDBs
+  bool labels = false;              ///< the image is a map of labels; the shape is that of all of them
+  double iso = 0;                   ///< the surface's value in a grey image
 };
 
-/// Reads one input of the command line as a level set: `file.vdb`, `file.vdb:grid`, `.obj .ply .stl .off .glb`.
+/// Reads one input of the command line as a level set: `file.vdb`, `file.vdb:grid`, `.obj .ply .stl .off .glb`, images (see
+/// io/image/image_file.h). The surface of a grey image is at `iso`, else at its Otsu value; its voxel size is the smallest
+/// spacing, but at most 256 voxels go along the longest side.
 /// Throws IoError (missing, unreadable, truncated, not of its format), InputError (extension, grid name, voxel size),
 /// GeometryError (open, not orientable, empty). Every message names the file.
 LoadedObject loadObject(const std::string& input, const LoadOptions& options = {});
+
+/// Gives the objects of label maps the surfaces of the labels that more than one of them has, the largest 24 of them.
+void addLabelSurfaces(std::vector<LoadedObject>& objects);
+
+/// Whether an input is another file at every frame: a numbered sequence, but not the slices of one image.
+bool isMovingInput(const std::string& input);
+
+/// The files behind an input. Throws IoError where one is missing, empty or unreadable.
+std::vector<std::string> filesOfInput(const std::string& input);
 
 }  // namespace slicemorph

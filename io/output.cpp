@@ -38,7 +38,7 @@ void checkSurfaceOutput(const std::string& path) {
   if (extension != ".vdb" && extension != ".obj" && extension != ".ply" && extension != ".stl") {
     throw InputError(path + ": cannot write " +
                      (extension.empty() ? "a file without an extension" : "the extension '" + extension + "'") +
-                     "; use .vdb, .obj, .ply or .stl");
+                     "; use .vdb, .obj, .ply, .stl, or .nii.gz, .nrrd, .mha for images");
   }
   std::filesystem::path folder = std::filesystem::path(path).parent_path();
   if (folder.empty()) folder = ".";

@@ -18,7 +18,7 @@ png_byte encode(float linear) {
   return png_byte(std::lround(255 * coded));
 }
 
-std::vector<png_byte> pixelsOf(const Image& image, bool opaque) {
+std::vector<png_byte> pixelsOf(const Picture& image, bool opaque) {
   std::vector<png_byte> pixels;
   pixels.reserve(image.rgba.size());
   for (size_t n = 0; n < image.rgba.size(); n += 4) {
@@ -29,7 +29,7 @@ std::vector<png_byte> pixelsOf(const Image& image, bool opaque) {
   return pixels;
 }
 
-bool isOpaque(const Image& image) {
+bool isOpaque(const Picture& image) {
   for (size_t n = 3; n < image.rgba.size(); n += 4) {
     if (image.rgba[n] < 1) return false;
   }
@@ -38,7 +38,7 @@ bool isOpaque(const Image& image) {
 
 }  // namespace
 
-void writePng(const std::string& path, const Image& image) {
+void writePng(const std::string& path, const Picture& image) {
   const bool opaque = isOpaque(image);
   const std::vector<png_byte> pixels = pixelsOf(image, opaque);
   png_image header = {};

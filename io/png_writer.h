@@ -8,6 +8,6 @@ namespace slicemorph {
 
 /// Writes an 8-bit sRGB PNG: RGB where alpha is 1 everywhere, else RGBA with straight alpha. Values outside
 /// 0..1 are clipped, as the format demands. The file appears whole or not at all. Throws IoError.
-void writePng(const std::string& path, const Image& image);
+void writePng(const std::string& path, const Picture& image);
 
 }  // namespace slicemorph

@@ -211,12 +211,12 @@ TEST(Exr, OtherGridsKeepTheirName) {
 
 TEST(Exr, PictureIsLinearAndWholeOrNotThere) {
   const std::string path = testing::TempDir() + "slicemorph_exr_picture.exr";
-  writeImageExr(path, {2, 1, {0.1f, 0.2f, 0.3f, 1, 4, 5, 6, 0.5f}});
+  writePictureExr(path, {2, 1, {0.1f, 0.2f, 0.3f, 1, 4, 5, 6, 0.5f}});
   Imf::InputFile file(path.c_str());
   EXPECT_EQ(readChannel(file, "R"), (std::vector<float>{0.1f, 4}));
   EXPECT_EQ(readChannel(file, "A"), (std::vector<float>{1, 0.5f}));
   std::filesystem::remove(path);
-  EXPECT_THROW(writeImageExr(testing::TempDir() + "no/such/folder/a.exr", {1, 1, {0, 0, 0, 1}}), IoError);
+  EXPECT_THROW(writePictureExr(testing::TempDir() + "no/such/folder/a.exr", {1, 1, {0, 0, 0, 1}}), IoError);
 }
 
 }  // namespace

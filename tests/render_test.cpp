@@ -21,7 +21,7 @@ FloatGrid::Ptr sphere(double radius, const Vec3d& centre, double voxelSize) {
                                                          float(voxelSize));
 }
 
-double alphaSum(const Image& image) {
+double alphaSum(const Picture& image) {
   double sum = 0;
   for (size_t n = 3; n < image.rgba.size(); n += 4) sum += image.rgba[n];
   return sum;
@@ -43,7 +43,7 @@ TEST(Render, SilhouetteHasTheAreaOfTheSphereAtAnyScale) {
     RenderOptions options;
     options.width = options.height = 200;
     options.background = false;
-    const Image image = renderSurface(*grid, frontView(centre, 50 * scale), options);
+    const Picture image = renderSurface(*grid, frontView(centre, 50 * scale), options);
     const double pixel = 50.0 / 200;
     // A quarter of a pixel all round is the error of four samples.
     EXPECT_NEAR(alphaSum(image) * pixel * pixel, kPi * 400, 2 * kPi * 20 * pixel / 4) << "scale " << scale;
@@ -55,7 +55,7 @@ TEST(Render, NormalsPointOutwards) {
   RenderOptions options;
   options.width = options.height = 101;
   options.shading = Shading::kNormals;
-  const Image image = renderSurface(*grid, frontView({5, 6, 7}, 50), options);
+  const Picture image = renderSurface(*grid, frontView({5, 6, 7}, 50), options);
   const auto normalAt = [&](int x, int y) {
     const float* p = &image.rgba[4 * (size_t(y) * 101 + x)];
     return Vec3d(2 * p[0] - 1, 2 * p[1] - 1, 2 * p[2] - 1);
@@ -76,7 +76,7 @@ TEST(Render, FrameAllSeesEveryBoxWhole) {
     options.width = 160, options.height = 120;
     options.background = false;
     for (const auto& grid : {a, b}) {
-      const Image image = renderSurface(*grid, camera, options);
+      const Picture image = renderSurface(*grid, camera, options);
       EXPECT_GT(alphaSum(image), 0.005 * image.width * image.height);
       for (int x = 0; x < image.width; ++x) {
         ASSERT_EQ(image.rgba[4 * size_t(x) + 3], 0);
@@ -109,7 +109,7 @@ TEST(Render, EmptyLevelSetGivesTheBackground) {
   grid->setGridClass(openvdb::GRID_LEVEL_SET);
   RenderOptions options;
   options.width = 8, options.height = 6;
-  const Image image = renderSurface(*grid, Camera(), options);
+  const Picture image = renderSurface(*grid, Camera(), options);
   EXPECT_EQ(alphaSum(image), 48);
   EXPECT_THROW(surfaceBox(*grid), GeometryError);
 }
@@ -130,14 +130,14 @@ TEST(Render, RefusesWhatItCannotDraw) {
   EXPECT_THROW(renderSurface(*grid, Camera()), InputError);
 }
 
-Image plain(int width, int height, float value) {
+Picture plain(int width, int height, float value) {
   return {width, height, std::vector<float>(size_t(4) * width * height, value)};
 }
 
 TEST(ContactSheet, TilesInReadingOrderWithCaptions) {
   std::vector<Tile> tiles;
   for (int n = 0; n < 5; ++n) tiles.push_back({plain(40, 30, 0.1f * float(n + 1)), n == 4 ? "t=0.25" : ""});
-  const Image sheet = contactSheet(tiles);
+  const Picture sheet = contactSheet(tiles);
   ASSERT_EQ(sheet.width, 3 * 42 - 2);
   ASSERT_EQ(sheet.height, 2 * 32 - 2);
   for (int n = 0; n < 5; ++n) {

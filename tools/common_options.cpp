@@ -4,7 +4,6 @@
 #include "io/atomic_file.h"
 #include "io/output.h"
 #include "io/paths.h"
-#include "io/sequence.h"
 
 #include <tbb/global_control.h>
 #include <unistd.h>
@@ -15,8 +14,15 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <sstream>
 
 namespace slicemorph {
+
+CLI::Validator oneOf(std::vector<std::string> choices) {
+  CLI::Validator validator = CLI::IsMember(std::move(choices));
+  validator.description("");
+  return validator;
+}
 
 std::string formatNumber(double value, int digits) {
   char text[64];
@@ -34,9 +40,48 @@ SamplingOptions addSamplingOptions(CLI::App& command, LoadOptions& options) {
                       "Voxels along the longest side of each object, 8 to 4096 (256 for meshes; VDB "
                       "inputs keep their voxel size)")
           ->type_name("N");
-  given.iso =
-      command.add_option("--iso", options.iso, "Value of the surface in a VDB grid (0; in fog found from the density)")->type_name("V");
+  given.iso = command
+                  .add_option_function<std::string>(
+                      "--iso",
+                      [&options](const std::string& text) {
+                        options.isosByInput.clear();
+                        std::istringstream parts(text);
+                        for (std::string part; std::getline(parts, part, '/');)
+                          options.isosByInput.push_back(parseNumbers("--iso", part));
+                        if (options.isosByInput.empty()) throw InputError("--iso needs a number");
+                        options = optionsOfInput(options, 0);
+                        options.isoGiven = true;
+                        if (options.isosByInput.size() == 1) options.isosByInput.clear();
+                      },
+                      "Value of the surface in a VDB grid (0; in fog found from the density) or a grey image (found from its "
+                      "values); further ones of an image help to match; a slash parts those of one input from the next's")
+                  ->type_name("V[,V...][/V...]");
+  given.image = command
+                    .add_option_function<std::string>(
+                        "--image",
+                        [&options](const std::string& kind) {
+                          options.imageKind = kind == "grey"     ? ImageKind::kGrey
+                                              : kind == "labels" ? ImageKind::kLabels
+                                                                 : ImageKind::kAuto;
+                        },
+                        "What an image's values are (auto: labels where whole numbers are mostly like their neighbours)")
+                    ->type_name("auto|grey|labels")
+                    ->check(oneOf({"auto", "grey", "labels"}));
+  given.spacing = addSpacingOption(command, options.image);
   return given;
+}
+
+CLI::Option* addSpacingOption(CLI::App& command, ImageOptions& options) {
+  const auto parse = [&options](const std::string& text) {
+    const std::vector<double> s = parseNumbers("--spacing", text);
+    if (s.size() != 3 || !(s[0] > 0 && s[1] > 0 && s[2] > 0))
+      throw InputError("--spacing " + text + ": expected three lengths above 0, X,Y,Z in millimetres");
+    options.spacing = Vec3d(s[0], s[1], s[2]);
+  };
+  return command
+      .add_option_function<std::string>("--spacing", parse,
+                                        "Of image stacks: pixel width, pixel height, gap between pictures, millimetres")
+      ->type_name("X,Y,Z");
 }
 
 void checkSampling(const LoadOptions& options, const SamplingOptions& given) {
@@ -111,11 +156,7 @@ void checkPositive(const std::string& option, double value) {
 }
 
 void checkInputExists(const std::string& input) {
-  if (isSequenceInput(input)) {
-    for (const SequenceFile& file : findSequence(splitSequenceInput(input).path)) sizeOfInput(file.path);
-  } else {
-    sizeOfInput(splitInput(input).path);
-  }
+  filesOfInput(input);
 }
 
 void writeTextFile(const std::string& path, const std::string& text) {

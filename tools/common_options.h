@@ -16,13 +16,19 @@ namespace slicemorph {
 /// A number with at most `digits` significant digits, without trailing zeros.
 std::string formatNumber(double value, int digits = 6);
 
-/// `--voxel-size`, `--resolution` and `--iso`.
+/// The choices are in the option's type already; the help need not list them twice.
+CLI::Validator oneOf(std::vector<std::string> choices);
+
+/// `--voxel-size`, `--resolution`, `--iso`, `--image` and `--spacing`.
 struct SamplingOptions {
   CLI::Option* voxelSize;
   CLI::Option* resolution;
   CLI::Option* iso;
+  CLI::Option* image;
+  CLI::Option* spacing;
 };
 SamplingOptions addSamplingOptions(CLI::App& command, LoadOptions& options);
+CLI::Option* addSpacingOption(CLI::App& command, ImageOptions& options);
 void checkSampling(const LoadOptions& options, const SamplingOptions& given);
 
 /// `--threads N`; `threads` 0: as many as the machine has.

@@ -12,7 +12,7 @@ FrameInputs::FrameInputs(const MorphSettings& settings)
     : settings_(settings), open_(settings.inputs.size()), loaded_(settings.inputs.size()) {
   for (const std::string& input : settings.inputs) {
     files_.emplace_back();
-    if (isSequenceInput(input)) {
+    if (isMovingInput(input)) {
       const InputName name = splitSequenceInput(input);
       for (const SequenceFile& file : findSequence(name.path))
         files_.back().push_back(name.grid.empty() ? file.path : file.path + ":" + name.grid);
@@ -25,7 +25,7 @@ FrameInputs::FrameInputs(const MorphSettings& settings)
 std::vector<std::string> FrameInputs::notes(size_t frames) const {
   std::vector<std::string> notes;
   for (size_t k = 0; k < files_.size(); ++k)
-    if (isSequenceInput(settings_.inputs[k]) && files_[k].size() < frames)
+    if (isMovingInput(settings_.inputs[k]) && files_[k].size() < frames)
       notes.push_back(settings_.inputs[k] + " has " + std::to_string(files_[k].size()) + " files for " +
                       std::to_string(frames) + " frames: the last one stays");
   return notes;
@@ -38,11 +38,12 @@ bool FrameInputs::moveTo(size_t frame, Progress& progress) {
     if (open_[k] == file) continue;
     if (progress.cancelled()) throw Cancelled();
     progress.report("reading", double(k) / double(files_.size()));
-    loaded_[k] = loadObject(file, settings_.load);
+    loaded_[k] = loadObject(file, optionsOfInput(settings_.load, k));
     open_[k] = file;
     changed = true;
     for (const std::string& note : loaded_[k].notes) notes_.push_back(file + ": " + note);
   }
+  if (changed) addLabelSurfaces(loaded_);
   return changed;
 }
 

@@ -3,10 +3,14 @@
 #include "engine/errors.h"
 #include "engine/peers/peers.h"
 #include "engine/rebuild/add_vectors.h"
+#include "engine/rebuild/warp_image.h"
 #include "engine/volume/fog.h"
+#include "engine/volume/image_grid.h"
 #include "io/grid_choice.h"
+#include "io/image/image_writer.h"
 #include "tools/common_options.h"
 #include "tools/dump_slices.h"
+#include "tools/image_lattice.h"
 #include "tools/stopwatch.h"
 
 #include <algorithm>
@@ -50,6 +54,7 @@ void FrameMaker::moveTo(size_t index, double from, double to) {
   if (!changed) return;
   if (progress_.cancelled()) throw Cancelled();
   chooseGrids(first);
+  prepareImages();
   planning.report("planning", 0);
   plan(planning);
   planSeconds_ += watch.lap();
@@ -109,10 +114,22 @@ void FrameMaker::chooseGrids(bool first) {
   const bool toVdb = OutputName(settings_.output).extension() == ".vdb";
   const bool carries = settings_.method == Method::kSlices || settings_.method == Method::kDissolve;
   const bool anyFog = std::any_of(inputs().begin(), inputs().end(), [](const LoadedObject& input) { return input.fog; });
+  images_ = std::all_of(inputs().begin(), inputs().end(), [](const LoadedObject& input) { return bool(input.image); }) && carries;
   fog_ = toVdb && carries && (anyFog || settings_.method == Method::kDissolve);
   surfaceWanted_ = !fog_;
   sets_.clear();
   shapeSet_.reset();
+  if (images_) {
+    const std::string name = inputs()[0].labels ? "labels" : "image";
+    const auto asked = [&](const std::string& grid) {
+      return settings_.grids.empty() || std::count(settings_.grids.begin(), settings_.grids.end(), grid) > 0;
+    };
+    for (const std::string& grid : settings_.grids)
+      if (grid != "surface" && grid != name) throw InputError("--grids: there is no grid '" + grid + "'; there are surface, " + name);
+    surfaceWanted_ = asked("surface") && settings_.method != Method::kDissolve;
+    images_ = OutputName(settings_.output).extension() != ".vdb" || asked(name);
+    return;
+  }
   if (!toVdb || !carries) return;
   GridSets found = pairGrids(inputs(), settings_.grids.empty());
   if (first) append(notes_, found.notes);
@@ -159,10 +176,53 @@ void FrameMaker::keepAsked(const std::vector<std::string>& asked, bool first) {
 
 InBetween FrameMaker::shape() const { return makeShape_(); }
 
+/// What in-between images need of the inputs.
+void FrameMaker::prepareImages() {
+  const std::string extension = OutputName(settings_.output).extension();
+  images_ = images_ && (isImageOutput(settings_.output) || extension == ".vdb");
+  if (!images_) return;
+  const bool labels = inputs()[0].labels;
+  for (size_t k = 1; k < inputs().size(); ++k)
+    if (inputs()[k].labels != labels)
+      throw InputError(settings_.inputs[labels ? 0 : k] + " is a map of labels and " + settings_.inputs[labels ? k : 0] +
+                       " holds grey values; --image grey or labels reads both alike");
+  labelFields_.clear();
+  if (labels)
+    for (const LoadedObject& input : inputs()) labelFields_.emplace_back(*input.image);
+  if (!settings_.like.empty())
+    lattice_ = readImage(settings_.like, settings_.load.image).image.lattice;
+  else
+    lattice_ = latticeAround(inputs(), notes_);
+  if (settings_.plan.voxelSize > 0 || settings_.load.resolution > 0) lattice_ = cubicLattice(lattice_, settings_.load);
+}
+
+double FrameMaker::iso() const {
+  double iso = 0;
+  for (size_t k = 0; k < inputs().size(); ++k) iso += job().weights[k] * inputs()[k].iso;
+  return iso;
+}
+
+Image FrameMaker::image() const {
+  const Carrier carrier = this->carrier();
+  if (!inputs()[0].labels) {
+    std::vector<const Image*> images;
+    for (const LoadedObject& input : inputs()) images.push_back(input.image.get());
+    return carrier.carry(images, lattice_);
+  }
+  // The inputs themselves are not made anew.
+  for (size_t k = 0; k < inputs().size(); ++k)
+    if (job().weights[k] == 1) return nearestTo(*inputs()[k].image, lattice_);
+  std::vector<const LabelField*> fields;
+  for (const LabelField& field : labelFields_) fields.push_back(&field);
+  return carrier.carryLabels(fields, lattice_);
+}
+
 MorphFrame FrameMaker::make() const {
   MorphFrame frame;
   const bool carries = shapeSet_ || !sets_.empty() || settings_.velocity.wanted();
-  if (surfaceWanted_ || !settings_.report.empty()) frame.shape = makeShape_();
+  const bool toImage = isImageOutput(settings_.output);
+  if ((surfaceWanted_ && !toImage) || !settings_.reports.empty()) frame.shape = makeShape_();
+  if (images_) frame.image = image();
   if (OutputName(settings_.output).extension() != ".vdb") return frame;
   bool half = true;
   for (const LoadedObject& input : inputs()) half = half && input.halfFloat;
@@ -172,6 +232,11 @@ MorphFrame FrameMaker::make() const {
     options.vdb.framesPerSecond = settings_.framesPerSecond;
     options.vdb.frame = job().number;
     frame.grids.push_back(surfaceGrid(*frame.shape.surface, options));
+  }
+  if (frame.image) {
+    const bool labels = inputs()[0].labels;
+    frame.grids.push_back(gridOf(*frame.image, labels ? "labels" : "image", labels));
+    frame.image.reset();
   }
   if (!carries || settings_.method == Method::kSdf || settings_.method == Method::kLevelSet) return frame;
   Carrier carrier = this->carrier();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/slicemorph.h"
+#include "engine/volume/label_field.h"
 #include "io/grid_sets.h"
 #include "tools/frame_inputs.h"
 #include "tools/morph_settings.h"
@@ -18,6 +19,7 @@ namespace slicemorph {
 struct MorphFrame {
   InBetween shape;                  ///< surface null with --method dissolve
   openvdb::GridCPtrVec grids;       ///< of a VDB output, in the file's order
+  std::optional<Image> image;       ///< of an image output
 };
 
 /// Makes the frames of a job, whatever its method: reads the inputs, plans, carries the grids.
@@ -38,6 +40,10 @@ class FrameMaker {
   VdbOutput fileOptions() const;
   /// What was found, decided, left out since the last call, one sentence each.
   std::vector<std::string> takeNotes();
+  /// Null but with --method slices.
+  const MorphPlan* slicePlan() const { return plan_.get(); }
+  /// The surface's value in the grey image of the frame moved to.
+  double iso() const;
   std::optional<double> restDistance() const { return restDistance_; }
   double loadSeconds() const { return loadSeconds_; }
   double planSeconds() const { return planSeconds_; }
@@ -54,6 +60,8 @@ class FrameMaker {
   openvdb::GridBase::Ptr velocity(const Carrier& carrier, const openvdb::GridBase& where,
                                   const openvdb::GridCPtrVec& grids) const;
   double voxelSize() const;
+  void prepareImages();
+  Image image() const;
   const FrameJob& job() const { return settings_.frames[index_]; }
 
   const MorphSettings& settings_;
@@ -64,6 +72,9 @@ class FrameMaker {
   bool surfaceWanted_ = true;       ///< as a grid of the output
   std::optional<size_t> shapeSet_;  ///< of sets_, where the result is a fog volume
   std::vector<GridSet> sets_;
+  bool images_ = false;             ///< all inputs are images, and the result shows their values
+  ImageLattice lattice_;            ///< of in-between images
+  std::vector<LabelField> labelFields_;
   std::unique_ptr<MorphPlan> plan_;
   std::function<InBetween()> makeShape_;
   std::vector<std::string> notes_;

@@ -1,6 +1,7 @@
 #include "tools/info_command.h"
 
 #include "io/file_info.h"
+#include "io/input.h"
 #include "tools/common_options.h"
 
 #include <nlohmann/json.hpp>
@@ -51,9 +52,29 @@ Json describeGrid(const GridInfo& g) {
   return json;
 }
 
+Json describeImage(const ImageInfo& i) {
+  return {{"name", i.name},
+          {"format", i.format},
+          {"about", i.about},
+          {"type", i.type},
+          {"size", {i.size[0], i.size[1], i.size[2]}},
+          {"spacing", toJson(i.spacing)},
+          {"origin", toJson(i.origin)},
+          {"axes", {toJson(i.axes[0]), toJson(i.axes[1]), toJson(i.axes[2])}},
+          {"volumes", i.volumes},
+          {"minimum", i.minimum},
+          {"maximum", i.maximum},
+          {"labels", i.labels},
+          {"reading", i.reading},
+          {"notes", i.notes}};
+}
+
 void printJson(const FileInfo& info) {
   Json json = {{"file", info.path}, {"format", info.format}, {"bytes", info.bytes}};
-  if (info.kind == FileInfo::Kind::kMesh) {
+  if (info.kind == FileInfo::Kind::kImage) {
+    json["images"] = Json::array();
+    for (const ImageInfo& image : info.images) json["images"].push_back(describeImage(image));
+  } else if (info.kind == FileInfo::Kind::kMesh) {
     json["mesh"] = describeMesh(info.mesh);
   } else {
     json["fileVersion"] = info.vdb.fileVersion;
@@ -97,12 +118,29 @@ void printGrid(const GridInfo& g, bool chosen) {
   if (!g.problem.empty()) printLine("problem", g.problem);
 }
 
+void printImage(const ImageInfo& i) {
+  std::printf("image %s%s%s\n", i.name.c_str(), i.about.empty() ? "" : ": ", i.about.c_str());
+  printLine("voxels", std::to_string(i.size[0]) + " x " + std::to_string(i.size[1]) + " x " + std::to_string(i.size[2]) + ", " + i.type +
+                          (i.volumes > 1 ? ", one of " + std::to_string(i.volumes) + " volumes" : ""));
+  printLine("spacing", toText(i.spacing) + " mm");
+  printLine("origin", toText(i.origin) + " (LPS)");
+  for (int d = 0; d < 3; ++d) printLine(d == 0 ? "axes" : "", toText(i.axes[d]));
+  printLine("values", formatNumber(i.minimum) + " .. " + formatNumber(i.maximum));
+  printLine("read as", i.reading);
+  for (const std::string& note : i.notes) printLine("on reading", note);
+}
+
 void printText(const FileInfo& info) {
   std::printf("%s: %s, %llu bytes", info.path.c_str(), info.format.c_str(),
               static_cast<unsigned long long>(info.bytes));
   if (info.kind == FileInfo::Kind::kMesh) {
     std::printf("\n");
     printMesh(info.mesh);
+    return;
+  }
+  if (info.kind == FileInfo::Kind::kImage) {
+    std::printf("\n");
+    for (const ImageInfo& image : info.images) printImage(image);
     return;
   }
   std::printf(", file version %u, written by OpenVDB %s\n", info.vdb.fileVersion,
@@ -115,15 +153,19 @@ void printText(const FileInfo& info) {
 void addInfoCommand(CLI::App& program) {
   struct InfoSettings {
     std::string input;
+    LoadOptions load;
     bool json = false;
   };
   CLI::App* command = program.add_subcommand("info", "What a file holds, and how it will be read");
   const auto s = std::make_shared<InfoSettings>();
-  command->add_option("INPUT", s->input, "File: .vdb (file.vdb:grid for one grid) .obj .ply .stl .off .glb")
+  command->add_option("INPUT", s->input, "File: .vdb (file.vdb:grid for one grid) .obj .ply .stl .off .glb, or an image: .nii .nii.gz "
+                  ".nrrd .nhdr .mha .mhd (file:N for one of its volumes), a DICOM folder (folder:N for a series), "
+                  "name.####.tif|png|exr")
       ->required();
+  addSpacingOption(*command, s->load.image);
   command->add_flag("--json", s->json, "Print JSON");
   command->callback([s] {
-    const FileInfo info = describeFile(s->input);
+    const FileInfo info = describeFile(s->input, s->load.image);
     if (s->json)
       printJson(info);
     else

@@ -27,6 +27,8 @@ const char* describe(JobType type) {
       return "a number or a list of numbers";
     case JobType::kTexts:
       return "a list of texts in quotes";
+    case JobType::kPlaces:
+      return "a text in quotes or a list of landmarks, each with a place [x, y, z] for every input";
   }
   return "";
 }
@@ -72,12 +74,31 @@ std::vector<std::string> spell(const toml::node& node, JobType type) {
     }
     case JobType::kTexts: {
       std::vector<std::string> texts;
+      if (const auto* text = node.as_string()) return {text->get()};
       if (const auto* array = node.as_array())
         for (const auto& item : *array) {
           if (!item.is_string()) return {};
           texts.push_back(item.as_string()->get());
         }
       return texts;
+    }
+    case JobType::kPlaces: {
+      if (const auto* text = node.as_string()) return {text->get()};
+      std::string joined;
+      if (const auto* marks = node.as_array())
+        for (const auto& mark : *marks) {
+          if (!mark.is_array()) return {};
+          joined += joined.empty() ? "" : ";";
+          std::string places;
+          for (const auto& place : *mark.as_array()) {
+            const std::vector<std::string> numbers = spell(place, JobType::kNumbers);
+            if (!place.is_array() || numbers.empty()) return {};
+            places += (places.empty() ? "" : "=") + numbers[0];
+          }
+          joined += places;
+        }
+      if (joined.empty()) break;
+      return {joined};
     }
   }
   return {};

@@ -1,6 +1,7 @@
 #include "tools/morph_command.h"
 
 #include "engine/errors.h"
+#include "io/image/image_writer.h"
 #include "io/vdb_writer.h"
 #include "tools/common_options.h"
 #include "tools/frame_maker.h"
@@ -77,7 +78,7 @@ class FrameRun {
   const std::vector<std::string>& notes() const { return notes_; }
 
  private:
-  bool measured() const { return !settings_.report.empty(); }
+  bool measured() const { return !settings_.reports.empty(); }
   bool isDone(size_t i) const {
     const FrameJob& job = settings_.frames[i];
     return log_.has(job) && (!measured() || log_.row(job).is_object());
@@ -99,7 +100,9 @@ class FrameRun {
     figures.seconds.evaluate = watch.lap();
     if (measured()) measure(frame, figures);
     figures.seconds.measure = watch.lap();
-    if (frame.grids.empty()) {
+    if (frame.image) {
+      writeImage(job.path, *frame.image);
+    } else if (frame.grids.empty()) {
       writeSurface(job.path, *frame.shape.surface);
     } else {
       VdbOutput options = maker_.fileOptions();
@@ -116,6 +119,8 @@ class FrameRun {
 
   void measure(const MorphFrame& frame, FrameFigures& figures) {
     for (const GridBase::ConstPtr& grid : frame.grids) figures.grids.push_back(figuresOf(*grid));
+    if (frame.image && maker_.inputs()[0].labels) figures.labels = measureLabels(*frame.image);
+    if (frame.image && !maker_.inputs()[0].labels) figures.labels = {measureAbove(*frame.image, maker_.iso())};
     figures.voxelSize = frame.grids.empty() ? 0 : frame.grids[0]->voxelSize()[0];
     const FloatGrid::ConstPtr surface = frame.shape.surface;
     if (!surface) return;
@@ -149,19 +154,23 @@ void runMorph(const MorphSettings& settings) {
   FrameRun run(settings, maker, progress);
   ReportParts report;
   report.frames = run.run();
-  if (settings.report.empty()) return;
+  if (settings.reports.empty()) return;
   for (const LoadedObject& input : maker.inputs()) report.inputs.push_back(measureShape(*input.object.levelSet));
   report.notes = run.notes();
   report.loadSeconds = maker.loadSeconds(), report.planSeconds = maker.planSeconds();
   report.restDistance = maker.restDistance();
-  writeReport(settings, report);
+  if (const MorphPlan* plan = maker.slicePlan()) {
+    if (!settings.plan.landmarks.empty()) report.landmarks = landmarkErrors(settings.plan.landmarks, *plan);
+    if (!settings.checkLandmarks.empty()) report.checkLandmarks = landmarkErrors(settings.checkLandmarks, *plan);
+  }
+  writeReports(settings, report);
 }
 
 }  // namespace
 
 void addMorphCommand(CLI::App& program) {
   CLI::App* command =
-      program.add_subcommand("morph", "Morph shapes and fog volumes into each other: a sequence, or one blend");
+      program.add_subcommand("morph", "Morph shapes, fog volumes or images into each other: a sequence, or one blend");
   const auto options = std::make_shared<MorphOptionSet>(*command);
   command->callback([options] { runMorph(options->settings()); });
 }

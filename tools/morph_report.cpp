@@ -65,6 +65,14 @@ Json describeJob(const MorphSettings& s) {
   job["spine"] = s.plan.spine == SpineKind::kStraight ? "straight" : s.plan.spine == SpineKind::kCurved ? "curved" : "auto";
   job["align"] = s.plan.align == Align::kNone ? "none" : "auto";
   job["fps"] = s.framesPerSecond;
+  job["image"] = s.load.imageKind == ImageKind::kGrey ? "grey" : s.load.imageKind == ImageKind::kLabels ? "labels" : "auto";
+  job["furtherIsos"] = s.load.furtherIsos;
+  job["isosByInput"] = s.load.isosByInput;
+  job["spacing"] = {s.load.image.spacing[0], s.load.image.spacing[1], s.load.image.spacing[2]};
+  job["like"] = s.like;
+  job["landmarks"] = Json::array();
+  for (const Landmark& mark : s.plan.landmarks)
+    for (const Vec3d& p : mark) job["landmarks"].push_back({p[0], p[1], p[2]});
   job["grids"] = s.grids;
   job["conserve"] = s.conserve;
   job["velocity"] = {{"name", s.velocity.name}, {"unit", s.velocity.perFrame ? "frame" : "second"}, {"add", s.velocity.add}};
@@ -93,6 +101,16 @@ Json describeFrame(const FrameJob& job, const FrameFigures& figures,
   frame["grids"] = Json::array();
   for (const GridFigures& g : figures.grids)
     frame["grids"].push_back({{"name", g.name}, {"activeVoxels", g.activeVoxels}, {"total", orNull(g.total)}, {"peak", orNull(g.peak)}});
+  if (!figures.labels.empty()) {
+    frame["labels"] = Json::array();
+    for (const LabelMeasures& m : figures.labels)
+      frame["labels"].push_back({{"label", m.label},
+                                 {"voxels", m.voxels},
+                                 {"volumeMl", m.volume / 1000},
+                                 {"areaMm2", m.area},
+                                 {"extentsMm", {m.extents[0], m.extents[1], m.extents[2]}},
+                                 {"centroidMm", {m.centroid[0], m.centroid[1], m.centroid[2]}}});
+  }
   frame["symmetricDifference"] = orNull(figures.symmetricDifference);
   frame["seconds"] = {{"evaluate", figures.seconds.evaluate},
                       {"measure", figures.seconds.measure},
@@ -100,7 +118,55 @@ Json describeFrame(const FrameJob& job, const FrameFigures& figures,
   return frame;
 }
 
-void writeReport(const MorphSettings& settings, const ReportParts& parts) {
+LandmarkErrors landmarkErrors(const std::vector<Landmark>& landmarks, const MorphPlan& plan) {
+  LandmarkErrors e;
+  std::vector<Vec3d> points;
+  for (const Landmark& mark : landmarks) points.push_back(mark.front());
+  const std::vector<Vec3d> arrived = plan.correspond(points, 0, plan.objectCount() - 1);
+  std::vector<double> off;
+  e.count = landmarks.size();
+  for (size_t i = 0; i < landmarks.size(); ++i) {
+    off.push_back((arrived[i] - landmarks[i].back()).length());
+    e.before += (points[i] - landmarks[i].back()).length() / double(e.count);
+    e.mean += off.back() / double(e.count);
+  }
+  std::sort(off.begin(), off.end());
+  e.median = off[off.size() / 2], e.most = off.back();
+  return e;
+}
+
+namespace {
+
+Json describe(const LandmarkErrors& e) {
+  return {{"count", e.count}, {"meanDistanceBefore", e.before}, {"mean", e.mean}, {"median", e.median}, {"max", e.most}};
+}
+
+/// A line for every label of every frame, or for the frame's shape.
+std::string asTable(const std::vector<Json>& frames) {
+  std::string text = "frame,t,file,label,voxels,volume_ml,area_mm2,extent_i_mm,extent_j_mm,extent_k_mm,x_mm,y_mm,z_mm\n";
+  const auto number = [](const Json& value) { return value.is_null() ? std::string() : value.dump(); };
+  for (const Json& frame : frames) {
+    std::string file = frame["file"];
+    for (size_t at = 0; (at = file.find('"', at)) != std::string::npos; at += 2) file.insert(at, 1, '"');
+    const std::string head = number(frame["frame"]) + "," + number(frame["t"]) + ",\"" + file + "\",";
+    if (!frame.contains("labels")) {
+      const Json& volume = frame["volume"];
+      text += head + ",," + (volume.is_null() ? "" : Json(volume.get<double>() / 1000).dump()) + "," + number(frame["area"]) + ",,,,,,\n";
+      continue;
+    }
+    for (const Json& l : frame["labels"]) {
+      text += head + number(l["label"]) + "," + number(l["voxels"]) + "," + number(l["volumeMl"]) + "," + number(l["areaMm2"]);
+      for (const char* key : {"extentsMm", "centroidMm"})
+        for (int d = 0; d < 3; ++d) text += "," + number(l[key][d]);
+      text += "\n";
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+void writeReports(const MorphSettings& settings, const ReportParts& parts) {
   Json report;
   report["settings"] = describeJob(settings);
   report["inputs"] = Json::array();
@@ -112,13 +178,18 @@ void writeReport(const MorphSettings& settings, const ReportParts& parts) {
   report["notes"] = parts.notes;
   report["frames"] = parts.frames;
   report["summary"] = summarise(parts.frames);
+  if (parts.landmarks) report["landmarks"] = describe(*parts.landmarks);
+  if (parts.checkLandmarks) report["checkLandmarks"] = describe(*parts.checkLandmarks);
   if (parts.restDistance) report["summary"]["restDistanceVoxels"] = *parts.restDistance;
   rusage usage = {};
   getrusage(RUSAGE_SELF, &usage);
   report["seconds"] = {{"load", parts.loadSeconds}, {"plan", parts.planSeconds}};
   report["peakMemoryBytes"] = std::int64_t(usage.ru_maxrss) * 1024;
   // Names of files need not be UTF-8.
-  writeTextFile(settings.report, report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  for (const std::string& path : settings.reports)
+    writeTextFile(path, OutputName(path).extension() == ".csv"
+                            ? asTable(parts.frames)
+                            : report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace slicemorph

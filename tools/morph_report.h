@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/measure/label_measures.h"
 #include "engine/measure/measure.h"
 #include "tools/morph_settings.h"
 
@@ -25,6 +26,7 @@ struct FrameFigures {
   double voxelSize = 0, foldShare = 0;
   std::optional<ShapeMeasures> shape;  ///< none where the method makes no surface
   std::vector<GridFigures> grids;      ///< of VDB outputs
+  std::vector<LabelMeasures> labels;   ///< of images: each label, or what is above the surface's value
   std::optional<double> symmetricDifference;  ///< to the frame before, world units cubed
   FrameSeconds seconds;
 };
@@ -36,15 +38,23 @@ nlohmann::ordered_json describeJob(const MorphSettings& settings);
 nlohmann::ordered_json describeFrame(const FrameJob& job, const FrameFigures& figures,
                                      const std::vector<ShapeMeasures>& inputs);
 
+/// How far from where they should be landmarks of the first object arrive on the last one, world units.
+struct LandmarkErrors {
+  size_t count = 0;
+  double before = 0, mean = 0, median = 0, most = 0;  ///< before: mean distance of the places as given
+};
+LandmarkErrors landmarkErrors(const std::vector<Landmark>& landmarks, const MorphPlan& plan);
+
 struct ReportParts {
   std::vector<std::string> notes;
   std::vector<ShapeMeasures> inputs;
   std::vector<nlohmann::ordered_json> frames;
   double loadSeconds = 0, planSeconds = 0;
   std::optional<double> restDistance;  ///< of --method levelset, voxels
+  std::optional<LandmarkErrors> landmarks, checkLandmarks;
 };
 
-/// Writes the report, whole or not at all. Throws IoError.
-void writeReport(const MorphSettings& settings, const ReportParts& parts);
+/// Writes the reports, each whole or not at all. Throws IoError.
+void writeReports(const MorphSettings& settings, const ReportParts& parts);
 
 }  // namespace slicemorph

@@ -1,10 +1,13 @@
 #include "tools/morph_settings.h"
 
 #include "engine/errors.h"
+#include "io/image/image_writer.h"
 #include "io/paths.h"
 #include "io/sequence.h"
 #include "tools/common_options.h"
+#include "tools/image_lattice.h"
 #include "tools/job_file.h"
+#include "tools/landmarks.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +20,8 @@ namespace slicemorph {
 struct MorphOptionSet::Values {
   std::vector<std::string> inputs;
   std::string output, at, weights, axis = "auto", spine = "auto", align = "auto", method = "slices", grids,
-                                   report, config, sliceFolder;
+                                   config, sliceFolder, like, landmarks, checkLandmarks;
+  std::vector<std::string> reports;
   int frames = 24, threads = 0;
   LoadOptions load;
   MorphOptions plan;
@@ -26,7 +30,7 @@ struct MorphOptionSet::Values {
   bool quiet = false, resume = false, conserve = false, addVelocity = false;
 
   SamplingOptions sampling;
-  CLI::Option *inputsGiven, *outputGiven, *framesGiven, *atGiven, *weightsGiven, *threadsGiven, *gridsGiven;
+  CLI::Option *inputsGiven, *outputGiven, *framesGiven, *atGiven, *weightsGiven, *threadsGiven, *gridsGiven, *velocityGiven;
   std::vector<JobOption> jobOptions;
 };
 
@@ -75,13 +79,6 @@ std::vector<double> frameTimes(const std::string& at, bool atGiven, int frames) 
 /// Voxels along the longest side of shapes found in fog.
 constexpr int kFogResolution = 160;
 
-/// The choices are in the option's type already; the help need not list them twice.
-CLI::Validator oneOf(std::vector<std::string> choices) {
-  CLI::Validator validator = CLI::IsMember(std::move(choices));
-  validator.description("");
-  return validator;
-}
-
 Method methodOf(const std::string& name) {
   if (name == "sdf") return Method::kSdf;
   if (name == "levelset") return Method::kLevelSet;
@@ -101,7 +98,7 @@ std::vector<std::string> parseNames(const std::string& option, const std::string
 size_t lengthOfInputs(const std::vector<std::string>& inputs) {
   size_t length = 1;
   for (const std::string& input : inputs)
-    if (isSequenceInput(input)) length = std::max(length, findSequence(splitSequenceInput(input).path).size());
+    if (isMovingInput(input)) length = std::max(length, findSequence(splitSequenceInput(input).path).size());
   return length;
 }
 
@@ -144,12 +141,14 @@ MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Val
       remember("inputs", JobType::kTexts,
                command.add_option("INPUT", v.inputs,
                                   "Two or more shapes or fog volumes: .vdb (file.vdb:grid picks a grid, "
-                                  "name.####.vdb is a sequence) .obj .ply .stl .off .glb; more than two follow each "
-                                  "other in time"));
+                                  "name.####.vdb is a sequence) .obj .ply .stl .off .glb; or images: .nii .nii.gz .nrrd "
+                                  ".nhdr .mha .mhd (file:N), DICOM folders (folder:N), name.####.tif|png|exr; more than "
+                                  "two follow each other in time"));
   v.outputGiven = remember("output", JobType::kText,
                            command
                                .add_option("-o,--output", v.output,
-                                           "Result: .vdb .obj .ply or .stl; #### stands for the frame number")
+                                           "Result: .vdb .obj .ply or .stl, of images also .nii .nii.gz .nrrd .mha; #### stands "
+                                       "for the frame number")
                                ->type_name("OUTPUT"));
   v.framesGiven = add("frames", v.frames, JobType::kInteger,
                       "Frames 1 to N, the first input at 1, the last at N (24; as many as input sequences have)", "N", "time");
@@ -159,7 +158,14 @@ MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Val
   v.sampling = addSamplingOptions(command, v.load);
   remember("voxel-size", JobType::kNumber, v.sampling.voxelSize, "sampling");
   remember("resolution", JobType::kInteger, v.sampling.resolution, "sampling");
-  remember("iso", JobType::kNumber, v.sampling.iso);
+  remember("iso", JobType::kNumbers, v.sampling.iso);
+  remember("image", JobType::kText, v.sampling.image);
+  remember("spacing", JobType::kNumbers, v.sampling.spacing);
+  add("like", v.like, JobType::kText, "Put in-between images on the voxels of this one (those of the first input, and more where shapes reach beyond)", "IMAGE");
+  add("landmarks", v.landmarks, JobType::kPlaces,
+      "Places to be carried onto each other: a file of points per input, or in a job file [[[x,y,z],[x,y,z]], ...]",
+      "FILE,FILE[,...]");
+  add("check-landmarks", v.checkLandmarks, JobType::kPlaces, "Places that are only measured, for the report", "FILE,FILE[,...]");
   add("slices", v.plan.slices, JobType::kInteger, "Slices per object, 8 to 1024 (96)", "N");
   add("samples", v.plan.samples, JobType::kInteger, "Points per contour, 16 to 4096 (128)", "N");
   add("axis", v.axis, JobType::kText, "Slicing direction of the first input (auto)", "auto|x|y|z|DX,DY,DZ");
@@ -178,7 +184,7 @@ MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Val
   remember("conserve", JobType::kFlag,
            command.add_flag("--conserve", v.conserve,
                             "Thin and thicken fog so that its total goes straight from the one to the other"));
-  add("velocity", v.velocity, JobType::kText, "Name of the velocity grid of VDB outputs; none: without (vel)", "NAME|none");
+  v.velocityGiven = add("velocity", v.velocity, JobType::kText, "Name of the velocity grid of VDB outputs; none: without (vel; none for images)", "NAME|none");
   add("velocity-unit", v.velocityUnit, JobType::kText, "World units per second or per frame (second)", "second|frame")
       ->check(oneOf({"second", "frame"}));
   remember("add-velocity", JobType::kFlag,
@@ -186,7 +192,11 @@ MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Val
                             "Add the inputs' own velocities (vel, v, velocity; world units per second), morphed"));
   add("fps", v.framesPerSecond, JobType::kNumber, "Frames per second, for velocities and metadata (24)", "F");
   v.threadsGiven = remember("threads", JobType::kInteger, addThreadsOption(command, v.threads));
-  add("report", v.report, JobType::kText, "Measure every frame and write the figures", "FILE.json");
+  remember("report", JobType::kTexts,
+           command.add_option("--report", v.reports,
+                              "Measure every frame and write the figures; .csv: of every label or shape a line a frame")
+               ->type_name("FILE.json|FILE.csv")
+               ->allow_extra_args(false));
   add("dump-slices", v.sliceFolder, JobType::kText,
       "Draw the slices with their contours and pairs, one SVG each", "DIR");
   remember("resume", JobType::kFlag,
@@ -211,17 +221,24 @@ MorphSettings MorphOptionSet::settings() {
 
   MorphSettings s;
   s.inputs = v.inputs, s.output = v.output, s.load = v.load, s.plan = v.plan;
-  s.framesPerSecond = v.framesPerSecond, s.report = v.report, s.sliceFolder = v.sliceFolder;
+  s.framesPerSecond = v.framesPerSecond, s.reports = v.reports, s.sliceFolder = v.sliceFolder;
   s.quiet = v.quiet, s.resume = v.resume, s.method = methodOf(v.method);
   checkSampling(s.load, v.sampling);
   if (v.sampling.voxelSize->count()) s.plan.voxelSize = s.load.voxelSize;
+  if (!s.load.isosByInput.empty() && s.load.isosByInput.size() != s.inputs.size())
+    throw InputError("--iso names values for " + std::to_string(s.load.isosByInput.size()) + " inputs of " +
+                     std::to_string(s.inputs.size()) + "; give one for all or one for each, for example --iso 300/250");
   checkRange("--slices", s.plan.slices, 8, 1024);
   checkRange("--samples", s.plan.samples, 16, 4096);
   checkPositive("--fps", s.framesPerSecond);
   if (v.gridsGiven->count()) s.grids = parseNames("--grids", v.grids);
   s.conserve = v.conserve;
   if (v.velocity.empty()) throw InputError("--velocity needs a name for the grid, or none");
-  s.velocity = {v.velocity, v.velocityUnit == "frame", v.addVelocity};
+  const bool images = std::all_of(s.inputs.begin(), s.inputs.end(), isImageInput);
+  s.velocity = {images && !v.velocityGiven->count() ? "none" : v.velocity, v.velocityUnit == "frame", v.addVelocity};
+  s.like = v.like;
+  s.plan.landmarks = readLandmarks("--landmarks", v.landmarks, s.inputs.size());
+  s.checkLandmarks = readLandmarks("--check-landmarks", v.checkLandmarks, s.inputs.size());
   if (v.axis != "auto") s.plan.axis = parseDirection("--axis", v.axis);
   s.plan.spine = v.spine == "straight" ? SpineKind::kStraight : v.spine == "curved" ? SpineKind::kCurved : SpineKind::kAuto;
   s.plan.align = v.align == "none" ? Align::kNone : Align::kAuto;
@@ -248,8 +265,18 @@ MorphSettings MorphOptionSet::settings() {
         "-o " + s.output + " is one file for " + std::to_string(s.frames.size()) +
         " frames; put #### where the frame number belongs (name.####.vdb), or ask for one frame by --at "
         "T or --weights");
-  if (s.method == Method::kDissolve && name.extension() != ".vdb")
-    throw InputError("--method dissolve blends values and makes no surface; the output must be .vdb, not " + s.output);
+  const bool imageOutput = isImageOutput(s.output);
+  if (imageOutput && !images) {
+    const auto other = std::find_if_not(s.inputs.begin(), s.inputs.end(), isImageInput);
+    throw InputError("-o " + s.output + ": in-between images need images on all sides, and " + *other +
+                     " is none; the output can be .vdb .obj .ply .stl");
+  }
+  if (!s.like.empty() && !imageOutput && !(images && name.extension() == ".vdb"))
+    throw InputError("--like " + s.like + " is for in-between images; the output " + s.output + " is none");
+  if (s.method == Method::kDissolve && name.extension() != ".vdb" && !imageOutput)
+    throw InputError("--method dissolve blends values and makes no surface; the output must be .vdb or an image, not " + s.output);
+  if ((s.method == Method::kSdf || s.method == Method::kLevelSet) && imageOutput)
+    throw InputError("--method sdf and levelset make surfaces, no images; the output must be .vdb .obj .ply .stl, not " + s.output);
   if (s.method == Method::kLevelSet) {
     if (length > 1) throw InputError("--method levelset takes no sequences, only two still inputs");
     if (s.inputs.size() != 2)
@@ -261,16 +288,17 @@ MorphSettings MorphOptionSet::settings() {
   if (s.method != Method::kSlices && !s.sliceFolder.empty())
     throw InputError("--dump-slices draws the slices of --method slices; the other methods have none");
 
-  checkSurfaceOutput(s.frames[0].path);
-  if (!s.report.empty()) {
-    checkExtension(s.report, {".json"});
-    checkOutputPath(s.report);
+  checkOutput(s.frames[0].path);
+  for (const std::string& report : s.reports) {
+    checkExtension(report, {".json", ".csv"});
+    checkOutputPath(report);
   }
   if (!s.sliceFolder.empty()) {
     const auto parent = std::filesystem::absolute(s.sliceFolder).lexically_normal();
     if (!std::filesystem::is_directory(parent)) checkOutputPath(parent.string());
   }
   for (const std::string& input : s.inputs) checkInputExists(input);
+  if (!s.like.empty()) checkInputExists(s.like);
   s.threadLimit = limitThreads(v.threads, v.threadsGiven);
   return s;
 }

@@ -46,7 +46,10 @@ struct MorphSettings {
   std::vector<std::string> grids;  ///< of the output; empty: all
   bool conserve = false;
   VelocitySettings velocity;
-  std::string report, sliceFolder;  ///< empty: none
+  std::vector<std::string> reports;  ///< .json, .csv
+  std::string sliceFolder;           ///< empty: none
+  std::string like;                  ///< image whose voxels the in-betweens are put on; empty: the first input's
+  std::vector<Landmark> checkLandmarks;  ///< only measured, not used
   bool quiet = false, resume = false;
   std::shared_ptr<void> threadLimit;
 };

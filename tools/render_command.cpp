@@ -77,9 +77,9 @@ class ShotGrids {
   size_t keptBytes_ = 0;
 };
 
-void writeImage(const std::string& path, const Image& image) {
+void writeImage(const std::string& path, const Picture& image) {
   if (OutputName(path).extension() == ".exr")
-    writeImageExr(path, image);
+    writePictureExr(path, image);
   else
     writePng(path, image);
 }
@@ -100,7 +100,7 @@ void renderShots(const std::vector<Shot>& shots, const RenderSettings& s) {
   std::vector<Tile> tiles;
   for (size_t i = 0; i < shots.size(); ++i) {
     report("rendering", 0.3 + 0.7 * double(i) / double(shots.size()));
-    Image image = renderSurface(*grids.get(i), camera, s.render);
+    Picture image = renderSurface(*grids.get(i), camera, s.render);
     if (!s.output.empty()) {
       const std::string path = OutputName(s.output).path(shots[i].number);
       writeImage(path, image);

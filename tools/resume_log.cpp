@@ -1,7 +1,6 @@
 #include "tools/resume_log.h"
 
-#include "io/paths.h"
-#include "io/sequence.h"
+#include "io/input.h"
 #include "tools/common_options.h"
 #include "tools/morph_report.h"
 
@@ -22,9 +21,10 @@ Json fileFingerprint(const std::string& path) {
 
 /// Size and time of an input's file or files, without its `:grid`.
 Json fingerprint(const std::string& input) {
-  if (!isSequenceInput(input)) return fileFingerprint(splitInput(input).path);
+  const std::vector<std::string> names = filesOfInput(input);
+  if (names.size() == 1) return fileFingerprint(names[0]);
   Json files = Json::array();
-  for (const SequenceFile& file : findSequence(splitSequenceInput(input).path)) files.push_back(fileFingerprint(file.path));
+  for (const std::string& file : names) files.push_back(fileFingerprint(file));
   return files;
 }
 

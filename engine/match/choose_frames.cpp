@@ -42,7 +42,15 @@ Frames straightFrames(const Fields& fields, const MorphOptions& options, Progres
   std::vector<Mat3d> rotations(fields.size(), Mat3d::identity());
   std::vector<std::string> notes;
   for (size_t k = 1; k < fields.size() && options.align != Align::kNone; ++k) {
-    const Turn turn = chooseTurn({fields[0], fields[k]}, options, progress);
+    if (const std::optional<Mat3d> told = turnOfLandmarks(options.landmarks, 0, k)) {
+      rotations[k] = *told;
+      notes.push_back("shape " + std::to_string(k + 1) + " turned as the landmarks tell");
+      continue;
+    }
+    // Only two shapes are looked at here, and the landmarks tell of all.
+    MorphOptions pairOptions = options;
+    pairOptions.landmarks.clear();
+    const Turn turn = chooseTurn({fields[0], fields[k]}, pairOptions, progress);
     rotations[k] = turn.rotation;
     const double degrees = turn.angle * 180 / kPi;
     char text[128];

@@ -60,13 +60,24 @@ constexpr double kNoDoubt = 0.1;
 /// And one that is worth a whole matching to see.
 constexpr double kWorthTrying = 0.04;
 
+/// Samples of an inner surface, at least.
+constexpr int kLeastInner = 300;
+/// A landmark counts as much as a whole patch of the surface, so that points found nearby cannot outvote it. Alone they make
+/// a first map as smooth as the first soft matches.
+constexpr float kLandmarkWeight = 100;
+constexpr double kLandmarkSpacing = 0.15, kLandmarkStiffness = 0.5;
+
 /// A gain in overlap that is no accident.
 constexpr double kClearGain = 0.01;
 
 class Registrar {
  public:
-  Registrar(const Fields& fields, const Frames& frames, const MorphOptions& options, Progress& progress)
-      : fields_(fields), charts_(frames.charts), options_(options), progress_(progress), objects_(fields.size()) {}
+  Registrar(const Fields& fields, const std::vector<Fields>& inner, const Frames& frames, const MorphOptions& options,
+            Progress& progress)
+      : fields_(fields), charts_(frames.charts), options_(options), progress_(progress), objects_(fields.size()) {
+    for (const Fields& surface : inner) inner_.push_back({surface, {}, {}});
+    for (const Landmark& mark : options.landmarks) landmarks_.push_back(correspondenceOf(mark));
+  }
 
   Registration run() {
     start();
@@ -134,6 +145,7 @@ class Registrar {
     measureObjects();
     sliceObjects();
     startFromContours();
+    startFromLandmarks();
   }
 
   void measureObjects() {
@@ -141,9 +153,15 @@ class Registrar {
     area_.resize(objects_);
     std::vector<openvdb::BBoxd> boxes(objects_);
     tbb::parallel_for(size_t(0), objects_, [&](size_t k) {
-      samples_[k] = chartSamples(k);
+      samples_[k] = chartSamples(*fields_[k], k, area_[k]);
       for (const Vec3d& p : samples_[k].position) boxes[k].expand(p);
     });
+    for (InnerSurface& surface : inner_) {
+      surface.samples.resize(objects_), surface.area.resize(objects_);
+      tbb::parallel_for(size_t(0), objects_, [&](size_t k) {
+        if (surface.fields[k]) surface.samples[k] = chartSamples(*surface.fields[k], k, surface.area[k]);
+      });
+    }
     chartBoxes_ = boxes;
     for (const auto& b : boxes) box_.expand(b);
     const Vec3d e = box_.extents();
@@ -151,10 +169,10 @@ class Registrar {
     margin_ = Vec3d(0.3 * size_);
   }
 
-  OrientedPoints chartSamples(size_t k) {
+  OrientedPoints chartSamples(const DistanceField& field, size_t k, double& area) const {
     OrientedPoints result;
     double total = 0;
-    for (const SurfaceSample& s : fields_[k]->samples()) {
+    for (const SurfaceSample& s : field.samples()) {
       const Vec3d z = charts_[k].toChart(s.position);
       result.position.push_back(z);
       result.normal.push_back(charts_[k].normalToChart(z, s.normal));
@@ -162,16 +180,15 @@ class Registrar {
       total += s.area;
     }
     for (double& m : result.mass) m /= total;
-    area_[k] = total / (charts_[k].meanScale() * charts_[k].meanScale());
+    area = total / (charts_[k].meanScale() * charts_[k].meanScale());
     return result;
   }
 
   /// About `count` of an object's samples, one of every bin, so that a sample more or less at one place does not change
   /// the choice everywhere else.
-  OrientedPoints thinned(size_t k, int count) const {
-    const OrientedPoints& all = samples_[k];
+  OrientedPoints thinned(const OrientedPoints& all, double area, int count) const {
     if (int(all.position.size()) <= count) return all;
-    const double cell = 1.3 * std::sqrt(area_[k] / count);
+    const double cell = 1.3 * std::sqrt(area / count);
     std::map<SurfaceBin, size_t> bins;
     OrientedPoints result;
     for (size_t i = 0; i < all.position.size(); ++i) {
@@ -322,7 +339,7 @@ class Registrar {
   std::vector<Vec3d> stillPoints(const std::vector<std::vector<PlacedLimb>>& limbs) const {
     std::vector<Vec3d> still;
     for (size_t k = 0; k < objects_; ++k) {
-      const MiddleSamples samples = middleSamples(k, kStillSamples);
+      const MiddleSamples samples = middleSamples(k, thinned(samples_[k], area_[k], kStillSamples));
       for (size_t i = 0; i < samples.own.size(); ++i) {
         bool away = true;
         for (const PlacedLimb& limb : limbs[k])
@@ -363,8 +380,29 @@ class Registrar {
     return share;
   }
 
-  /// The smooth fold-free map that meets the correspondences, as displacement on top of the base warp.
-  Displacements fit(const std::vector<Correspondence>& points, const Lattice& lattice, double stiffness) const {
+  Correspondence correspondenceOf(const Landmark& mark) const {
+    Correspondence c;
+    for (size_t k = 0; k < objects_; ++k) {
+      c.at.push_back(charts_[k].toChart(mark[k]));
+      c.middle += c.at.back() / double(objects_);
+    }
+    c.weight = kLandmarkWeight;
+    return c;
+  }
+
+  /// What is known for certain comes before what is found.
+  void startFromLandmarks() {
+    if (landmarks_.empty()) return;
+    now_.map = fit({}, latticeOf(kLandmarkSpacing), kLandmarkStiffness);
+    now_.overlap = overlapOf(now_.map);
+    char text[96];
+    std::snprintf(text, sizeof text, "%zu landmarks: overlap %.3f", landmarks_.size(), now_.overlap);
+    now_.notes.push_back(text);
+  }
+
+  /// The smooth fold-free map that meets the correspondences and the landmarks, as displacement on top of the base warp.
+  Displacements fit(std::vector<Correspondence> points, const Lattice& lattice, double stiffness) const {
+    points.insert(points.end(), landmarks_.begin(), landmarks_.end());
     const Displacements base = resampled(now_.base, lattice);
     Displacements start = resampled(now_.map, lattice);
     for (size_t k = 0; k < objects_; ++k)
@@ -394,8 +432,7 @@ class Registrar {
     std::vector<Vec3d> own;  ///< chart coordinates
   };
 
-  MiddleSamples middleSamples(size_t k, int count) const {
-    const OrientedPoints all = thinned(k, count);
+  MiddleSamples middleSamples(size_t k, const OrientedPoints& all) const {
     const size_t n = all.position.size();
     std::vector<Vec3d> middle(n);
     std::vector<char> found(n);
@@ -416,9 +453,10 @@ class Registrar {
 
   void refine(const Round& round) {
     std::vector<MiddleSamples> samples(objects_);
-    for (size_t k = 0; k < objects_; ++k) samples[k] = middleSamples(k, round.samples);
+    for (size_t k = 0; k < objects_; ++k) samples[k] = middleSamples(k, thinned(samples_[k], area_[k], round.samples));
     std::vector<Correspondence> points =
-        round.soft ? softCorrespondences(samples, round) : closestCorrespondences(samples, round);
+        round.soft ? softCorrespondences(samples, round) : closestCorrespondences(fields_, samples, round);
+    if (!round.soft) addInner(round, points);
     if (points.empty()) return;
     points.insert(points.end(), now_.limbPoints.begin(), now_.limbPoints.end());
     const Lattice lattice = latticeOf(round.spacing);
@@ -464,7 +502,21 @@ class Registrar {
     return points;
   }
 
-  std::vector<Correspondence> closestCorrespondences(const std::vector<MiddleSamples>& samples,
+  /// Points of the inner surfaces, as densely as those of the shape, each drawn to its like alone.
+  void addInner(const Round& round, std::vector<Correspondence>& points) const {
+    for (const InnerSurface& surface : inner_) {
+      std::vector<MiddleSamples> samples(objects_);
+      for (size_t k = 0; k < objects_; ++k) {
+        if (!surface.fields[k]) continue;
+        const int count = std::max(kLeastInner, int(round.samples * std::min(surface.area[k] / area_[k], 1.0)));
+        samples[k] = middleSamples(k, thinned(surface.samples[k], surface.area[k], count));
+      }
+      const std::vector<Correspondence> found = closestCorrespondences(surface.fields, samples, round);
+      points.insert(points.end(), found.begin(), found.end());
+    }
+  }
+
+  std::vector<Correspondence> closestCorrespondences(const Fields& fields, const std::vector<MiddleSamples>& samples,
                                                      const Round& round) const {
     std::vector<Correspondence> points;
     for (size_t j = 0; j < objects_; ++j) {
@@ -477,7 +529,8 @@ class Registrar {
         for (size_t k = 0; k < objects_; ++k) {
           const Vec3d before = k == j ? samples[j].own[i] : s + now_.map.at(k, s);
           Vec3d at = before;
-          if (k != j) c.weight = std::max(c.weight, projectOnto(k, samples[j].points.normal[i], round.reach * size_, at));
+          if (k != j && fields[k])
+            c.weight = std::max(c.weight, projectOnto(*fields[k], k, samples[j].points.normal[i], round.reach * size_, at));
           c.at.push_back(at);
           c.middle += (at - before) / double(objects_);
         }
@@ -488,13 +541,13 @@ class Registrar {
     return points;
   }
 
-  /// Moves a chart point onto object k's surface and returns how far that is to be trusted: wholly where the surface is
+  /// Moves a chart point onto a surface of object k and returns how far that is to be trusted: wholly where the surface is
   /// near and faces the same way, not at all where it is `reach` away or faces elsewhere.
-  float projectOnto(size_t k, const Vec3d& normal, double reach, Vec3d& at) const {
-    const Vec3d surface = fields_[k]->closest(charts_[k].toWorld(at));
+  float projectOnto(const DistanceField& field, size_t k, const Vec3d& normal, double reach, Vec3d& at) const {
+    const Vec3d surface = field.closest(charts_[k].toWorld(at));
     const Vec3d projected = charts_[k].toChart(surface);
     const double near = 1 - (projected - at).length() / reach;
-    const double facing = (charts_[k].normalToChart(projected, fields_[k]->gradient(surface)).dot(normal) - 0.1) / 0.4;
+    const double facing = (charts_[k].normalToChart(projected, field.gradient(surface)).dot(normal) - 0.1) / 0.4;
     const double trust = std::min(std::max(4 * near, 0.0), 1.0) * std::min(std::max(facing, 0.0), 1.0);
     if (trust > 0) at = projected;
     return float(trust);
@@ -541,6 +594,13 @@ class Registrar {
   const MorphOptions& options_;
   Progress& progress_;
   size_t objects_;
+  struct InnerSurface {
+    Fields fields;
+    std::vector<OrientedPoints> samples;
+    std::vector<double> area;
+  };
+  std::vector<InnerSurface> inner_;
+  std::vector<Correspondence> landmarks_;
   std::vector<OrientedPoints> samples_;  ///< per object: its surface in chart coordinates
   std::vector<double> area_;             ///< per object, chart units
   std::vector<openvdb::BBoxd> chartBoxes_;
@@ -555,18 +615,19 @@ class Registrar {
 
 }  // namespace
 
-std::optional<Registration> followRegistration(const Registration& before, const Fields& fields, const Frames& frames,
+std::optional<Registration> followRegistration(const Registration& before, const Fields& fields,
+                                               const std::vector<Fields>& inner, const Frames& frames,
                                                const MorphOptions& options, Progress& progress) {
-  return Registrar(fields, frames, options, progress).follow(before);
+  return Registrar(fields, inner, frames, options, progress).follow(before);
 }
 
 Agreement quickAgreement(const Fields& fields, const Frames& frames, const MorphOptions& options, Progress& progress) {
-  return Registrar(fields, frames, options, progress).quickAgreement();
+  return Registrar(fields, {}, frames, options, progress).quickAgreement();
 }
 
-Registration registerObjects(const Fields& fields, const Frames& frames, const MorphOptions& options,
-                             Progress& progress) {
-  return Registrar(fields, frames, options, progress).run();
+Registration registerObjects(const Fields& fields, const std::vector<Fields>& inner, const Frames& frames,
+                             const MorphOptions& options, Progress& progress) {
+  return Registrar(fields, inner, frames, options, progress).run();
 }
 
 }  // namespace slicemorph

@@ -22,13 +22,15 @@ struct Registration {
 /// Slices the objects, traces and matches their contours, and grows from the trusted pairs a fold-free map between
 /// them: like slices along the spine, base warp, accepted contour pairs, limbs as wholes, soft matches from coarse to
 /// fine, closest points. Each is kept only where the warped objects overlap better than before.
-Registration registerObjects(const Fields& fields, const Frames& frames, const MorphOptions& options,
-                             Progress& progress);
+/// `inner`: further surfaces, each per object, null where one has none; they and the landmarks of the options steer the map.
+Registration registerObjects(const Fields& fields, const std::vector<Fields>& inner, const Frames& frames,
+                             const MorphOptions& options, Progress& progress);
 
 /// The registration of the next frame of a sequence, from the one of the frame before: `frames` are those moved along
 /// with the objects (`trackFrames`), so that the map still nearly holds. Only fine rounds are run, on top of it; limbs
 /// and contours are not matched again. Nothing where the objects so mapped overlap clearly less than before: a cut.
-std::optional<Registration> followRegistration(const Registration& before, const Fields& fields, const Frames& frames,
+std::optional<Registration> followRegistration(const Registration& before, const Fields& fields,
+                                               const std::vector<Fields>& inner, const Frames& frames,
                                                const MorphOptions& options, Progress& progress);
 
 /// Overlap of the objects in chart space and, after a quick, coarse matching, in the middle space.

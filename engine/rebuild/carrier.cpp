@@ -2,6 +2,7 @@
 
 #include "engine/blend/node_places.h"
 #include "engine/errors.h"
+#include "engine/rebuild/warp_image.h"
 
 #include <openvdb/tools/Morphology.h>
 #include <openvdb/tree/LeafManager.h>
@@ -86,6 +87,28 @@ GridBase::Ptr Carrier::warped(const std::vector<CarriedGrid>& carried, const Gri
   return empty;
 }
 
+Image Carrier::carry(const std::vector<const Image*>& images, const ImageLattice& on) const {
+  const Impl& p = *impl_;
+  if (images.size() != p.weights.size())
+    throw InputError(std::to_string(images.size()) + " images were given for " + std::to_string(p.weights.size()) + " objects");
+  std::vector<CarriedImage> carried;
+  for (size_t k = 0; k < images.size(); ++k) {
+    if (p.weights[k] > 1 - kWhole) return resampledTo(*images[k], on);
+    if (p.weights[k] > 0) carried.push_back({images[k], p.shapeOf[k], p.anchors[p.shapeOf[k]], p.weights[k]});
+  }
+  return warpImages(carried, imageNodes(on, p.carrying, p.imageSpacing), on);
+}
+
+Image Carrier::carryLabels(const std::vector<const LabelField*>& labels, const ImageLattice& on) const {
+  const Impl& p = *impl_;
+  if (labels.size() != p.weights.size())
+    throw InputError(std::to_string(labels.size()) + " label maps were given for " + std::to_string(p.weights.size()) + " objects");
+  std::vector<CarriedLabels> carried;
+  for (size_t k = 0; k < labels.size(); ++k)
+    if (p.weights[k] > 0) carried.push_back({labels[k], p.shapeOf[k], p.anchors[p.shapeOf[k]], p.weights[k] * p.sizes[p.shapeOf[k]]});
+  return warpLabels(carried, imageNodes(on, p.carrying, p.imageSpacing), on);
+}
+
 openvdb::Vec3SGrid::Ptr Carrier::velocity(const GridBase& where, const Weights& rate, double reach) const {
   auto result = openvdb::Vec3SGrid::create(topologyOf(where));
   result->setTransform(where.transform().copy());
@@ -139,7 +162,7 @@ const NodeMap& Carrier::Impl::nodesFor(const openvdb::CoordBBox& box, const Tran
     nodes.erase(same);
   }
   if (nodes.size() == kKeptMaps) nodes.erase(nodes.begin());
-  nodes.push_back({transform.copy(), all, carryingNodes(all, carrying, transform)});
+  nodes.push_back({transform.copy(), all, carryingNodes(all, carrying, transform, carryingStep(all))});
   return nodes.back().map;
 }
 

@@ -12,6 +12,8 @@ struct Carrier::Impl {
   std::vector<size_t> shapeOf;  ///< per object: its place in the lattice
   Weights shapeWeights;         ///< per place in the lattice
   std::vector<Vec3d> anchors;   ///< per place in the lattice
+  std::vector<double> sizes;    ///< per place in the lattice: of the in-between against the object's
+  double imageSpacing = 1;      ///< world units between the nodes that carry images
 
   /// The nodes of the last transforms that were asked for: grids of one file mostly share one.
   struct Nodes {

@@ -374,8 +374,7 @@ int carryingStep(const openvdb::CoordBBox& box) {
   return box.dim()[int(box.maxExtent())] > kFineNodesUpTo ? 8 : 4;
 }
 
-NodeMap carryingNodes(const openvdb::CoordBBox& box, const Carrying& carrying, const Transform& transform) {
-  const int step = carryingStep(box);
+NodeMap carryingNodes(const openvdb::CoordBBox& box, const Carrying& carrying, const Transform& transform, int step) {
   if (carrying.lattice) return carrying.lattice->nodesWithin(box, carrying.pose, transform, step);
   NodeMap nodes;
   nodes.step = step;

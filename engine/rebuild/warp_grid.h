@@ -36,7 +36,8 @@ openvdb::CoordBBox boxOf(const std::vector<CarriedGrid>& grids, const Carrying& 
 int carryingStep(const openvdb::CoordBBox& box);
 
 /// The nodes that carry what is in a box of an in-between's index space.
-NodeMap carryingNodes(const openvdb::CoordBBox& box, const Carrying& carrying, const openvdb::math::Transform& transform);
+NodeMap carryingNodes(const openvdb::CoordBBox& box, const Carrying& carrying, const openvdb::math::Transform& transform,
+                      int step);
 
 /// In-between of the grids: sum_k w_k g_k(M_k(p)), trilinear, leaf by leaf and only where some grid is active; what is
 /// missing to a sum of weights of 1 is background. Of the first grid's type and class. Vectors turn with the map's

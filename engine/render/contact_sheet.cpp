@@ -51,7 +51,7 @@ struct Window {
   int left, top, width, height;
 };
 
-void fill(Image& image, const Window& window, float value) {
+void fill(Picture& image, const Window& window, float value) {
   for (int y = std::max(0, window.top); y < std::min(image.height, window.top + window.height); ++y) {
     for (int x = std::max(0, window.left); x < std::min(image.width, window.left + window.width); ++x) {
       float* pixel = &image.rgba[4 * (size_t(y) * image.width + x)];
@@ -61,7 +61,7 @@ void fill(Image& image, const Window& window, float value) {
   }
 }
 
-void drawText(Image& image, const Window& area, const std::string& text, int scale, float value) {
+void drawText(Picture& image, const Window& area, const std::string& text, int scale, float value) {
   int left = area.left;
   for (const char c : text) {
     if (left + kGlyphWidth * scale > area.left + area.width) break;
@@ -75,7 +75,7 @@ void drawText(Image& image, const Window& area, const std::string& text, int sca
   }
 }
 
-void copyTile(const Image& tile, const Window& to, Image& sheet) {
+void copyTile(const Picture& tile, const Window& to, Picture& sheet) {
   for (int y = 0; y < tile.height; ++y) {
     const float* row = &tile.rgba[size_t(4) * y * tile.width];
     std::copy(row, row + size_t(4) * tile.width,
@@ -83,7 +83,7 @@ void copyTile(const Image& tile, const Window& to, Image& sheet) {
   }
 }
 
-void drawCaption(Image& sheet, const Window& tile, const std::string& caption) {
+void drawCaption(Picture& sheet, const Window& tile, const std::string& caption) {
   const int scale = std::max(1, (tile.height + 80) / 160);
   const int inset = 3 * scale;
   const Window text{tile.left + inset, tile.top + tile.height - inset - kGlyphHeight * scale,
@@ -101,7 +101,7 @@ void drawCaption(Image& sheet, const Window& tile, const std::string& caption) {
 
 }  // namespace
 
-Image contactSheet(const std::vector<Tile>& tiles, int columns) {
+Picture contactSheet(const std::vector<Tile>& tiles, int columns) {
   if (tiles.empty()) throw InputError("contact sheet: no pictures");
   if (columns < 0)
     throw InputError("contact sheet: columns " + std::to_string(columns) + ": must be 0 or more");
@@ -116,7 +116,7 @@ Image contactSheet(const std::vector<Tile>& tiles, int columns) {
   const int across = columns > 0 ? std::min(columns, count) : int(std::ceil(std::sqrt(double(count))));
   const int down = (count + across - 1) / across;
   constexpr int kGap = 2;
-  Image sheet{across * (width + kGap) - kGap, down * (height + kGap) - kGap, {}};
+  Picture sheet{across * (width + kGap) - kGap, down * (height + kGap) - kGap, {}};
   sheet.rgba.resize(size_t(4) * sheet.width * sheet.height);
   fill(sheet, {0, 0, sheet.width, sheet.height}, 0.02f);
   for (int n = 0; n < count; ++n) {

@@ -7,13 +7,13 @@
 namespace slicemorph {
 
 struct Tile {
-  Image image;
+  Picture image;
   std::string caption;  ///< ASCII, for example "t=0.25"; what does not fit the tile's width is cut off
 };
 
 /// One picture of many: tiles row by row, each with its caption in its lower left corner, thin gaps between.
 /// `columns` 0 chooses a sheet about as wide as high in tiles, wider rather than higher.
 /// Throws InputError for no tiles, tiles of different sizes or a negative `columns`.
-Image contactSheet(const std::vector<Tile>& tiles, int columns = 0);
+Picture contactSheet(const std::vector<Tile>& tiles, int columns = 0);
 
 }  // namespace slicemorph

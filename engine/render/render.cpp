@@ -198,7 +198,7 @@ class RowPainter {
  public:
   RowPainter(const RayMaker& rays, const RenderOptions& options) : rays_(rays), options_(options) {}
 
-  void paint(Image& image, int row, const Intersector* intersector, Shader* shader) const {
+  void paint(Picture& image, int row, const Intersector* intersector, Shader* shader) const {
     float* out = &image.rgba[size_t(4) * row * image.width];
     for (int column = 0; column < image.width; ++column, out += 4) {
       const openvdb::Vec4s pixel = colourOf(column, row, intersector, shader);
@@ -307,9 +307,9 @@ Camera frameAll(const std::vector<openvdb::BBoxd>& boxes, const FrameAllOptions&
   return camera;
 }
 
-Image renderSurface(const FloatGrid& levelSet, const Camera& camera, const RenderOptions& options) {
+Picture renderSurface(const FloatGrid& levelSet, const Camera& camera, const RenderOptions& options) {
   check(levelSet, options);
-  Image image{options.width, options.height, std::vector<float>(size_t(4) * options.width * options.height)};
+  Picture image{options.width, options.height, std::vector<float>(size_t(4) * options.width * options.height)};
   double depth = 0;
   if (!levelSet.empty()) {
     const openvdb::BBoxd box = levelSet.transform().indexToWorld(levelSet.evalActiveVoxelBoundingBox());

@@ -8,7 +8,7 @@ namespace slicemorph {
 
 /// Linear light, red green blue alpha interleaved, first row on top; alpha is 1 where the background is
 /// drawn.
-struct Image {
+struct Picture {
   int width = 0;
   int height = 0;
   std::vector<float> rgba;  ///< 4 * width * height
@@ -51,6 +51,6 @@ struct RenderOptions {
 /// The picture of a level set (any uniform scale and translation of the grid, GRID_LEVEL_SET); an empty one
 /// gives the background. Throws InputError for options out of range and for grids with other transforms or
 /// classes.
-Image renderSurface(const FloatGrid& levelSet, const Camera& camera, const RenderOptions& options = {});
+Picture renderSurface(const FloatGrid& levelSet, const Camera& camera, const RenderOptions& options = {});
 
 }  // namespace slicemorph

@@ -1,0 +1,306 @@
+#include "io/image/dicom_reader.h"
+
+#include "io/image/itk_values.h"
+#include "io/image/straighten.h"
+
+#include <gdcmReader.h>
+#include <gdcmTrace.h>
+#include <itkGDCMImageIO.h>
+#include <itkMetaDataObject.h>
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <set>
+
+namespace slicemorph {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Header {
+  std::string uid, modality, description, shape;
+  bool image = false, positioned = false;
+};
+
+std::string text(const gdcm::DataSet& data, std::uint16_t group, std::uint16_t element) {
+  const gdcm::Tag tag(group, element);
+  if (!data.FindDataElement(tag)) return "";
+  const gdcm::ByteValue* value = data.GetDataElement(tag).GetByteValue();
+  if (!value) return "";
+  std::string s(value->GetPointer(), value->GetLength());
+  s.erase(s.find_last_not_of(std::string(" \0", 2)) + 1);
+  return s;
+}
+
+std::string number(const gdcm::DataSet& data, std::uint16_t group, std::uint16_t element) {
+  const gdcm::Tag tag(group, element);
+  if (!data.FindDataElement(tag)) return "?";
+  const gdcm::ByteValue* value = data.GetDataElement(tag).GetByteValue();
+  if (!value || value->GetLength() < 2) return "?";
+  const auto* bytes = reinterpret_cast<const unsigned char*>(value->GetPointer());
+  return std::to_string(bytes[0] + 256 * bytes[1]);
+}
+
+/// Numbers to six places, so that noise in the last digit parts no slices.
+std::string rounded(const std::string& numbers) {
+  std::string result;
+  for (size_t at = 0; at <= numbers.size();) {
+    const size_t end = std::min(numbers.find('\\', at), numbers.size());
+    char digits[32];
+    std::snprintf(digits, sizeof digits, "%.4f ", std::atof(numbers.substr(at, end - at).c_str()) + 0.0);
+    result += digits;
+    at = end + 1;
+  }
+  return result;
+}
+
+bool startsAsDicom(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  char head[132] = {};
+  file.read(head, sizeof head);
+  return file.gcount() == sizeof head && std::string(head + 128, 4) == "DICM";
+}
+
+/// None where a file is no DICOM file. Throws IoError where it is a damaged one.
+std::optional<Header> readHeader(const std::string& path) {
+  gdcm::Reader reader;
+  reader.SetFileName(path.c_str());
+  bool read = false;
+  try {
+    read = reader.ReadUpToTag(gdcm::Tag(0x7fe0, 0x0000));
+  } catch (const std::exception&) {
+  }
+  const gdcm::DataSet& data = reader.GetFile().GetDataSet();
+  if (!read || data.IsEmpty()) {
+    if (startsAsDicom(path)) throw IoError(path + " is truncated or damaged: its DICOM header cannot be read");
+    return std::nullopt;
+  }
+  Header header;
+  header.uid = text(data, 0x0020, 0x000e);
+  header.modality = text(data, 0x0008, 0x0060);
+  header.description = text(data, 0x0008, 0x103e);
+  header.image = data.FindDataElement(gdcm::Tag(0x0028, 0x0010)) && data.FindDataElement(gdcm::Tag(0x0028, 0x0011));
+  header.shape = number(data, 0x0028, 0x0010) + " x " + number(data, 0x0028, 0x0011) + " " +
+                 rounded(text(data, 0x0020, 0x0037)) + rounded(text(data, 0x0028, 0x0030));
+  if (!header.image && header.uid.empty() && header.modality.empty() && !startsAsDicom(path)) return std::nullopt;
+  return header;
+}
+
+std::vector<std::string> filesOf(const std::string& folder) {
+  std::error_code error;
+  std::vector<std::string> files;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (entry.is_regular_file(error) && entry.path().filename().string()[0] != '.' && entry.path().filename() != "DICOMDIR")
+      files.push_back(entry.path().string());
+  if (error) throw IoError(folder + " cannot be read: " + error.message());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// One file: a slice, or a whole volume of several frames.
+struct Slice {
+  std::string file;
+  Vec3d position{0, 0, 0}, axis[2];
+  Vec3d spacing{1, 1, 1};
+  int size[3] = {1, 1, 1}, instance = 0;
+  bool positioned = false;
+  RawType type;
+  ImageValues values;
+};
+
+std::string entry(const itk::ImageIOBase& io, const char* tag) {
+  std::string value;
+  itk::ExposeMetaData<std::string>(io.GetMetaDataDictionary(), tag, value);
+  return value;
+}
+
+Slice readSlice(const std::string& file) {
+  const auto io = itk::GDCMImageIO::New();
+  io->SetFileName(file);
+  Slice slice;
+  slice.file = file;
+  try {
+    io->ReadImageInformation();
+    if (io->GetNumberOfComponents() != 1)
+      throw IoError(file + ": its pixels have " + std::to_string(io->GetNumberOfComponents()) +
+                    " components; only grey values can be read");
+    const unsigned dimensions = io->GetNumberOfDimensions();
+    itk::ImageIORegion region(dimensions);
+    size_t count = 1;
+    for (unsigned d = 0; d < std::min(dimensions, 3u); ++d) {
+      slice.size[d] = int(io->GetDimensions(d));
+      slice.spacing[int(d)] = io->GetSpacing(d);
+      slice.position[int(d)] = io->GetOrigin(d);
+      region.SetSize(d, io->GetDimensions(d));
+      count *= io->GetDimensions(d);
+    }
+    for (unsigned d = 0; d < 2; ++d) {
+      const std::vector<double> direction = io->GetDirection(d);
+      slice.axis[d] = Vec3d(direction[0], direction[1], direction.size() > 2 ? direction[2] : 0);
+    }
+    slice.positioned = slice.size[2] > 1 || !entry(*io, "0020|0032").empty();
+    slice.instance = std::atoi(entry(*io, "0020|0013").c_str());
+    slice.type = rawTypeOf(file, io->GetComponentType());
+    io->SetIORegion(region);
+    slice.values = readValues(slice.type, count, [&](void* to) { io->Read(to); });
+  } catch (const itk::ExceptionObject& error) {
+    throw IoError(file + " is truncated or damaged: " + reasonOf(error));
+  } catch (const IoError&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw IoError(file + " is truncated or damaged: " + error.what());
+  }
+  return slice;
+}
+
+std::string millimetres(double value) {
+  char digits[32];
+  std::snprintf(digits, sizeof digits, "%.4g mm", value);
+  return digits;
+}
+
+/// Orders slices along their normal and drops doubles.
+void order(const std::string& folder, std::vector<Slice>& slices, ImageFile& file) {
+  const Vec3d normal = slices[0].axis[0].cross(slices[0].axis[1]).unit();
+  const bool positioned = std::all_of(slices.begin(), slices.end(), [](const Slice& s) { return s.positioned; });
+  if (!positioned) {
+    std::sort(slices.begin(), slices.end(), [](const Slice& a, const Slice& b) { return a.instance < b.instance; });
+    for (size_t i = 0; i < slices.size(); ++i) {
+      if (i > 0 && slices[i].instance == slices[i - 1].instance)
+        throw InputError(folder + ": its slices have no positions, and " + slices[i - 1].file + " and " + slices[i].file +
+                         " have the same instance number: their order is not known");
+      slices[i].position = slices[0].position + normal * (double(i) * slices[0].spacing[2]);
+    }
+    file.notes.push_back("its slices have no positions: ordered by instance number, " + millimetres(slices[0].spacing[2]) +
+                         " apart");
+    return;
+  }
+  const auto along = [&](const Slice& s) { return s.position.dot(normal); };
+  std::stable_sort(slices.begin(), slices.end(), [&](const Slice& a, const Slice& b) { return along(a) < along(b); });
+  std::vector<Slice> kept;
+  size_t doubled = 0;
+  for (Slice& slice : slices) {
+    const bool same = !kept.empty() && std::abs(along(slice) - along(kept.back())) < 1e-3;
+    if (!same) {
+      kept.push_back(std::move(slice));
+    } else if (slice.values == kept.back().values) {
+      if (++doubled <= 3) file.notes.push_back(slice.file + " is a double of " + kept.back().file + ": left out");
+    } else {
+      throw InputError(folder + ": " + kept.back().file + " and " + slice.file + " lie at the same place (" +
+                       millimetres(along(slice)) + " along the stack) but differ: two acquisitions are mixed; put each in a folder of its own");
+    }
+  }
+  if (doubled > 3) file.notes.push_back("and " + std::to_string(doubled - 3) + " more doubled slices");
+  slices = std::move(kept);
+}
+
+ImageFile volumeOf(Slice slice) {
+  ImageFile file;
+  ImageLattice& lattice = file.image.lattice;
+  lattice.size = openvdb::Coord(slice.size[0], slice.size[1], slice.size[2]);
+  lattice.origin = slice.position;
+  for (int d = 0; d < 2; ++d) lattice.step[d] = slice.axis[d] * slice.spacing[d];
+  lattice.step[2] = slice.axis[0].cross(slice.axis[1]).unit() * slice.spacing[2];
+  file.image.values = std::move(slice.values);
+  return file;
+}
+
+/// One type for all slices.
+void unify(std::vector<Slice>& slices) {
+  const bool same = std::all_of(slices.begin(), slices.end(),
+                                [&](const Slice& s) { return s.values.index() == slices[0].values.index(); });
+  if (same) return;
+  for (Slice& slice : slices)
+    slice.values = std::visit([](const auto& v) -> ImageValues { return std::vector<float>(v.begin(), v.end()); }, slice.values);
+}
+
+}  // namespace
+
+DicomFolder scanDicomFolder(const std::string& folder) {
+  gdcm::Trace::WarningOff(), gdcm::Trace::ErrorOff(), gdcm::Trace::DebugOff();
+  itk::Object::GlobalWarningDisplayOff();
+  DicomFolder found;
+  std::map<std::string, DicomSeries> groups;
+  size_t others = 0;
+  const std::vector<std::string> files = filesOf(folder);
+  std::vector<std::optional<Header>> headers(files.size());
+  if (!files.empty()) headers[0] = readHeader(files[0]);  // fills the library's dictionaries
+  tbb::parallel_for(size_t(1), std::max<size_t>(files.size(), 1), [&](size_t i) { headers[i] = readHeader(files[i]); });
+  for (size_t i = 0; i < files.size(); ++i) {
+    const std::optional<Header>& header = headers[i];
+    if (!header) {
+      ++others;
+    } else if (!header->image) {
+      found.notes.push_back(files[i] + " holds no image (" + (header->modality.empty() ? "no modality" : header->modality) +
+                            "): passed over");
+    } else {
+      DicomSeries& series = groups[header->uid + " " + header->shape];
+      series.uid = header->uid, series.modality = header->modality, series.description = header->description;
+      series.files.push_back(files[i]);
+    }
+  }
+  if (others > 0) found.notes.push_back(std::to_string(others) + " files of other kinds passed over");
+  for (auto& [key, series] : groups) found.series.push_back(std::move(series));
+  if (found.series.empty()) throw IoError(folder + ": no DICOM images in this folder");
+  return found;
+}
+
+DicomSeries chooseDicomSeries(const std::string& path, const std::string& wanted, std::vector<std::string>& notes) {
+  const bool folder = fs::is_directory(path);
+  DicomFolder found = scanDicomFolder(folder ? path : fs::path(path).has_parent_path() ? fs::path(path).parent_path().string() : ".");
+  notes.insert(notes.end(), found.notes.begin(), found.notes.end());
+  std::string list;
+  for (size_t i = 0; i < found.series.size(); ++i) {
+    DicomSeries& s = found.series[i];
+    const bool named = !wanted.empty() && (wanted == std::to_string(i + 1) || wanted == s.uid);
+    const bool holds = !folder && std::any_of(s.files.begin(), s.files.end(), [&](const std::string& f) {
+      return fs::path(f).filename() == fs::path(path).filename();
+    });
+    if (named || holds) return std::move(s);
+    list += "\n  " + path + ":" + std::to_string(i + 1) + "  " + s.modality + " '" + s.description + "', " +
+            std::to_string(s.files.size()) + " slices, UID " + s.uid;
+  }
+  if (!folder) throw IoError(path + " holds no image");
+  if (!wanted.empty()) throw InputError(path + " has no series '" + wanted + "'; there are" + list);
+  if (found.series.size() > 1)
+    throw InputError(path + " holds " + std::to_string(found.series.size()) + " series; choose one:" + list);
+  return std::move(found.series[0]);
+}
+
+ImageFile readDicomSeries(const std::string& folder, const DicomSeries& series) {
+  gdcm::Trace::WarningOff(), gdcm::Trace::ErrorOff(), gdcm::Trace::DebugOff();
+  itk::Object::GlobalWarningDisplayOff();
+  std::vector<Slice> slices(series.files.size());
+  slices[0] = readSlice(series.files[0]);
+  tbb::parallel_for(size_t(1), slices.size(), [&](size_t i) { slices[i] = readSlice(series.files[i]); });
+  ImageFile file;
+  if (slices.size() == 1) {
+    file = volumeOf(std::move(slices[0]));
+    if (file.image.lattice.size[2] == 1) file.notes.push_back("it holds one slice");
+  } else {
+    if (std::any_of(slices.begin(), slices.end(), [](const Slice& s) { return s.size[2] > 1; }))
+      throw InputError(folder + " holds several volumes in files of several frames; give one file");
+    order(folder, slices, file);
+    unify(slices);
+    SliceStackInput stack;
+    for (int d = 0; d < 2; ++d) stack.step[d] = slices[0].axis[d] * slices[0].spacing[d];
+    stack.size[0] = slices[0].size[0], stack.size[1] = slices[0].size[1];
+    for (Slice& slice : slices) {
+      stack.position.push_back(slice.position);
+      stack.names.push_back(slice.file);
+      stack.values.push_back(std::move(slice.values));
+    }
+    straighten(std::move(stack), file);
+  }
+  file.format = "DICOM series";
+  file.about = series.modality + (series.description.empty() ? "" : " '" + series.description + "'");
+  return file;
+}
+
+}  // namespace slicemorph

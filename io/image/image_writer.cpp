@@ -1,0 +1,215 @@
+#include "io/image/image_writer.h"
+
+#include "engine/errors.h"
+#include "io/atomic_file.h"
+#include "io/image/raw_values.h"
+#include "io/paths.h"
+
+#include <nifti/nifti1.h>
+#include <zlib.h>
+
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <utility>
+
+namespace slicemorph {
+namespace {
+
+/// A fast setting: CT noise hardly packs better at slower ones.
+constexpr int kLevel = 4;
+
+std::string_view bytesOf(const ImageValues& values) {
+  return std::visit(
+      [](const auto& v) {
+        return std::string_view(reinterpret_cast<const char*>(v.data()), v.size() * sizeof(v[0]));
+      },
+      values);
+}
+
+/// Packs parts one after the other as one stream: gzip, or zlib as MetaImage wants it.
+class Packer {
+ public:
+  enum Wrapper { kZlib = 15, kGzip = 31 };
+  Packer(AtomicFile& file, Wrapper wrapper) : file_(file), out_(1 << 18) {
+    if (deflateInit2(&stream_, kLevel, Z_DEFLATED, wrapper, 9, Z_DEFAULT_STRATEGY) != Z_OK) throw std::bad_alloc();
+  }
+  ~Packer() { deflateEnd(&stream_); }
+
+  void add(std::string_view bytes) { run(bytes, Z_NO_FLUSH); }
+  void finish() { run({}, Z_FINISH); }
+
+ private:
+  void run(std::string_view bytes, int flush) {
+    while (true) {
+      const size_t part = std::min<size_t>(bytes.size(), 1u << 30);
+      stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+      stream_.avail_in = uInt(part);
+      do {
+        stream_.next_out = reinterpret_cast<Bytef*>(out_.data());
+        stream_.avail_out = uInt(out_.size());
+        deflate(&stream_, flush);
+        file_.write({out_.data(), out_.size() - stream_.avail_out});
+      } while (stream_.avail_out == 0);
+      bytes.remove_prefix(part);
+      if (bytes.empty()) return;
+    }
+  }
+
+  AtomicFile& file_;
+  std::vector<char> out_;
+  z_stream stream_ = {};
+};
+
+std::string numberText(double value) {
+  char digits[32];
+  return {digits, std::to_chars(digits, digits + sizeof digits, value).ptr};
+}
+
+std::string numbersText(const Vec3d& v, const char* between) {
+  return numberText(v[0]) + between + numberText(v[1]) + between + numberText(v[2]);
+}
+
+struct TypeNames {
+  short nifti;
+  const char *nrrd, *meta;
+};
+TypeNames namesOf(const ImageValues& values) {
+  constexpr TypeNames kNames[] = {{DT_UINT8, "uint8", "MET_UCHAR"}, {DT_INT16, "int16", "MET_SHORT"},
+                                  {DT_UINT16, "uint16", "MET_USHORT"}, {DT_INT32, "int32", "MET_INT"},
+                                  {DT_FLOAT32, "float", "MET_FLOAT"}, {DT_FLOAT64, "double", "MET_DOUBLE"}};
+  static_assert(std::size(kNames) == std::variant_size_v<ImageValues>);
+  return kNames[values.index()];
+}
+
+/// Quaternion of a rotation (b, c, d; a >= 0) by the largest of its components.
+void quaternionOf(const Mat3d& r, float q[3]) {
+  const double trace[4] = {r(0, 0) + r(1, 1) + r(2, 2), r(0, 0), r(1, 1), r(2, 2)};
+  double w[4];
+  int most = 0;
+  for (int i = 0; i < 4; ++i) {
+    w[i] = i == 0 ? 1 + trace[0] : 1 + 2 * trace[i] - trace[0];
+    if (w[i] > w[most]) most = i;
+  }
+  const double s = 0.5 / std::sqrt(w[most]);
+  double a, b, c, d;
+  if (most == 0)
+    a = w[0] * s, b = (r(2, 1) - r(1, 2)) * s, c = (r(0, 2) - r(2, 0)) * s, d = (r(1, 0) - r(0, 1)) * s;
+  else if (most == 1)
+    a = (r(2, 1) - r(1, 2)) * s, b = w[1] * s, c = (r(0, 1) + r(1, 0)) * s, d = (r(0, 2) + r(2, 0)) * s;
+  else if (most == 2)
+    a = (r(0, 2) - r(2, 0)) * s, b = (r(0, 1) + r(1, 0)) * s, c = w[2] * s, d = (r(1, 2) + r(2, 1)) * s;
+  else
+    a = (r(1, 0) - r(0, 1)) * s, b = (r(0, 2) + r(2, 0)) * s, c = (r(1, 2) + r(2, 1)) * s, d = w[3] * s;
+  const double sign = a < 0 ? -1 : 1;
+  q[0] = float(sign * b), q[1] = float(sign * c), q[2] = float(sign * d);
+}
+
+nifti_1_header niftiHeader(const std::string& path, const Image& image) {
+  const ImageLattice& lattice = image.lattice;
+  nifti_1_header h = {};
+  h.sizeof_hdr = 348;
+  h.dim[0] = 3, h.dim[4] = h.dim[5] = h.dim[6] = h.dim[7] = 1;
+  for (int d = 0; d < 3; ++d) {
+    if (lattice.size[d] > std::numeric_limits<short>::max())
+      throw InputError(path + ": NIfTI holds at most 32767 voxels along an axis, not " + std::to_string(lattice.size[d]) +
+                       "; use .nrrd or .mha");
+    h.dim[d + 1] = short(lattice.size[d]);
+  }
+  h.datatype = namesOf(image.values).nifti;
+  h.bitpix = short(8 * rawTypeOf(image.values).bytes);
+  h.vox_offset = 352;
+  h.scl_slope = 1;
+  h.xyzt_units = NIFTI_UNITS_MM;
+  std::strncpy(h.descrip, "slicemorph", sizeof h.descrip - 1);
+  std::memcpy(h.magic, "n+1", 4);
+  // LPS to RAS.
+  Vec3d step[3], origin = lattice.origin;
+  for (int d = 0; d < 3; ++d) step[d] = {-lattice.step[d][0], -lattice.step[d][1], lattice.step[d][2]};
+  origin[0] = -origin[0], origin[1] = -origin[1];
+  float* rows[3] = {h.srow_x, h.srow_y, h.srow_z};
+  for (int r = 0; r < 3; ++r) {
+    for (int d = 0; d < 3; ++d) rows[r][d] = float(step[d][r]) + 0.0f;
+    rows[r][3] = float(origin[r]) + 0.0f;
+  }
+  h.sform_code = NIFTI_XFORM_SCANNER_ANAT;
+  const Vec3d spacing = lattice.spacing();
+  for (int d = 0; d < 3; ++d) h.pixdim[d + 1] = float(spacing[d]);
+  Mat3d r;
+  for (int d = 0; d < 3; ++d) r.setCol(d, step[d] / spacing[d]);
+  const double mirrored = r.det() < 0 ? -1 : 1;
+  h.pixdim[0] = float(mirrored);
+  r.setCol(2, r.col(2) * mirrored);
+  const double lean = std::max({std::abs(r.col(0).dot(r.col(1))), std::abs(r.col(0).dot(r.col(2))), std::abs(r.col(1).dot(r.col(2)))});
+  if (lean < 1e-5) {
+    h.qform_code = NIFTI_XFORM_SCANNER_ANAT;
+    float q[3];
+    quaternionOf(r, q);
+    h.quatern_b = q[0], h.quatern_c = q[1], h.quatern_d = q[2];
+    h.qoffset_x = rows[0][3], h.qoffset_y = rows[1][3], h.qoffset_z = rows[2][3];
+  }
+  return h;
+}
+
+std::string nrrdHeader(const Image& image) {
+  const ImageLattice& l = image.lattice;
+  std::string text = "NRRD0004\n# written by slicemorph\ntype: " + std::string(namesOf(image.values).nrrd) +
+                     "\ndimension: 3\nspace: left-posterior-superior\nsizes: " + std::to_string(l.size[0]) + " " +
+                     std::to_string(l.size[1]) + " " + std::to_string(l.size[2]) + "\nspace directions:";
+  for (const Vec3d& s : l.step) text += " (" + numbersText(s, ",") + ")";
+  return text + "\nkinds: domain domain domain\nendian: little\nencoding: gzip\nspace origin: (" + numbersText(l.origin, ",") +
+         ")\n\n";
+}
+
+std::string metaHeader(const Image& image) {
+  const ImageLattice& l = image.lattice;
+  const Vec3d spacing = l.spacing();
+  std::string text = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = True\nTransformMatrix =";
+  for (int d = 0; d < 3; ++d) text += " " + numbersText(l.step[d] / spacing[d], " ");
+  return text + "\nOffset = " + numbersText(l.origin, " ") + "\nCenterOfRotation = 0 0 0\nElementSpacing = " +
+         numbersText(spacing, " ") + "\nDimSize = " + std::to_string(l.size[0]) + " " + std::to_string(l.size[1]) + " " +
+         std::to_string(l.size[2]) + "\nElementType = " + namesOf(image.values).meta + "\nElementDataFile = LOCAL\n";
+}
+
+bool isNifti(const std::string& path) {
+  return extensionOf(path) == ".nii" ||
+         (extensionOf(path) == ".gz" && extensionOf(std::filesystem::path(path).stem().string()) == ".nii");
+}
+
+}  // namespace
+
+bool isImageOutput(const std::string& path) {
+  return isNifti(path) || extensionOf(path) == ".nrrd" || extensionOf(path) == ".mha";
+}
+
+void writeImage(const std::string& path, const Image& image) {
+  if (!isImageOutput(path)) throw InputError(path + ": cannot write an image of this extension; use .nii .nii.gz .nrrd or .mha");
+  static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "values are written as they lie in memory");
+  const std::string_view values = bytesOf(image.values);
+  if (isNifti(path)) {
+    const nifti_1_header header = niftiHeader(path, image);
+    const std::string head = std::string(reinterpret_cast<const char*>(&header), sizeof header) + std::string(4, '\0');
+    AtomicFile file(path);
+    if (extensionOf(path) == ".nii") {
+      file.write(head);
+      file.write(values);
+    } else {
+      Packer packer(file, Packer::kGzip);
+      packer.add(head);
+      packer.add(values);
+      packer.finish();
+    }
+    return file.commit();
+  }
+  const bool nrrd = extensionOf(path) == ".nrrd";
+  AtomicFile file(path);
+  file.write(nrrd ? nrrdHeader(image) : metaHeader(image));
+  Packer packer(file, nrrd ? Packer::kGzip : Packer::kZlib);
+  packer.add(values);
+  packer.finish();
+  file.commit();
+}
+
+}  // namespace slicemorph

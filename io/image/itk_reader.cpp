@@ -1,0 +1,211 @@
+#include "io/image/itk_reader.h"
+
+#include "io/image/itk_values.h"
+
+#include <itkMetaImageIO.h>
+#include <itkNrrdImageIO.h>
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+
+namespace slicemorph {
+namespace {
+
+using Io = itk::ImageIOBase;
+
+/// Voxels of one volume, and how many volumes there are, of an image of 2 to 4 dimensions.
+void describe(const std::string& path, const Io& io, int volume, ImageFile& file) {
+  const unsigned dimensions = io.GetNumberOfDimensions();
+  const std::int64_t most = std::int64_t(1) << 40;
+  std::int64_t all = 1, volumes = io.GetNumberOfComponents();
+  for (unsigned d = 0; d < dimensions; ++d) {
+    const std::int64_t n = std::int64_t(io.GetDimensions(d));
+    if (n < 1 || n > most / all) throw IoError(path + ": its size along axis " + std::to_string(d) + ", " + std::to_string(n) + ", makes no sense");
+    all *= n;
+    if (d < 3)
+      file.image.lattice.size[int(d)] = int(n);
+    else
+      volumes *= n;
+  }
+  for (unsigned d = dimensions; d < 3; ++d) file.image.lattice.size[int(d)] = 1;
+  file.volumes = int(std::min<std::int64_t>(volumes, 1 << 30));
+  if (volume < 0 || volume >= file.volumes)
+    throw InputError(path + " has no volume " + std::to_string(volume) + "; it has " + std::to_string(file.volumes) +
+                     ", numbered from 0");
+  ImageLattice& lattice = file.image.lattice;
+  for (unsigned d = 0; d < std::min(dimensions, 3u); ++d) {
+    lattice.origin[int(d)] = io.GetOrigin(d);
+    const std::vector<double> direction = io.GetDirection(d);
+    for (unsigned r = 0; r < 3; ++r)
+      lattice.step[d][int(r)] = (r < direction.size() ? direction[r] : r == d) * io.GetSpacing(d);
+  }
+  if (dimensions < 3) lattice.step[2] = lattice.step[0].cross(lattice.step[1]).unit();
+  const double flat = lattice.step[0].dot(lattice.step[1].cross(lattice.step[2]));
+  if (!std::isfinite(flat) || std::abs(flat) <= 1e-6 * lattice.spacing()[0] * lattice.spacing()[1] * lattice.spacing()[2])
+    throw IoError(path + ": its axes and spacing flatten space; they must be independent and not 0");
+}
+
+/// One volume of all: components lie side by side, times one after the other.
+ImageValues chosenValues(RawType type, const Io& io, const ImageFile& file, int volume,
+                         const std::function<void(void*)>& readAll) {
+  const size_t count = file.image.lattice.count(), components = io.GetNumberOfComponents();
+  if (file.volumes == 1) return readValues(type, count, readAll);
+  std::vector<char> bytes(count * size_t(file.volumes) * size_t(type.bytes));
+  readAll(bytes.data());
+  const size_t time = size_t(volume) / components, component = size_t(volume) % components;
+  return readValues(type, count, [&](void* to) {
+    auto* out = static_cast<char*>(to);
+    for (size_t i = 0; i < count; ++i)
+      std::copy_n(&bytes[((time * count + i) * components + component) * size_t(type.bytes)], type.bytes,
+                  out + i * size_t(type.bytes));
+  });
+}
+
+void readHeader(const std::string& path, Io& io, const char* format) {
+  sizeOfInput(path);
+  itk::Object::GlobalWarningDisplayOff();
+  io.SetFileName(path);
+  try {
+    if (!io.CanReadFile(path.c_str())) throw IoError(path + " is no " + format + " file, or its header is damaged");
+    io.ReadImageInformation();
+  } catch (const itk::ExceptionObject& error) {
+    throw IoError(path + " cannot be read: " + reasonOf(error));
+  }
+}
+
+void readWhole(const std::string& path, Io& io, void* to) {
+  itk::ImageIORegion region(io.GetNumberOfDimensions());
+  for (unsigned d = 0; d < io.GetNumberOfDimensions(); ++d) region.SetSize(d, io.GetDimensions(d));
+  io.SetIORegion(region);
+  try {
+    io.Read(to);
+  } catch (const itk::ExceptionObject& error) {
+    throw IoError(path + " is truncated or damaged: " + reasonOf(error));
+  }
+}
+
+/// The `key = value` lines of a MetaImage header and where its data begins.
+struct MetaHeader {
+  std::map<std::string, std::string> value;
+  std::uint64_t bytes = 0;
+
+  bool is(const char* key) const {
+    const auto at = value.find(key);
+    return at != value.end() && !at->second.empty() && (at->second[0] == 'T' || at->second[0] == 't' || at->second[0] == '1');
+  }
+};
+
+MetaHeader metaHeader(const std::string& path) {
+  MetaHeader header;
+  std::ifstream file(path, std::ios::binary);
+  const auto trimmed = [](std::string s) {
+    s.erase(0, std::min(s.find_first_not_of(" \t"), s.size()));
+    s.erase(s.find_last_not_of(" \t\r") + 1);
+    return s;
+  };
+  for (std::string line; std::getline(file, line);) {
+    const size_t mark = line.find('=');
+    if (mark == std::string::npos) continue;
+    const std::string key = trimmed(line.substr(0, mark));
+    header.value[key] = trimmed(line.substr(mark + 1));
+    if (key == "ElementDataFile") break;
+  }
+  if (!header.value.count("ElementDataFile")) throw IoError(path + ": its header has no ElementDataFile");
+  header.bytes = std::uint64_t(file.tellg());
+  return header;
+}
+
+/// Unpacks a zlib stream from `from` to the end of a file; returns how much it gave, which is `bytes` where all is well, and
+/// how long the packed stream was.
+struct Unpacked {
+  size_t bytes = 0, packed = 0;
+  bool ended = false;
+};
+Unpacked unpack(const std::string& path, std::uint64_t from, char* to, size_t bytes) {
+  std::ifstream file(path, std::ios::binary);
+  file.seekg(std::streamoff(from));
+  z_stream stream = {};
+  if (!file || inflateInit2(&stream, 32 + 15) != Z_OK) throw IoError(path + " cannot be read");
+  std::vector<char> in(1 << 18);
+  Unpacked result;
+  int state = Z_OK;
+  while (state == Z_OK && file.read(in.data(), std::streamsize(in.size())).gcount() > 0) {
+    stream.next_in = reinterpret_cast<Bytef*>(in.data());
+    stream.avail_in = uInt(file.gcount());
+    while (state == Z_OK && stream.avail_in > 0) {
+      char spare;  // whatever comes after the last voxel
+      const bool full = result.bytes == bytes;
+      const uInt room = full ? 1 : uInt(std::min<size_t>(bytes - result.bytes, 1u << 30));
+      stream.next_out = reinterpret_cast<Bytef*>(full ? &spare : to + result.bytes);
+      stream.avail_out = room;
+      state = inflate(&stream, Z_NO_FLUSH);
+      if (!full) result.bytes += room - stream.avail_out;
+    }
+  }
+  result.packed = stream.total_in;
+  result.ended = state == Z_STREAM_END;
+  inflateEnd(&stream);
+  return result;
+}
+
+void readMetaData(const std::string& path, const MetaHeader& header, RawType type, size_t count, Io& io, ImageFile& file,
+                  void* to) {
+  const std::string name = header.value.at("ElementDataFile");
+  const bool local = name == "LOCAL" || name == "Local" || name == "local";
+  const std::string data = local ? path : (std::filesystem::path(path).parent_path() / name).string();
+  const bool single = local || (name.find('%') == std::string::npos && name.rfind("LIST", 0) != 0);
+  const size_t bytes = count * size_t(type.bytes);
+  if (single) sizeOfInput(data);
+  if (!header.is("CompressedData")) {
+    const std::uint64_t from = local ? header.bytes : 0, there = single ? sizeOfInput(data) : 0;
+    if (single && there < from + bytes)
+      throw IoError(path + " is truncated: " + data + " has " + std::to_string(there - std::min(from, there)) +
+                    " bytes of voxels, " + std::to_string(bytes) + " are needed");
+    return readWhole(path, io, to);
+  }
+  if (!single) throw IoError(path + ": compressed data in several files cannot be read");
+  const Unpacked got = unpack(data, local ? header.bytes : 0, static_cast<char*>(to), bytes);
+  if (got.bytes < bytes)
+    throw IoError(path + " is truncated or damaged: its data unpack to " + std::to_string(got.bytes) + " bytes, " +
+                  std::to_string(bytes) + " are needed");
+  if (!got.ended) throw IoError(path + " is damaged: its compressed data do not end after the last voxel");
+  const auto stated = header.value.find("CompressedDataSize");
+  if (stated != header.value.end() && stated->second != std::to_string(got.packed))
+    file.notes.push_back("its header states " + stated->second + " bytes of compressed data, there are " +
+                         std::to_string(got.packed) + ": all were read");
+  if (header.is("BinaryDataByteOrderMSB") || header.is("ElementByteOrderMSB")) swapBytes(to, count, type.bytes);
+}
+
+}  // namespace
+
+ImageFile readNrrd(const std::string& path, int volume) {
+  const auto io = itk::NrrdImageIO::New();
+  readHeader(path, *io, "NRRD");
+  ImageFile file;
+  file.format = "NRRD";
+  describe(path, *io, volume, file);
+  const RawType type = rawTypeOf(path, io->GetComponentType());
+  file.image.values = chosenValues(type, *io, file, volume, [&](void* to) { readWhole(path, *io, to); });
+  return file;
+}
+
+ImageFile readMetaImage(const std::string& path, int volume) {
+  const auto io = itk::MetaImageIO::New();
+  readHeader(path, *io, "MetaImage");
+  ImageFile file;
+  file.format = "MetaImage";
+  describe(path, *io, volume, file);
+  const RawType type = rawTypeOf(path, io->GetComponentType());
+  const MetaHeader header = metaHeader(path);
+  const size_t all = file.image.lattice.count() * size_t(file.volumes);
+  file.image.values = chosenValues(type, *io, file, volume,
+                                   [&](void* to) { readMetaData(path, header, type, all, *io, file, to); });
+  return file;
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "engine/errors.h"
+#include "io/image/raw_values.h"
+
+#include <itkImageIOBase.h>
+
+namespace slicemorph {
+
+/// ITK's name of a number type. Throws IoError.
+inline RawType rawTypeOf(const std::string& path, itk::ImageIOBase::IOComponentEnum component) {
+  using Type = itk::ImageIOBase::IOComponentEnum;
+  switch (component) {
+    case Type::UCHAR: return {1, RawType::kUnsigned};
+    case Type::CHAR: return {1, RawType::kSigned};
+    case Type::USHORT: return {2, RawType::kUnsigned};
+    case Type::SHORT: return {2, RawType::kSigned};
+    case Type::UINT: return {4, RawType::kUnsigned};
+    case Type::INT: return {4, RawType::kSigned};
+    case Type::ULONG:
+    case Type::ULONGLONG: return {8, RawType::kUnsigned};
+    case Type::LONG:
+    case Type::LONGLONG: return {8, RawType::kSigned};
+    case Type::FLOAT: return {4, RawType::kFloat};
+    case Type::DOUBLE: return {8, RawType::kFloat};
+    default: break;
+  }
+  throw IoError(path + ": its voxels are no plain numbers");
+}
+
+/// ITK's description of an error, without the place in ITK's source.
+inline std::string reasonOf(const itk::ExceptionObject& error) {
+  std::string text = error.GetDescription();
+  const size_t mark = text.find("ITK ERROR: ");
+  if (mark != std::string::npos) text = text.substr(mark + 11);
+  for (char& c : text)
+    if (c == '\n') c = ' ';
+  while (!text.empty() && text.back() == ' ') text.pop_back();
+  return text;
+}
+
+}  // namespace slicemorph

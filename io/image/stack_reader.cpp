@@ -1,0 +1,141 @@
+#include "io/image/stack_reader.h"
+
+#include "engine/errors.h"
+#include "io/image/picture_plugin.h"
+#include "io/image/raw_values.h"
+#include "io/sequence.h"
+
+#include <tbb/parallel_for.h>
+
+#include <dlfcn.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+
+namespace slicemorph {
+namespace {
+
+/// The library of pictures lies beside the program, or where SLICEMORPH_PICTURES says.
+SlicemorphReadPicture loadPlugin() {
+  static const SlicemorphReadPicture function = [] {
+    std::error_code ignored;
+    const auto beside = std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path() / "libslicemorph_pictures.so";
+    const char* told = std::getenv("SLICEMORPH_PICTURES");
+    void* library = dlopen(told ? told : beside.c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (!library) throw IoError(std::string("pictures cannot be read: ") + dlerror());
+    auto* found = reinterpret_cast<SlicemorphReadPicture>(dlsym(library, "slicemorphReadPicture"));
+    if (!found) throw IoError(std::string("pictures cannot be read: ") + dlerror());
+    return found;
+  }();
+  return function;
+}
+
+struct FreeValues {
+  void operator()(void* values) const { std::free(values); }
+};
+
+struct Page {
+  std::string file;
+  int page = 0;
+};
+
+struct Picture {
+  SlicemorphPicture about;
+  std::unique_ptr<void, FreeValues> values;
+};
+
+Picture readPage(SlicemorphReadPicture read, const Page& page, bool values) {
+  Picture picture{};
+  if (const char* problem = read(page.file.c_str(), page.page, values, &picture.about))
+    throw IoError(page.file + " cannot be read: " + problem);
+  picture.values.reset(picture.about.values);
+  return picture;
+}
+
+std::vector<Page> pagesOf(const std::string& input, SlicemorphReadPicture read) {
+  std::vector<Page> pages;
+  if (isSequenceInput(input)) {
+    for (const SequenceFile& file : findSequence(input)) pages.push_back({file.path, 0});
+  } else {
+    sizeOfInput(input);
+    const int count = readPage(read, {input, 0}, false).about.pages;
+    for (int i = 0; i < count; ++i) pages.push_back({input, i});
+  }
+  return pages;
+}
+
+template <typename T>
+double luminance(const T* pixel, int channels) {
+  return channels < 3 ? double(pixel[0]) : 0.2126 * pixel[0] + 0.7152 * pixel[1] + 0.0722 * pixel[2];
+}
+
+template <typename T>
+std::vector<T> readValuesOf(const std::vector<Page>& pages, SlicemorphReadPicture read, const SlicemorphPicture& like) {
+  const size_t each = size_t(like.width) * size_t(like.height);
+  std::vector<T> values(each * pages.size());
+  tbb::parallel_for(size_t(0), pages.size(), [&](size_t k) {
+    const Picture picture = readPage(read, pages[k], true);
+    const SlicemorphPicture& p = picture.about;
+    if (p.width != like.width || p.height != like.height || p.bytes != like.bytes || p.kind != like.kind || p.channels != like.channels)
+      throw IoError(pages[k].file + " is " + std::to_string(p.width) + " x " + std::to_string(p.height) + " pixels of " +
+                    std::to_string(p.channels) + " x " + std::to_string(8 * p.bytes) + " bits; " + pages[0].file + " is " +
+                    std::to_string(like.width) + " x " + std::to_string(like.height) + " of " +
+                    std::to_string(like.channels) + " x " + std::to_string(8 * like.bytes));
+    const T* from = static_cast<const T*>(p.values);
+    for (size_t i = 0; i < each; ++i) {
+      const double v = luminance(from + i * size_t(p.channels), p.channels);
+      values[k * each + i] = std::is_integral_v<T> ? T(std::lrint(v)) : T(v);
+    }
+  });
+  return values;
+}
+
+void checkNumbers(const std::string& input, ImageFile& file) {
+  if (!isSequenceInput(input)) return;
+  const std::vector<SequenceFile> files = findSequence(input);
+  int missing = 0;
+  std::string first;
+  for (size_t i = 1; i < files.size(); ++i)
+    if (const int gap = files[i].number - files[i - 1].number - 1; gap > 0) {
+      if (missing == 0) first = std::to_string(files[i - 1].number + 1);
+      missing += gap;
+    }
+  if (missing > 0)
+    throw IoError(input + ": " + std::to_string(missing) + " pictures are missing (the first is number " + first +
+                  "); without them the spacing would be wrong");
+}
+
+}  // namespace
+
+ImageFile readStack(const std::string& input, const ImageOptions& options, bool values) {
+  const SlicemorphReadPicture read = loadPlugin();
+  ImageFile file;
+  file.format = "image stack";
+  checkNumbers(input, file);
+  const std::vector<Page> pages = pagesOf(input, read);
+  const Vec3d& s = options.spacing;
+  if (values && !(s[0] > 0 && s[1] > 0 && s[2] > 0))
+    throw InputError(input + ": pictures hold no spacing; give --spacing X,Y,Z in millimetres (pixel width, pixel height, gap between pictures)");
+  const SlicemorphPicture like = readPage(read, pages[0], false).about;
+  ImageLattice& lattice = file.image.lattice;
+  lattice.size = openvdb::Coord(like.width, like.height, int(pages.size()));
+  for (int d = 0; d < 3; ++d) {
+    lattice.step[d] = Vec3d(0.0);
+    lattice.step[d][d] = s[d] > 0 ? s[d] : 1;
+  }
+  if (like.channels > 2) file.notes.push_back("colours are taken as luminance");
+  if (!values) return file;
+  if (like.kind == 2)
+    file.image.values = readValuesOf<float>(pages, read, like);
+  else if (like.bytes == 1)
+    file.image.values = readValuesOf<std::uint8_t>(pages, read, like);
+  else if (like.kind == 1)
+    file.image.values = readValuesOf<std::int16_t>(pages, read, like);
+  else
+    file.image.values = readValuesOf<std::uint16_t>(pages, read, like);
+  return file;
+}
+
+}  // namespace slicemorph

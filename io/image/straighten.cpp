@@ -1,0 +1,204 @@
+#include "io/image/straighten.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace slicemorph {
+namespace {
+
+/// Pixels by which a slice may be off without being moved.
+constexpr double kStraight = 2e-3;
+/// Share of a gap by which gaps may differ without being uneven.
+constexpr double kEven = 0.01;
+
+std::string written(double value) {
+  char digits[32];
+  std::snprintf(digits, sizeof digits, "%.4g", value);
+  return digits;
+}
+
+/// Where slices lie: along the normal, and moved in their plane, in pixels against the first.
+struct Places {
+  Vec3d normal;
+  std::vector<double> along;
+  std::vector<openvdb::Vec2d> shift;
+};
+
+Places placesOf(const SliceStackInput& stack) {
+  Places p;
+  const Vec3d &x = stack.step[0], &y = stack.step[1];
+  p.normal = x.cross(y).unit();
+  const double xx = x.dot(x), xy = x.dot(y), yy = y.dot(y), det = xx * yy - xy * xy;
+  for (const Vec3d& at : stack.position) {
+    const Vec3d d = at - stack.position[0];
+    p.along.push_back(d.dot(p.normal));
+    const double a = d.dot(x), b = d.dot(y);
+    p.shift.emplace_back((yy * a - xy * b) / det, (xx * b - xy * a) / det);
+  }
+  return p;
+}
+
+double usualGap(const std::vector<double>& along) {
+  std::vector<double> gaps;
+  for (size_t i = 1; i < along.size(); ++i) gaps.push_back(along[i] - along[i - 1]);
+  std::nth_element(gaps.begin(), gaps.begin() + std::ptrdiff_t(gaps.size() / 2), gaps.end());
+  return gaps[gaps.size() / 2];
+}
+
+/// Notes on gaps; returns whether all are alike.
+bool checkGaps(const SliceStackInput& stack, const Places& places, double gap, std::vector<std::string>& notes) {
+  size_t missing = 0, uneven = 0;
+  std::string where;
+  for (size_t i = 1; i < places.along.size(); ++i) {
+    const double ratio = (places.along[i] - places.along[i - 1]) / gap;
+    if (std::abs(ratio - 1) <= kEven) continue;
+    const double whole = std::rint(ratio);
+    if (whole >= 2 && std::abs(ratio - whole) <= 5 * kEven) {
+      missing += size_t(whole) - 1;
+      if (where.empty()) where = stack.names[i - 1] + " and " + stack.names[i] + ", " + written(ratio * gap) + " mm apart";
+    } else {
+      ++uneven;
+    }
+  }
+  if (missing > 0)
+    notes.push_back(std::to_string(missing) + (missing == 1 ? " slice is" : " slices are") + " missing (first between " + where +
+                    "): interpolated from the neighbours");
+  if (uneven > 0) {
+    const auto [low, high] = [&] {
+      double least = INFINITY, most = 0;
+      for (size_t i = 1; i < places.along.size(); ++i) {
+        least = std::min(least, places.along[i] - places.along[i - 1]);
+        most = std::max(most, places.along[i] - places.along[i - 1]);
+      }
+      return std::pair(least, most);
+    }();
+    notes.push_back("its slices are unevenly spaced (" + written(low) + " to " + written(high) + " mm): resampled every " +
+                    written(gap) + " mm from where they truly lie");
+  }
+  return missing + uneven == 0;
+}
+
+template <typename T>
+T smallestOf(const std::vector<ImageValues>& slices) {
+  T least = std::get<std::vector<T>>(slices[0])[0];
+  for (const ImageValues& s : slices)
+    for (T v : std::get<std::vector<T>>(s)) least = std::min(least, v);
+  return least;
+}
+
+/// A slice moved in its plane, bilinear.
+class MovedSlice {
+ public:
+  MovedSlice(const int size[2], openvdb::Vec2d shift) : width_(size[0]), height_(size[1]), shift_(shift) {}
+
+  template <typename T>
+  double at(const std::vector<T>& values, int i, int j, T outside) const {
+    const double x = i - shift_[0], y = j - shift_[1];
+    const int x0 = int(std::floor(x + kStraight)), y0 = int(std::floor(y + kStraight));
+    const double fx = std::max(0.0, x - x0), fy = std::max(0.0, y - y0);
+    const auto value = [&](int a, int b) {
+      return a >= 0 && b >= 0 && a < width_ && b < height_ ? double(values[size_t(b) * size_t(width_) + size_t(a)]) : double(outside);
+    };
+    if (fx < kStraight && fy < kStraight) return value(x0, y0);
+    const double low = fx < kStraight ? value(x0, y0) : (1 - fx) * value(x0, y0) + fx * value(x0 + 1, y0);
+    if (fy < kStraight) return low;
+    const double high = fx < kStraight ? value(x0, y0 + 1) : (1 - fx) * value(x0, y0 + 1) + fx * value(x0 + 1, y0 + 1);
+    return (1 - fy) * low + fy * high;
+  }
+
+ private:
+  int width_, height_;
+  openvdb::Vec2d shift_;
+};
+
+template <typename T>
+std::vector<T> resampled(const SliceStackInput& stack, const Places& places, const ImageLattice& lattice, double gap,
+                         openvdb::Vec2i first) {
+  const T outside = smallestOf<T>(stack.values);
+  std::vector<T> result(lattice.count());
+  const auto& along = places.along;
+  tbb::parallel_for(0, lattice.size[2], [&](int k) {
+    const double z = k * gap;
+    size_t above = size_t(std::lower_bound(along.begin(), along.end(), z) - along.begin());
+    above = std::min(std::max<size_t>(above, 1), along.size() - 1);
+    double f = std::min(std::max((z - along[above - 1]) / (along[above] - along[above - 1]), 0.0), 1.0);
+    if (f < kStraight) f = 0;
+    if (f > 1 - kStraight) f = 1;
+    const auto& low = std::get<std::vector<T>>(stack.values[above - 1]);
+    const auto& high = std::get<std::vector<T>>(stack.values[above]);
+    const MovedSlice movedLow(stack.size, places.shift[above - 1] - openvdb::Vec2d(first[0], first[1]));
+    const MovedSlice movedHigh(stack.size, places.shift[above] - openvdb::Vec2d(first[0], first[1]));
+    for (int j = 0; j < lattice.size[1]; ++j)
+      for (int i = 0; i < lattice.size[0]; ++i) {
+        double v = 0;
+        if (f < 1) v += (1 - f) * movedLow.at(low, i, j, outside);
+        if (f > 0) v += f * movedHigh.at(high, i, j, outside);
+        result[lattice.index(i, j, k)] = std::is_integral_v<T> ? T(std::lrint(v)) : T(v);
+      }
+  });
+  return result;
+}
+
+template <typename T>
+std::vector<T> joined(SliceStackInput& stack) {
+  const size_t each = std::get<std::vector<T>>(stack.values[0]).size();
+  std::vector<T> result(each * stack.values.size());
+  tbb::parallel_for(size_t(0), stack.values.size(), [&](size_t k) {
+    auto& slice = std::get<std::vector<T>>(stack.values[k]);
+    std::copy(slice.begin(), slice.end(), result.begin() + std::ptrdiff_t(k * each));
+    std::vector<T>().swap(slice);
+  });
+  return result;
+}
+
+}  // namespace
+
+void straighten(SliceStackInput stack, ImageFile& file) {
+  const Places places = placesOf(stack);
+  const size_t count = stack.position.size();
+  ImageLattice& lattice = file.image.lattice;
+  lattice.size = openvdb::Coord(stack.size[0], stack.size[1], int(count));
+  lattice.origin = stack.position[0];
+  lattice.step[0] = stack.step[0], lattice.step[1] = stack.step[1];
+  if (count == 1) {
+    lattice.step[2] = places.normal * stack.step[0].length();
+    file.image.values = std::move(stack.values[0]);
+    return;
+  }
+  double gap = usualGap(places.along);
+  const bool even = checkGaps(stack, places, gap, file.notes);
+  openvdb::Vec2d low(0.0), high(0.0);
+  for (const auto& s : places.shift)
+    for (int d = 0; d < 2; ++d) low[d] = std::min(low[d], s[d]), high[d] = std::max(high[d], s[d]);
+  const bool straight = high[0] - low[0] < kStraight && high[1] - low[1] < kStraight;
+  if (even) gap = places.along.back() / double(count - 1);
+  lattice.step[2] = places.normal * gap;
+  if (even && straight) {
+    std::visit([&](const auto& v) { file.image.values = joined<typename std::decay_t<decltype(v)>::value_type>(stack); },
+               stack.values[0]);
+    return;
+  }
+  openvdb::Vec2i first(0, 0);
+  if (!straight) {
+    for (int d = 0; d < 2; ++d) {
+      first[d] = int(std::floor(low[d] + kStraight));
+      lattice.size[d] += int(std::ceil(high[d] - kStraight)) - first[d];
+    }
+    lattice.origin += double(first[0]) * stack.step[0] + double(first[1]) * stack.step[1];
+    const openvdb::Vec2d lean = places.shift.back();
+    const double tilt = std::atan2((lean[0] * stack.step[0] + lean[1] * stack.step[1]).length(), places.along.back());
+    file.notes.push_back("its slices lean by " + written(tilt * 180 / M_PI) + " degrees (gantry tilt): straightened");
+  }
+  lattice.size[2] = even ? int(count) : int(std::lround(std::floor(places.along.back() / gap + kEven))) + 1;
+  std::visit(
+      [&](const auto& v) {
+        using T = typename std::decay_t<decltype(v)>::value_type;
+        file.image.values = resampled<T>(stack, places, lattice, gap, first);
+      },
+      stack.values[0]);
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "engine/slicemorph.h"
+
+#include <string>
+#include <vector>
+
+namespace slicemorph {
+
+/// Landmarks of `inputs` objects from what an option says: a file of points for every input, separated by commas (a point
+/// a line, x y z in world units as the first or after a label; headers of elastix point files and 3D Slicer .fcsv are known,
+/// RAS ones become LPS), or the places themselves, `x,y,z=x,y,z;x,y,z=x,y,z`. None where the text is empty.
+/// Throws InputError, IoError.
+std::vector<Landmark> readLandmarks(const std::string& option, const std::string& text, size_t inputs);
+
+}  // namespace slicemorph
