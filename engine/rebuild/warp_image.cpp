@@ -319,11 +319,11 @@ Image warpLabels(const std::vector<CarriedLabels>& labels, const ImageNodes& nod
             for (size_t c = 0; c < labels.size(); ++c) {
               const Vec3f p = places.stretch(c, {i, j, k}).at;
               const float weight = float(labels[c].weight);
-              float most = -std::numeric_limits<float>::max();
+              float most = labels[c].labels->depth(labels[c].labels->all(), p);
               for (size_t l = 0; l < candidates.size(); ++l) {
                 const LabelField::Label* field = fieldOf[c][size_t(candidates[l])];
                 const float depth = field ? labels[c].labels->depth(*field, p) : absent[size_t(candidates[l])];
-                most = std::max(most, depth);
+                if (!field) most = std::max(most, depth);
                 blended[l] += weight * depth;
               }
               without -= weight * most;

@@ -145,7 +145,8 @@ double otsuValue(const Image& image) {
 }
 
 bool looksLikeLabels(const Image& image) {
-  constexpr double kSame = 0.6;
+  // Label maps have 0.55 to 0.97, grey images 0 to 0.25 (25 of both kinds looked at).
+  constexpr double kSame = 0.4;
   return std::visit(
       [&](const auto& values) {
         size_t pairs = 0, same = 0;
@@ -160,7 +161,8 @@ bool looksLikeLabels(const Image& image) {
           ++pairs, same += v == before;
           if (v != before && distinct.size() <= 65535) distinct.insert(v);
         }
-        return pairs > 0 && distinct.size() <= 65535 && double(same) >= kSame * double(pairs);
+        const bool mask = distinct.size() - distinct.count(0) == 1;
+        return mask || (pairs > 0 && distinct.size() <= 65535 && double(same) >= kSame * double(pairs));
       },
       image.values);
 }

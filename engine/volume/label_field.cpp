@@ -49,20 +49,28 @@ LabelField::LabelField(const Image& image) : lattice_(image.lattice), spacing_(i
       [&](const auto& values) {
         using T = typename std::decay_t<decltype(values)>::value_type;
         const std::vector<openvdb::CoordBBox> boxes = boxesOf(lattice_, values, labels_);
-        tbb::parallel_for(size_t(0), labels_.size(), [&](size_t l) {
-          Label& label = labels_[l];
-          label.box = boxes[l];
+        const auto measure = [&](Label& label, const openvdb::CoordBBox& box, const auto& isInside) {
+          label.box = box;
           label.box.expand(kMargin);
           const openvdb::Coord size = label.box.dim(), first = label.box.min();
           std::vector<char> inside(size_t(size[0]) * size[1] * size[2], 0);
-          for (int k = boxes[l].min()[2]; k <= boxes[l].max()[2]; ++k)
-            for (int j = boxes[l].min()[1]; j <= boxes[l].max()[1]; ++j)
-              for (int i = boxes[l].min()[0]; i <= boxes[l].max()[0]; ++i)
+          for (int k = box.min()[2]; k <= box.max()[2]; ++k)
+            for (int j = box.min()[1]; j <= box.max()[1]; ++j)
+              for (int i = box.min()[0]; i <= box.max()[0]; ++i)
                 inside[(size_t(k - first[2]) * size[1] + (j - first[1])) * size[0] + (i - first[0])] =
-                    values[lattice_.index(i, j, k)] == T(label.value);
+                    isInside(values[lattice_.index(i, j, k)]);
           label.distance = signedDistances(inside, size, lattice_.spacing());
           label.deepest = *std::max_element(label.distance.begin(), label.distance.end());
+        };
+        tbb::parallel_for(size_t(0), labels_.size(), [&](size_t l) {
+          measure(labels_[l], boxes[l], [&](T v) { return v == T(labels_[l].value); });
         });
+        openvdb::CoordBBox together;
+        for (const openvdb::CoordBBox& box : boxes) together.expand(box);
+        if (labels_.size() == 1)
+          all_ = labels_[0];
+        else if (!labels_.empty())
+          measure(all_, together, [](T v) { return v != T(0); });
         for (size_t l = 0; l < labels_.size(); ++l) {
           const openvdb::CoordBBox& box = boxes[l];
           for (int k = box.min()[2]; k <= box.max()[2]; ++k)

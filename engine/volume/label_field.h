@@ -19,6 +19,8 @@ class LabelField {
 
   const ImageLattice& lattice() const { return lattice_; }
   const std::vector<Label>& labels() const { return labels_; }
+  /// Depth inside all of them together: where labels meet, none of them alone is deep.
+  const Label& all() const { return all_; }
   const Label* find(std::int64_t value) const;
 
   /// Depth inside a label at a place in voxels, trilinear; beyond its box less by the way to the box.
@@ -31,6 +33,7 @@ class LabelField {
   ImageLattice lattice_;
   openvdb::Vec3f spacing_;
   std::vector<Label> labels_;
+  Label all_;
   openvdb::Coord blocks_;
   std::vector<std::vector<int>> inBlock_;  ///< labels with voxels in a block
 };

@@ -5,10 +5,12 @@
 #include <itkMetaImageIO.h>
 #include <itkNrrdImageIO.h>
 
+#include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -183,10 +185,60 @@ void readMetaData(const std::string& path, const MetaHeader& header, RawType typ
 
 }  // namespace
 
+namespace {
+
+/// A copy of a detached NRRD header without its `space`, beside no data: for headers that name a space and give spacings,
+/// which the format forbids and which come all the same.
+class HeaderWithoutSpace {
+ public:
+  explicit HeaderWithoutSpace(const std::string& path)
+      : path_((std::filesystem::temp_directory_path() / ("slicemorph-" + std::to_string(::getpid()) + ".nhdr")).string()) {
+    std::ifstream in(path, std::ios::binary);
+    std::ofstream out(path_, std::ios::binary);
+    for (std::string line; std::getline(in, line) && !line.empty() && line != "\r";) {
+      if (line.rfind("space:", 0) == 0) {
+        space_ = line.substr(std::min(line.find_first_not_of(" ", 6), line.size()));
+        continue;
+      }
+      spacings_ |= line.rfind("spacings:", 0) == 0;
+      for (const char* key : {"data file: ", "datafile: "})
+        if (line.rfind(key, 0) == 0 && line.find("LIST") == std::string::npos) {
+          const std::string name = line.substr(std::string(key).size());
+          line = key + (std::filesystem::absolute(path).parent_path() / name).string();
+          detached_ = true;
+        }
+      out << line << "\n";
+    }
+    while (!space_.empty() && std::isspace(static_cast<unsigned char>(space_.back()))) space_.pop_back();
+  }
+  ~HeaderWithoutSpace() {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+  }
+  HeaderWithoutSpace(const HeaderWithoutSpace&) = delete;
+  HeaderWithoutSpace& operator=(const HeaderWithoutSpace&) = delete;
+
+  bool needed() const { return detached_ && spacings_ && !space_.empty(); }
+  const std::string& path() const { return path_; }
+  const std::string& space() const { return space_; }
+
+ private:
+  std::string path_, space_;
+  bool spacings_ = false, detached_ = false;
+};
+
+}  // namespace
+
 ImageFile readNrrd(const std::string& path, int volume) {
-  const auto io = itk::NrrdImageIO::New();
-  readHeader(path, *io, "NRRD");
+  auto io = itk::NrrdImageIO::New();
   ImageFile file;
+  sizeOfInput(path);
+  const HeaderWithoutSpace patched(path);
+  readHeader(patched.needed() ? patched.path() : path, *io, "NRRD");
+  if (patched.needed())
+    file.notes.push_back("its space '" + patched.space() +
+                         "' comes with spacings alone: voxels are placed by these, axes as left, back, up; if the space is "
+                         "another one, the image may be mirrored");
   file.format = "NRRD";
   describe(path, *io, volume, file);
   const RawType type = rawTypeOf(path, io->GetComponentType());
