@@ -1,0 +1,51 @@
+#pragma once
+
+#include "engine/reconstruct/pixel_box.h"
+
+#include <memory>
+#include <vector>
+
+namespace slicemorph {
+
+/// One label's score on a plane: signed distance to its contour, positive inside, world units; row by row over `box`.
+struct LabelScore {
+  int label = 0;
+  PixelBox box;
+  std::vector<float> values;
+};
+
+/// A given plane: every label drawn on it, ascending; `box` holds the label's inside with a rim of one pixel or more
+/// (none where it meets the domain's border, beyond which it is taken to go on).
+struct ScorePlane {
+  double position = 0;  ///< along the stack, world units
+  std::vector<LabelScore> labels;
+};
+
+/// Given planes at increasing positions, any gaps.
+struct ScoreStack {
+  float pixel[2] = {1, 1};  ///< sides, world units
+  PixelBox domain;          ///< all there is
+  std::vector<ScorePlane> planes;
+};
+
+/// A stack of given planes made ready to be asked what lies between them.
+class SliceScores {
+ public:
+  /// Throws InputError for fewer than two planes or positions that do not increase.
+  explicit SliceScores(ScoreStack stack);
+  ~SliceScores();
+
+  const ScoreStack& stack() const;
+
+  /// Scores of every label that may be there at a position from the first plane to the last, ascending; each over a box outside of which it loses.
+  std::vector<LabelScore> scoresAt(double position) const;
+
+  /// The label of highest score of every pixel of `box`; of equal ones the lowest.
+  std::vector<int> labelsAt(double position, const PixelBox& box) const;
+
+ private:
+  struct Plan;
+  std::unique_ptr<Plan> plan_;
+};
+
+}  // namespace slicemorph
