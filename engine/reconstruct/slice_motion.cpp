@@ -1,11 +1,20 @@
 #include "engine/reconstruct/slice_motion.h"
 
 #include <array>
-extern double knob[40];
+#include <cmath>
 
 namespace slicemorph {
 
 namespace {
+
+constexpr float kNodePixels = 4;  ///< from node to node: finer than what moves together, coarse enough to be quick
+constexpr float kWidest = 4;      ///< nodes: the widest window, and no wider than a gap; it halves from level to level
+constexpr int kLevels = 4, kRounds = 3;
+/// Weight of standing still, against one label's border along every node of the window: a border that only one label
+/// has, or that fits badly, moves little, and blending the distances does the rest.
+constexpr float kRest = 4;
+/// ... and against borders known to a pixel only, where the gap is but a few: times (pixel / gap)^2.
+constexpr float kRough = 20;
 
 /// Normal equations of one node: A (xx, xy, yy) and right side (x, y), world units.
 using Normal = std::array<float, 5>;
@@ -65,9 +74,9 @@ SliceMotion findMotion(const ScoreStack& stack, size_t a) {
     }
   }
   SliceMotion motion;
-  if (pairs.empty() || knob[0] <= 0) return motion;
+  if (pairs.empty() ) return motion;
   const float gap = float(pb.position - pa.position);
-  const float step = float(knob[1]) * std::max(stack.pixel[0], stack.pixel[1]);
+  const float step = kNodePixels * std::max(stack.pixel[0], stack.pixel[1]);
   busy = busy.grown(1);
   for (int d = 0; d < 2; ++d) motion.spacing[d] = std::max(1.0f, step / stack.pixel[d]);
   motion.origin[0] = float(busy.x0), motion.origin[1] = float(busy.y0);
@@ -76,11 +85,11 @@ SliceMotion findMotion(const ScoreStack& stack, size_t a) {
   const size_t nodes = size_t(motion.nx) * size_t(motion.ny);
   motion.x.assign(nodes, 0), motion.y.assign(nodes, 0);
   std::vector<Normal> normal(nodes);
-  float sigma = float(knob[2]) * std::min(gap, float(knob[3]) * step);  // world
-  for (int level = 0; level < int(knob[0]); ++level, sigma *= float(knob[4])) {
+  float sigma = std::min(gap, kWidest * step);
+  for (int level = 0; level < kLevels; ++level, sigma *= 0.5f) {
     const int r = std::max(1, int(sigma / step + .5f));
-    const float reach = float(knob[5]) * sigma;
-    for (int it = 0; it < int(knob[6]); ++it) {
+    const float reach = sigma;
+    for (int it = 0; it < kRounds; ++it) {
       std::fill(normal.begin(), normal.end(), Normal{});
       for (const Pair& pair : pairs) {
         const int margin = int(reach / step) + 1;
@@ -95,41 +104,15 @@ SliceMotion findMotion(const ScoreStack& stack, size_t a) {
             addLabel(pair, stack.pixel, px - .5f * vx, py - .5f * vy, px + .5f * vx, py + .5f * vy, reach, normal[k]);
           }
       }
-      for (int pass = 0; pass < int(knob[8]); ++pass) boxBlur(normal, motion.nx, motion.ny, r, true), boxBlur(normal, motion.nx, motion.ny, r, false);
+      for (int pass = 0; pass < 2; ++pass) boxBlur(normal, motion.nx, motion.ny, r, true), boxBlur(normal, motion.nx, motion.ny, r, false);
       for (size_t k = 0; k < nodes; ++k) {
         const Normal& n = normal[k];
-        const float e = float(knob[7]), xx = n[0] + e, yy = n[2] + e, det = xx * yy - n[1] * n[1];
+        const float rough = std::max(stack.pixel[0], stack.pixel[1]) / gap, e = kRest + kRough * rough * rough, xx = n[0] + e, yy = n[2] + e, det = xx * yy - n[1] * n[1];
         float dx = (yy * n[3] - n[1] * n[4]) / det, dy = (xx * n[4] - n[1] * n[3]) / det;
         const float l = std::sqrt(dx * dx + dy * dy), limit = reach;
         if (l > limit) dx *= limit / l, dy *= limit / l;
         motion.x[k] += dx / stack.pixel[0], motion.y[k] += dy / stack.pixel[1];
       }
-    }
-  }
-  if (knob[15] > 0) {
-    const float reach = float(knob[16]) * std::min(gap, float(knob[3]) * step);
-    const int r = std::max(1, int(float(knob[17]) * std::min(gap, float(knob[3]) * step) / step + .5f));
-    std::fill(normal.begin(), normal.end(), Normal{});
-    for (const Pair& pair : pairs) {
-      for (int j = 0; j < motion.ny; ++j)
-        for (int i = 0; i < motion.nx; ++i) {
-          const size_t k = size_t(j) * size_t(motion.nx) + size_t(i);
-          const float px = motion.origin[0] + float(i) * motion.spacing[0], py = motion.origin[1] + float(j) * motion.spacing[1];
-          const float vx = motion.x[k], vy = motion.y[k];
-          const auto res = [&](float vx, float vy) {
-            const float sa = pair.a.at(px - .5f * vx, py - .5f * vy), sb = pair.b.at(px + .5f * vx, py + .5f * vy);
-            const float d = std::min(std::max(sb, -reach), reach) - std::min(std::max(sa, -reach), reach);
-            return d * d;
-          };
-          const float e0 = res(0, 0), e1 = res(vx, vy);
-          normal[k][0] += e0, normal[k][1] += e1;
-        }
-    }
-    for (int pass = 0; pass < 2; ++pass) boxBlur(normal, motion.nx, motion.ny, r, true), boxBlur(normal, motion.nx, motion.ny, r, false);
-    for (size_t k = 0; k < nodes; ++k) {
-      const float gain = normal[k][0] > 0 ? 1 - normal[k][1] / normal[k][0] : 0;
-      const float f = std::min(std::max((gain - float(knob[18])) / float(knob[19]), 0.0f), 1.0f);
-      motion.x[k] *= f, motion.y[k] *= f;
     }
   }
   return motion;

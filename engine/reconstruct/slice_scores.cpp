@@ -1,43 +1,127 @@
 #include "engine/reconstruct/slice_scores.h"
 
 #include "engine/errors.h"
-#include "engine/reconstruct/score_field.h"
-#include "engine/reconstruct/slice_motion.h"
+#include "engine/reconstruct/regions.h"
 
 #include <tbb/parallel_for.h>
 
-#include <cstring>
-extern double knob[40];
+#include <cmath>
+#include <string>
 
 namespace slicemorph {
 
 namespace {
 
-constexpr int kTile = 8;
+constexpr int kTile = 8;  ///< pixels along a square tile; others have as many
+/// Scores level off at a gap's length: how far away a contour is says nothing about what comes within one gap.
+constexpr float kLevel = 1;
+/// The cubic may change a slope by this share of a gap per gap: more is a label that jumps, not one that bends.
+constexpr float kBend = 0.7f;
+/// Slopes over a gap of few pixels are mostly the pixels' rounding: they count 1 / (1 + kRough (pixel / gap)^2).
+constexpr float kRough = 2;
+/// A label that is not on the next plane ends half way, the mean of where it may.
+constexpr float kEnding = 2;
+/// A lead of less than this share of the level is a draw: at one gap of two pixels, a 25th of a pixel.
+constexpr float kDraw = 0.02f;
+/// Room for how much the motion stretches a tile.
+constexpr float kStretch = 1.2f;
 
 /// One label in one gap: its fields on the planes before, at, at and after it.
 struct GapLabel {
-  int label;
+  int label = 0;
   ScoreField plane[4];
   float depth[2] = {0, 0};  ///< greatest score on either plane
+  PixelBox box;             ///< holds it throughout
+};
+
+/// A region that goes to another place within a gap, where the smooth motion does not take it: it has the way before
+/// all that stays.
+struct Traveller {
+  int label = 0;
+  LabelScore a, b;
+  float x = 0, y = 0;  ///< from a to b, pixels
+  bool thin = false;   ///< less than two pixels thick: carried by whole pixels, or it would fall between them
   PixelBox box;
 };
 
 struct Gap {
   std::vector<GapLabel> labels;
+  std::vector<Traveller> travellers;
   SliceMotion motion;
 };
 
 const LabelScore* find(const ScorePlane& plane, int label) {
-  const auto it = std::lower_bound(plane.labels.begin(), plane.labels.end(), label, [](const LabelScore& s, int l) { return s.label < l; });
+  const auto it = std::lower_bound(plane.labels.begin(), plane.labels.end(), label,
+                                   [](const LabelScore& s, int l) { return s.label < l; });
   return it != plane.labels.end() && it->label == label ? &*it : nullptr;
 }
 
-/// Where the pixels of a tile lie on the four planes.
-struct TilePoints {
-  PixelBox box;
-  float x[4][kTile * kTile], y[4][kTile * kTile];
+/// A position: its gap, the part of it, and the weights of the four planes' scores.
+struct Moment {
+  size_t gap = 0;
+  float t = 0;
+  float cubic[4] = {0, 0, 0, 0};
+  float limit = 0;  ///< of the cubic's departure from the line
+  float level = 0;
+  bool before = false, after = false;  ///< whether there are planes 0 and 3
 };
+
+/// Where pixels lie on the four planes.
+struct Places {
+  float x[4], y[4];
+};
+
+float levelOff(float s, float level) {
+  const float q = s / level;
+  return s / std::sqrt(1 + q * q);
+}
+
+/// Fills in the planes where the label is not, and levels off.
+void complete(const GapLabel& l, const Moment& m, float* s) {
+  if (!l.plane[2]) s[2] = s[1] - kEnding * l.depth[0];
+  if (!l.plane[1]) s[1] = s[2] - kEnding * l.depth[1];
+  if (m.before && !l.plane[0]) s[0] = l.plane[1] ? s[1] - kEnding * l.depth[0] : 2 * s[1] - s[2];
+  if (m.after && !l.plane[3]) s[3] = l.plane[2] ? s[2] - kEnding * l.depth[1] : 2 * s[2] - s[1];
+  for (int i = 0; i < 4; ++i) s[i] = levelOff(s[i], m.level);
+}
+
+void read(const GapLabel& l, const Places& p, float* s) {
+  for (int k = 0; k < 4; ++k) s[k] = l.plane[k] ? l.plane[k].at(p.x[k], p.y[k]) : 0;
+}
+
+float scoreOf(const GapLabel& l, const Moment& m, const Places& p) {
+  float s[4];
+  read(l, p, s), complete(l, m, s);
+  const float linear = s[1] + m.t * (s[2] - s[1]);
+  const float cubic = m.cubic[0] * s[0] + m.cubic[1] * s[1] + m.cubic[2] * s[2] + m.cubic[3] * s[3];
+  return std::min(std::max(cubic, linear - m.limit), linear + m.limit);
+}
+
+/// What a label's score can be within `reach` of a point.
+struct Bounds {
+  float low, high;
+};
+
+Bounds boundsOf(const GapLabel& l, const Moment& m, const Places& p, float reach) {
+  float s[4], lo[4], hi[4], cl = 0, ch = 0;
+  read(l, p, s);
+  for (int k = 0; k < 4; ++k) lo[k] = s[k] - reach, hi[k] = s[k] + reach;
+  complete(l, m, lo), complete(l, m, hi);
+  for (int k = 0; k < 4; ++k) {
+    cl += m.cubic[k] * (m.cubic[k] > 0 ? lo[k] : hi[k]);
+    ch += m.cubic[k] * (m.cubic[k] > 0 ? hi[k] : lo[k]);
+  }
+  const float ll = lo[1] + m.t * (lo[2] - lo[1]), lh = hi[1] + m.t * (hi[2] - hi[1]);
+  const float spare = 1e-4f * m.level;  // rounding must not rule everyone out
+  return {std::max(std::min(cl, ll + m.limit), ll - m.limit) - spare, std::min(std::max(ch, lh - m.limit), lh + m.limit)};
+}
+
+float scoreOf(const Traveller& l, const ScoreStack& stack, const Moment& m, float x, float y) {
+  float px = m.t * l.x, py = m.t * l.y, dx = l.x, dy = l.y;
+  if (l.thin) px = std::round(px), py = std::round(py), dx = std::round(dx), dy = std::round(dy);
+  const float sa = ScoreField(l.a, stack).at(x - px, y - py), sb = ScoreField(l.b, stack).at(x - px + dx, y - py + dy);
+  return levelOff((1 - m.t) * sa + m.t * sb, m.level);
+}
 
 }  // namespace
 
@@ -45,176 +129,243 @@ struct SliceScores::Plan {
   ScoreStack stack;
   std::vector<Gap> gaps;
 
-  size_t gapAt(double position) const {
-    size_t g = 0;
-    while (g + 2 < stack.planes.size() && stack.planes[g + 1].position <= position) ++g;
-    return g;
+  Moment momentAt(double position) const {
+    const auto& planes = stack.planes;
+    Moment m;
+    while (m.gap + 2 < planes.size() && planes[m.gap + 1].position <= position) ++m.gap;
+    const size_t g = m.gap;
+    const float h = float(planes[g + 1].position - planes[g].position);
+    const float t = m.t = float((position - planes[g].position) / double(h));
+    m.level = kLevel * h, m.limit = kBend * h * t * (1 - t);
+    const float rough = std::max(stack.pixel[0], stack.pixel[1]) / h, trust = 1 / (1 + kRough * rough * rough);
+    m.cubic[1] = 1 - t, m.cubic[2] = t;
+    // Hermite's cubic is the line plus u (slope at a - chord) - v (slope at b - chord); a slope is that of the parabola
+    // through three planes, whatever their gaps.
+    const auto bend = [&](double gapBeyond, float by, int beyond, int here, int there) {
+      const float k = float(gapBeyond), a = by * h / (k + h), q = h / k;
+      m.cubic[beyond] -= a * q, m.cubic[here] += a * (q + 1), m.cubic[there] -= a;
+    };
+    if ((m.before = g > 0)) bend(planes[g].position - planes[g - 1].position, trust * t * (1 - t) * (1 - t), 0, 1, 2);
+    if ((m.after = g + 2 < planes.size())) bend(planes[g + 2].position - planes[g + 1].position, trust * t * t * (1 - t), 3, 2, 1);
+    return m;
   }
 
-  void place(size_t g, float t, TilePoints& tile) const {
-    const SliceMotion& motion = gaps[g].motion;
-    size_t i = 0;
-    for (int y = tile.box.y0; y < tile.box.y1; ++y)
-      for (int x = tile.box.x0; x < tile.box.x1; ++x, ++i) {
-        SliceMotion::Vector v = motion.at(float(x), float(y));
-        v = motion.at(float(x) - (t - .5f) * v.x, float(y) - (t - .5f) * v.y);
-        tile.x[1][i] = float(x) - t * v.x, tile.y[1][i] = float(y) - t * v.y;
-        tile.x[2][i] = float(x) + (1 - t) * v.x, tile.y[2][i] = float(y) + (1 - t) * v.y;
-        SliceMotion::Vector u = g > 0 ? gaps[g - 1].motion.at(tile.x[1][i], tile.y[1][i]) : SliceMotion::Vector{0, 0};
-        tile.x[0][i] = tile.x[1][i] - u.x, tile.y[0][i] = tile.y[1][i] - u.y;
-        u = g + 1 < gaps.size() ? gaps[g + 1].motion.at(tile.x[2][i], tile.y[2][i]) : SliceMotion::Vector{0, 0};
-        tile.x[3][i] = tile.x[2][i] + u.x, tile.y[3][i] = tile.y[2][i] + u.y;
-      }
+  Places placesOf(const Moment& m, float x, float y) const {
+    const SliceMotion& motion = gaps[m.gap].motion;
+    // The motion is that of where the point is half way.
+    SliceMotion::Vector v = motion.at(x, y);
+    v = motion.at(x - (m.t - .5f) * v.x, y - (m.t - .5f) * v.y);
+    Places p;
+    p.x[1] = x - m.t * v.x, p.y[1] = y - m.t * v.y;
+    p.x[2] = x + (1 - m.t) * v.x, p.y[2] = y + (1 - m.t) * v.y;
+    v = m.before ? gaps[m.gap - 1].motion.at(p.x[1], p.y[1]) : SliceMotion::Vector{0, 0};
+    p.x[0] = p.x[1] - v.x, p.y[0] = p.y[1] - v.y;
+    v = m.after ? gaps[m.gap + 1].motion.at(p.x[2], p.y[2]) : SliceMotion::Vector{0, 0};
+    p.x[3] = p.x[2] + v.x, p.y[3] = p.y[2] + v.y;
+    return p;
   }
 
-  struct Weights4 {
-    float cubic[4], t, limit, c;
-    bool before, after;
-  };
-
-  Weights4 weightsAt(float t, const float* h) const {
-    Weights4 w{{0, 1 - t, t, 0}, t, float(knob[12]) * h[1] * t * (1 - t), std::max(float(knob[20]) * h[1], float(knob[23]) * std::max(stack.pixel[0], stack.pixel[1])), h[0] > 0, h[2] > 0};
-    const float u = t * (1 - t) * (1 - t), v = t * t * (1 - t);
-    // Hermite: linear + u (ma - d) - v (mb - d), slopes by the parabola through three planes
-    if (h[0] > 0) {  // ma - d = (d0 - d) h1 / (h0 + h1), d0 = (s1 - s0) h1 / h0
-      const float a = u * h[1] / (h[0] + h[1]), q = h[1] / h[0];
-      w.cubic[0] -= a * q, w.cubic[1] += a * (q + 1), w.cubic[2] -= a;
-    }
-    if (h[2] > 0) {  // mb - d = (d1 - d) h1 / (h1 + h2), d1 = (s3 - s2) h1 / h2
-      const float a = v * h[1] / (h[1] + h[2]), q = h[1] / h[2];
-      w.cubic[3] -= a * q, w.cubic[2] += a * (q + 1), w.cubic[1] -= a;
-    }
-    return w;
-  }
-
-  /// Fills in the planes where the label is not.
-  void complete(const GapLabel& l, const Weights4& w, float* s) const {
-    const float k = float(knob[10]);
-    if (!l.plane[2]) s[2] = s[1] - k * l.depth[0];
-    if (!l.plane[1]) s[1] = s[2] - k * l.depth[1];
-    if (w.before && !l.plane[0]) s[0] = l.plane[1] ? s[1] - k * l.depth[0] : 2 * s[1] - s[2];
-    if (w.after && !l.plane[3]) s[3] = l.plane[2] ? s[2] - k * l.depth[1] : 2 * s[2] - s[1];
-    for (int i = 0; i < 4; ++i) s[i] = s[i] / std::sqrt(1 + s[i] * s[i] / (w.c * w.c));
-  }
-
-  float blend(const Weights4& w, const float* s) const {
-    const float linear = s[1] + w.t * (s[2] - s[1]);
-    const float cubic = w.cubic[0] * s[0] + w.cubic[1] * s[1] + w.cubic[2] * s[2] + w.cubic[3] * s[3];
-    return std::min(std::max(cubic, linear - w.limit), linear + w.limit);
-  }
-
-  void read(const GapLabel& l, const Weights4& w, const TilePoints& tile, size_t i, float* s) const {
-    s[0] = s[3] = 0;
-    for (int k = 0; k < 4; ++k)
-      if (l.plane[k]) s[k] = l.plane[k].at(tile.x[k][i], tile.y[k][i]);
-  }
-
-  float score(const GapLabel& l, const TilePoints& tile, size_t i, const Weights4& w) const {
-    float s[4];
-    read(l, w, tile, i, s);
-    complete(l, w, s);
-    return blend(w, s);
-  }
-
-  /// Least and greatest the label's score can be within `reach` of a point.
-  void bounds(const GapLabel& l, const TilePoints& tile, const Weights4& w, float reach, float& low, float& high) const {
-    float s[4], lo[4], hi[4];
-    read(l, w, tile, 0, s);
-    for (int k = 0; k < 4; ++k) lo[k] = s[k] - reach, hi[k] = s[k] + reach;
-    complete(l, w, lo), complete(l, w, hi);
-    float cl = 0, ch = 0;
-    for (int k = 0; k < 4; ++k) {
-      cl += w.cubic[k] * (w.cubic[k] > 0 ? lo[k] : hi[k]);
-      ch += w.cubic[k] * (w.cubic[k] > 0 ? hi[k] : lo[k]);
-    }
-    const float ll = lo[1] + w.t * (lo[2] - lo[1]), lh = hi[1] + w.t * (hi[2] - hi[1]);
-    low = std::max(std::min(cl, ll + w.limit), ll - w.limit);
-    high = std::min(std::max(ch, lh - w.limit), lh + w.limit);
-  }
+  void makeGap(size_t g, const std::vector<std::vector<LabelRegions>>& regions);
+  void addTravellers(size_t g, GapLabel& label, const std::vector<std::vector<LabelRegions>>& regions);
+  float whole(const Gap& gap, const GapLabel& l, const Moment& m, float x, float y) const;
+  void fill(const Moment& m, const PixelBox& box, const PixelBox& part, const std::vector<const GapLabel*>& among,
+            std::vector<int>& out) const;
+  void fillTile(const Moment& m, const PixelBox& box, const PixelBox& part, const std::vector<const GapLabel*>& among,
+                std::vector<int>& out) const;
+  void rescue(const Moment& m, const PixelBox& box, std::vector<int>& out) const;
 };
 
+void SliceScores::Plan::addTravellers(size_t g, GapLabel& l, const std::vector<std::vector<LabelRegions>>& regions) {
+  const ScorePlane &pa = stack.planes[g], &pb = stack.planes[g + 1];
+  const LabelScore *a = find(pa, l.label), *b = find(pb, l.label);
+  if (!a || !b) return;
+  const LabelRegions& ra = regions[g][size_t(a - pa.labels.data())];
+  const LabelRegions& rb = regions[g + 1][size_t(b - pb.labels.data())];
+  for (const RegionPair& pair : pairRegions(*a, *b, ra, rb, gaps[g].motion, stack, float(pb.position - pa.position))) {
+    const Region &p = ra.regions[size_t(pair.a)], &q = rb.regions[size_t(pair.b)];
+    Traveller t;
+    t.label = l.label, t.x = q.x - p.x, t.y = q.y - p.y;
+    t.a = regionScore(*a, ra, pair.a, stack), t.b = regionScore(*b, rb, pair.b, stack);
+    t.thin = std::min(p.depth, q.depth) < std::max(stack.pixel[0], stack.pixel[1]);
+    t.box = hull(t.a.box, t.b.box).grown(1);
+    l.box = hull(l.box, t.box);
+    gaps[g].travellers.push_back(std::move(t));
+  }
+}
+
+void SliceScores::Plan::makeGap(size_t g, const std::vector<std::vector<LabelRegions>>& regions) {
+  Gap& gap = gaps[g];
+  gap.motion = findMotion(stack, g);
+  float most = 0;
+  for (size_t i = 0; i < gap.motion.x.size(); ++i)
+    most = std::max(most, std::max(std::abs(gap.motion.x[i]), std::abs(gap.motion.y[i])));
+  std::vector<int> labels;
+  for (size_t k = g; k < g + 2; ++k)
+    for (const LabelScore& l : stack.planes[k].labels) labels.push_back(l.label);
+  std::sort(labels.begin(), labels.end());
+  labels.erase(std::unique(labels.begin(), labels.end()), labels.end());
+  for (int label : labels) {
+    GapLabel l;
+    l.label = label;
+    for (size_t k = 0; k < 4; ++k) {
+      const LabelScore* f = g + k >= 1 && g + k - 1 < stack.planes.size() ? find(stack.planes[g + k - 1], label) : nullptr;
+      if (!f) continue;
+      l.plane[k] = ScoreField(*f, stack);
+      if (k == 1 || k == 2)
+        l.box = hull(l.box, f->box), l.depth[k - 1] = *std::max_element(f->values.begin(), f->values.end());
+    }
+    l.box = l.box.grown(1 + int(std::ceil(most)));
+    addTravellers(g, l, regions);
+    l.box = intersection(l.box, stack.domain);
+    gap.labels.push_back(l);
+  }
+}
+
+/// A label's score, travellers of its own and of others considered.
+float SliceScores::Plan::whole(const Gap& gap, const GapLabel& l, const Moment& m, float x, float y) const {
+  float v = scoreOf(l, m, placesOf(m, x, y)), own = -m.level, other = -m.level;
+  for (const Traveller& t : gap.travellers) {
+    if (x < float(t.box.x0) || x >= float(t.box.x1) || y < float(t.box.y0) || y >= float(t.box.y1)) continue;
+    float& most = t.label == l.label ? own : other;
+    most = std::max(most, scoreOf(t, stack, m, x, y));
+  }
+  return std::max(std::min(v, -other), own);
+}
+
+void SliceScores::Plan::fillTile(const Moment& m, const PixelBox& box, const PixelBox& part,
+                                 const std::vector<const GapLabel*>& among, std::vector<int>& out) const {
+  const Gap& gap = gaps[m.gap];
+  for (int y = part.y0; y < part.y1; ++y)
+    for (int x = part.x0; x < part.x1; ++x) {
+      float best = -1e30f;
+      int& win = out[box.index(x, y)];
+      const Places p = placesOf(m, float(x), float(y));
+      for (const GapLabel* l : among) {
+        const float v = scoreOf(*l, m, p);
+        if (v > best + kDraw * m.level) best = v, win = l->label;
+      }
+      best = -1e-5f * m.level;  // a traveller on its own border is still there
+      for (const Traveller& t : gap.travellers) {
+        if (!t.box.contains(x, y)) continue;
+        const float v = scoreOf(t, stack, m, float(x), float(y));
+        if (v > best) best = v, win = t.label;
+      }
+    }
+}
+
+void SliceScores::Plan::fill(const Moment& m, const PixelBox& box, const PixelBox& part,
+                             const std::vector<const GapLabel*>& among, std::vector<int>& out) const {
+  const Gap& gap = gaps[m.gap];
+  const int w = part.width(), h = part.height(), cx = (part.x0 + part.x1) / 2, cy = (part.y0 + part.y1) / 2;
+  const float sx = float(w) * stack.pixel[0], sy = float(h) * stack.pixel[1];
+  const float reach = 0.5f * kStretch * std::sqrt(sx * sx + sy * sy);
+  const Places p = placesOf(m, float(cx), float(cy));
+  std::vector<Bounds> bounds;
+  float most = -1e30f;
+  for (const GapLabel* l : among) bounds.push_back(boundsOf(*l, m, p, reach)), most = std::max(most, bounds.back().low);
+  std::vector<const GapLabel*> left;
+  for (size_t k = 0; k < among.size(); ++k)
+    if (bounds[k].high + kDraw * m.level >= most) left.push_back(among[k]);
+  bool alone = left.size() == 1;
+  if (alone)
+    for (const Traveller& t : gap.travellers) alone = alone && intersection(t.box, part).empty();
+  if (alone) {
+    for (int y = part.y0; y < part.y1; ++y)
+      std::fill_n(out.begin() + std::ptrdiff_t(box.index(part.x0, y)), w, left[0]->label);
+    return;
+  }
+  if (size_t(w) * size_t(h) <= kTile * kTile / 2) return fillTile(m, box, part, left, out);
+  PixelBox first = part, second = part;
+  if (sx > sy && w > 1) first.x1 = second.x0 = cx;
+  else if (h > 1) first.y1 = second.y0 = cy;
+  else first.x1 = second.x0 = cx;
+  fill(m, box, first, left, out), fill(m, box, second, left, out);
+}
+
+/// Gives every label of both planes that has won nothing the pixel where it came closest.
+void SliceScores::Plan::rescue(const Moment& m, const PixelBox& box, std::vector<int>& out) const {
+  const Gap& gap = gaps[m.gap];
+  std::vector<int> present(out);
+  std::sort(present.begin(), present.end());
+  present.erase(std::unique(present.begin(), present.end()), present.end());
+  for (const GapLabel& l : gap.labels) {
+    if (!l.plane[1] || !l.plane[2] || std::binary_search(present.begin(), present.end(), l.label)) continue;
+    const PixelBox part = intersection(l.box, box);
+    float best = -1e30f;
+    int bx = -1, by = -1;
+    for (int y = part.y0; y < part.y1; ++y)
+      for (int x = part.x0; x < part.x1; ++x) {
+        const float v = whole(gap, l, m, float(x), float(y));
+        if (v > best) best = v, bx = x, by = y;
+      }
+    if (bx >= 0) out[box.index(bx, by)] = l.label;
+  }
+}
+
 SliceScores::SliceScores(ScoreStack stack) : plan_(std::make_unique<Plan>()) {
-  if (stack.planes.size() < 2) throw InputError("at least two planes are needed, got " + std::to_string(stack.planes.size()));
+  if (stack.planes.size() < 2)
+    throw InputError("at least two planes are needed to interpolate between, got " + std::to_string(stack.planes.size()));
+  for (size_t k = 1; k < stack.planes.size(); ++k)
+    if (!(stack.planes[k].position > stack.planes[k - 1].position))
+      throw InputError("planes must lie at increasing positions, got " + std::to_string(stack.planes[k].position) + " after " +
+                       std::to_string(stack.planes[k - 1].position));
   plan_->stack = std::move(stack);
   const ScoreStack& s = plan_->stack;
   plan_->gaps.resize(s.planes.size() - 1);
-  tbb::parallel_for(size_t(0), plan_->gaps.size(), [&](size_t g) {
-    Gap& gap = plan_->gaps[g];
-    std::vector<int> labels;
-    for (size_t k = g; k < g + 2; ++k)
-      for (const LabelScore& l : s.planes[k].labels) labels.push_back(l.label);
-    std::sort(labels.begin(), labels.end());
-    labels.erase(std::unique(labels.begin(), labels.end()), labels.end());
-    for (int label : labels) {
-      GapLabel l;
-      l.label = label;
-      for (size_t k = 0; k < 4; ++k)
-        if (g + k >= 1 && g + k - 1 < s.planes.size())
-          if (const LabelScore* f = find(s.planes[g + k - 1], label)) {
-            l.plane[k] = ScoreField(*f, s);
-            if (k == 1 || k == 2) l.box = hull(l.box, f->box), l.depth[k - 1] = *std::max_element(f->values.begin(), f->values.end());
-          }
-      gap.labels.push_back(l);
-    }
-    gap.motion = findMotion(s, g);
+  std::vector<std::vector<LabelRegions>> regions(s.planes.size());
+  tbb::parallel_for(size_t(0), regions.size(), [&](size_t k) {
+    for (const LabelScore& l : s.planes[k].labels) regions[k].push_back(findRegions(l));
   });
+  tbb::parallel_for(size_t(0), plan_->gaps.size(), [&](size_t g) { plan_->makeGap(g, regions); });
 }
 
 SliceScores::~SliceScores() = default;
+
 const ScoreStack& SliceScores::stack() const { return plan_->stack; }
 
+std::vector<LabelScore> SliceScores::scoresAt(double position) const {
+  const Moment m = plan_->momentAt(position);
+  const Gap& gap = plan_->gaps[m.gap];
+  std::vector<LabelScore> scores;
+  for (const GapLabel& l : gap.labels) {
+    LabelScore score{l.label, l.box, std::vector<float>(l.box.count())};
+    for (int y = l.box.y0; y < l.box.y1; ++y)
+      for (int x = l.box.x0; x < l.box.x1; ++x)
+        score.values[l.box.index(x, y)] = plan_->whole(gap, l, m, float(x), float(y));
+    scores.push_back(std::move(score));
+  }
+  return scores;
+}
+
+LabelScore SliceScores::marginAt(double position, int label) const {
+  const Moment m = plan_->momentAt(position);
+  const Gap& gap = plan_->gaps[m.gap];
+  LabelScore margin;
+  margin.label = label;
+  for (const GapLabel& own : gap.labels) {
+    if (own.label != label) continue;
+    margin.box = own.box;
+    margin.values.resize(own.box.count());
+    for (int y = own.box.y0; y < own.box.y1; ++y)
+      for (int x = own.box.x0; x < own.box.x1; ++x) {
+        const float mine = plan_->whole(gap, own, m, float(x), float(y));
+        float best = gap.labels.size() > 1 ? -1e30f : -mine;
+        for (const GapLabel& l : gap.labels)
+          if (l.label != label && l.box.contains(x, y)) best = std::max(best, plan_->whole(gap, l, m, float(x), float(y)));
+        margin.values[own.box.index(x, y)] = best > -1e29f ? 0.5f * (mine - best) : mine;
+      }
+  }
+  return margin;
+}
+
 std::vector<int> SliceScores::labelsAt(double position, const PixelBox& box) const {
-  const size_t g = plan_->gapAt(position);
-  const Gap& gap = plan_->gaps[g];
-  const auto& planes = plan_->stack.planes;
-  const float t = float((position - planes[g].position) / (planes[g + 1].position - planes[g].position));
-  float h[3] = {0, 0, 0};
-  for (size_t k = 0; k < 3; ++k)
-    if (g + k >= 1 && g + k < planes.size()) h[k] = float(planes[g + k].position - planes[g + k - 1].position);
-  std::vector<int> out(box.count());
-  TilePoints tile;
-  float best[kTile * kTile];
-  int win[kTile * kTile];
-  const float px = plan_->stack.pixel[0], py = plan_->stack.pixel[1];
-  int tx = kTile, ty = kTile;
-  while (tx > 1 && float(tx) * px >= 2 * float(ty) * py) tx /= 2, ty *= 2;
-  while (ty > 1 && float(ty) * py >= 2 * float(tx) * px) ty /= 2, tx *= 2;
-  const float reach = float(knob[14]) * 0.5f * std::sqrt(float(tx * tx) * px * px + float(ty * ty) * py * py);
-  const Plan::Weights4 w4 = plan_->weightsAt(t, h);
-  std::vector<float> centre(gap.labels.size());
-  TilePoints middle;
-  for (int y = box.y0; y < box.y1; y += ty)
-    for (int x = box.x0; x < box.x1; x += tx) {
-      tile.box = intersection({x, y, x + tx, y + ty}, box);
-      const size_t n = tile.box.count(), w = size_t(tile.box.width());
-      const int mx = (tile.box.x0 + tile.box.x1) / 2, my = (tile.box.y0 + tile.box.y1) / 2;
-      middle.box = {mx, my, mx + 1, my + 1};
-      plan_->place(g, t, middle);
-      float most = -1e30f;
-      for (size_t k = 0; k < gap.labels.size(); ++k) {
-        float low;
-        plan_->bounds(gap.labels[k], middle, w4, reach, low, centre[k]);
-        most = std::max(most, low - 1e-4f * w4.c);  // rounding must not rule everyone out
-      }
-      size_t rivals = 0, only = 0;
-      for (size_t k = 0; k < gap.labels.size(); ++k)
-        if (centre[k] >= most) ++rivals, only = k;
-      if (rivals == 1) {
-        for (size_t i = 0; i < n; ++i) out[box.index(tile.box.x0 + int(i % w), tile.box.y0 + int(i / w))] = gap.labels[only].label;
-        continue;
-      }
-      plan_->place(g, t, tile);
-      std::fill(best, best + n, -1e30f);
-      for (size_t k = 0; k < gap.labels.size(); ++k) {
-        if (centre[k] < most) continue;
-        for (size_t i = 0; i < n; ++i) {
-          const float v = plan_->score(gap.labels[k], tile, i, w4);
-          if (v > best[i]) best[i] = v, win[i] = gap.labels[k].label;
-        }
-      }
-      for (size_t i = 0; i < n; ++i)
-        out[box.index(tile.box.x0 + int(i % w), tile.box.y0 + int(i / w))] = win[i];
-    }
+  const Moment m = plan_->momentAt(position);
+  std::vector<const GapLabel*> all;
+  for (const GapLabel& l : plan_->gaps[m.gap].labels) all.push_back(&l);
+  std::vector<int> out(box.count(), -1);
+  if (all.empty() || box.empty()) return out;
+  plan_->fill(m, box, box, all, out);
+  plan_->rescue(m, box, out);
   return out;
 }
 

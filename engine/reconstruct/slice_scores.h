@@ -28,7 +28,9 @@ struct ScoreStack {
   std::vector<ScorePlane> planes;
 };
 
-/// A stack of given planes made ready to be asked what lies between them.
+/// A stack of given planes made ready to be asked what lies between them: the labels are carried along a smooth planar
+/// motion from plane to plane and their scores blended there by a limited cubic through four planes. A score read
+/// between planes is a distance near the contour and levels off beyond a gap's length.
 class SliceScores {
  public:
   /// Throws InputError for fewer than two planes or positions that do not increase.
@@ -37,10 +39,14 @@ class SliceScores {
 
   const ScoreStack& stack() const;
 
-  /// Scores of every label that may be there at a position from the first plane to the last, ascending; each over a box outside of which it loses.
+  /// Scores of every label that may be at a position from the first plane to the last, ascending; each over a box outside of which it loses.
   std::vector<LabelScore> scoresAt(double position) const;
 
-  /// The label of highest score of every pixel of `box`; of equal ones the lowest.
+  /// Half of what `label` has over the best other label; as `scoresAt`, an empty box where the label cannot be.
+  LabelScore marginAt(double position, int label) const;
+
+  /// The label of highest score of every pixel of `box`; nearly equal ones go to the lowest label. A label that both
+  /// neighbouring planes have in the box keeps at least the pixel where it comes closest to winning.
   std::vector<int> labelsAt(double position, const PixelBox& box) const;
 
  private:
