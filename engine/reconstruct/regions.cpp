@@ -15,17 +15,21 @@ float radiusOf(const Region& r, const ScoreStack& stack) {
   return std::sqrt(float(r.count) * stack.pixel[0] * stack.pixel[1] / 3.14159265f);
 }
 
-/// Marks the regions of `a` and `b` that meet when a's pixels are carried `way` times the motion.
+/// Marks the regions of `a` and `b` that meet when a's pixels are carried `way` times the motion; stops once all do.
 void markMeeting(const LabelScore& a, const LabelScore& b, const LabelRegions& ra, const LabelRegions& rb,
                  const SliceMotion& motion, float way, std::vector<char>& meetsA, std::vector<char>& meetsB) {
-  for (int y = a.box.y0; y < a.box.y1; ++y)
+  const auto missing = [](const std::vector<char>& meets) { return size_t(std::count(meets.begin(), meets.end(), 0)); };
+  size_t left = missing(meetsA) + missing(meetsB);
+  for (int y = a.box.y0; y < a.box.y1 && left; ++y)
     for (int x = a.box.x0; x < a.box.x1; ++x) {
       const int i = ra.map[a.box.index(x, y)];
       if (i < 0) continue;
       const SliceMotion::Vector v = motion.at(float(x), float(y));
-      const int bx = int(std::lround(float(x) + way * v.x)), by = int(std::lround(float(y) + way * v.y));
+      const int bx = int(std::floor(float(x) + way * v.x + .5f)), by = int(std::floor(float(y) + way * v.y + .5f));
       const int j = b.box.contains(bx, by) ? rb.map[b.box.index(bx, by)] : -1;
-      if (j >= 0) meetsA[size_t(i)] = meetsB[size_t(j)] = 1;
+      if (j < 0 || (meetsA[size_t(i)] && meetsB[size_t(j)])) continue;
+      left -= size_t(!meetsA[size_t(i)]) + size_t(!meetsB[size_t(j)]);
+      meetsA[size_t(i)] = meetsB[size_t(j)] = 1;
     }
 }
 

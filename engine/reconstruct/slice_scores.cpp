@@ -234,7 +234,9 @@ float SliceScores::Plan::whole(const Gap& gap, const GapLabel& l, const Moment& 
 
 void SliceScores::Plan::fillTile(const Moment& m, const PixelBox& box, const PixelBox& part,
                                  const std::vector<const GapLabel*>& among, std::vector<int>& out) const {
-  const Gap& gap = gaps[m.gap];
+  std::vector<const Traveller*> near;
+  for (const Traveller& t : gaps[m.gap].travellers)
+    if (!intersection(t.box, part).empty()) near.push_back(&t);
   for (int y = part.y0; y < part.y1; ++y)
     for (int x = part.x0; x < part.x1; ++x) {
       float best = -1e30f;
@@ -245,10 +247,10 @@ void SliceScores::Plan::fillTile(const Moment& m, const PixelBox& box, const Pix
         if (v > best + kDraw * m.level) best = v, win = l->label;
       }
       best = -1e-5f * m.level;  // a traveller on its own border is still there
-      for (const Traveller& t : gap.travellers) {
-        if (!t.box.contains(x, y)) continue;
-        const float v = scoreOf(t, stack, m, float(x), float(y));
-        if (v > best) best = v, win = t.label;
+      for (const Traveller* t : near) {
+        if (!t->box.contains(x, y)) continue;
+        const float v = scoreOf(*t, stack, m, float(x), float(y));
+        if (v > best) best = v, win = t->label;
       }
     }
 }
@@ -285,7 +287,9 @@ void SliceScores::Plan::fill(const Moment& m, const PixelBox& box, const PixelBo
 /// Gives every label of both planes that has won nothing the pixel where it came closest.
 void SliceScores::Plan::rescue(const Moment& m, const PixelBox& box, std::vector<int>& out) const {
   const Gap& gap = gaps[m.gap];
-  std::vector<int> present(out);
+  std::vector<int> present;
+  for (size_t i = 0; i < out.size(); ++i)
+    if (i == 0 || out[i] != out[i - 1]) present.push_back(out[i]);
   std::sort(present.begin(), present.end());
   present.erase(std::unique(present.begin(), present.end()), present.end());
   for (const GapLabel& l : gap.labels) {
