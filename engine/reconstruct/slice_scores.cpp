@@ -12,7 +12,7 @@ namespace slicemorph {
 
 namespace {
 
-constexpr int kTile = 8;  ///< pixels along a square tile; others have as many
+constexpr int kLeaf = 16;  ///< pixels of a cell that is not cut any further
 /// Scores level off at a gap's length: how far away a contour is says nothing about what comes within one gap.
 constexpr float kLevel = 1;
 /// The cubic may change a slope by this share of a gap per gap: more is a label that jumps, not one that bends.
@@ -262,12 +262,15 @@ void SliceScores::Plan::fill(const Moment& m, const PixelBox& box, const PixelBo
   const float sx = float(w) * stack.pixel[0], sy = float(h) * stack.pixel[1];
   const float reach = 0.5f * kStretch * std::sqrt(sx * sx + sy * sy);
   const Places p = placesOf(m, float(cx), float(cy));
+  std::vector<const GapLabel*> near, left;
+  for (const GapLabel* l : among)
+    if (!intersection(l->box, part).empty()) near.push_back(l);
+  if (near.empty()) near = among;
   std::vector<Bounds> bounds;
   float most = -1e30f;
-  for (const GapLabel* l : among) bounds.push_back(boundsOf(*l, m, p, reach)), most = std::max(most, bounds.back().low);
-  std::vector<const GapLabel*> left;
-  for (size_t k = 0; k < among.size(); ++k)
-    if (bounds[k].high + kDraw * m.level >= most) left.push_back(among[k]);
+  for (const GapLabel* l : near) bounds.push_back(boundsOf(*l, m, p, reach)), most = std::max(most, bounds.back().low);
+  for (size_t k = 0; k < near.size(); ++k)
+    if (bounds[k].high + kDraw * m.level >= most) left.push_back(near[k]);
   bool alone = left.size() == 1;
   if (alone)
     for (const Traveller& t : gap.travellers) alone = alone && intersection(t.box, part).empty();
@@ -276,7 +279,7 @@ void SliceScores::Plan::fill(const Moment& m, const PixelBox& box, const PixelBo
       std::fill_n(out.begin() + std::ptrdiff_t(box.index(part.x0, y)), w, left[0]->label);
     return;
   }
-  if (size_t(w) * size_t(h) <= kTile * kTile / 2) return fillTile(m, box, part, left, out);
+  if (size_t(w) * size_t(h) <= kLeaf) return fillTile(m, box, part, left, out);
   PixelBox first = part, second = part;
   if (sx > sy && w > 1) first.x1 = second.x0 = cx;
   else if (h > 1) first.y1 = second.y0 = cy;
