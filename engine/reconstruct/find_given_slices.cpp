@@ -1,0 +1,94 @@
+#include "engine/errors.h"
+#include "engine/reconstruct/label_slices.h"
+
+#include <cmath>
+#include <string>
+
+namespace slicemorph {
+
+namespace {
+
+using Flags = std::vector<char>;
+
+/// Per axis, which slices hold a label.
+std::vector<Flags> labelledSlices(const Image& image) {
+  const openvdb::Coord& n = image.lattice.size;
+  std::vector<Flags> found;
+  for (int d = 0; d < 3; ++d) found.emplace_back(size_t(n[d]), 0);
+  std::visit(
+      [&](const auto& values) {
+        size_t at = 0;
+        for (int k = 0; k < n[2]; ++k)
+          for (int j = 0; j < n[1]; ++j)
+            for (int i = 0; i < n[0]; ++i, ++at) {
+              if (values[at] == 0) continue;
+              if (std::floor(double(values[at])) != double(values[at]) || !(std::abs(double(values[at])) < 2147483648.0))
+                throw InputError("labels must be whole numbers, got " + std::to_string(double(values[at])) + " at voxel (" +
+                                 std::to_string(i) + ", " + std::to_string(j) + ", " + std::to_string(k) + ")");
+              found[0][size_t(i)] = found[1][size_t(j)] = found[2][size_t(k)] = 1;
+            }
+      },
+      image.values);
+  return found;
+}
+
+std::vector<int> indices(const Flags& flags) {
+  std::vector<int> at;
+  for (size_t i = 0; i < flags.size(); ++i)
+    if (flags[i]) at.push_back(int(i));
+  return at;
+}
+
+/// Greatest step of which all distances between labelled slices are multiples; 0: fewer than two.
+int rhythmOf(const std::vector<int>& at) {
+  int step = 0;
+  for (size_t i = 1; i < at.size(); ++i)
+    for (int a = at[i] - at[0], b = step; ; a = step) {
+      while (b) std::swap(a, b), b %= a;
+      step = a;
+      break;
+    }
+  return step;
+}
+
+std::vector<int> regular(const std::vector<int>& at, int every) {
+  std::vector<int> given;
+  for (int s = at.front(); s <= at.back(); s += every) given.push_back(s);
+  return given;
+}
+
+}  // namespace
+
+GivenSlices findGivenSlices(const Image& labels, int axis, int every) {
+  if (axis < -1 || axis > 2) throw InputError("axis must be 0, 1 or 2, got " + std::to_string(axis));
+  if (every < 0 || every == 1) throw InputError("the step from one given slice to the next must be 2 or more, got " + std::to_string(every));
+  const std::vector<Flags> flags = labelledSlices(labels);
+  if (indices(flags[0]).empty()) throw InputError("nothing is labelled in the map");
+  GivenSlices best;
+  int rhythm = every ? 0 : 1, missing = 0;
+  bool single = true;
+  for (int d = 0; d < 3; ++d) {
+    if (axis >= 0 && d != axis) continue;
+    const std::vector<int> at = indices(flags[size_t(d)]);
+    if (at.size() < 2) continue;
+    single = false;
+    const int step = rhythmOf(at);
+    if (every && step % every == 0 && step >= rhythm) rhythm = step, best = {d, regular(at, every)};
+    if (!every && step > rhythm) rhythm = step, best = {d, regular(at, step)};
+  }
+  if (!best.at.empty()) return best;
+  if (every)
+    throw InputError("labelled slices do not lie " + std::to_string(every) + " apart" +
+                     (axis >= 0 ? " along axis " + std::to_string(axis) : std::string(" along any axis")));
+  for (int d = 0; d < 3; ++d) {
+    const std::vector<int> at = indices(flags[size_t(d)]);
+    if ((axis >= 0 && d != axis) || at.size() < 2) continue;
+    const int empty = at.back() - at.front() + 1 - int(at.size());
+    if (empty > missing) missing = empty, best = {d, at};
+  }
+  if (single) throw InputError("only one slice is labelled; at least two are needed to interpolate between them");
+  if (!missing) throw InputError("no slice is missing between the labelled ones: the map is dense already");
+  return best;
+}
+
+}  // namespace slicemorph

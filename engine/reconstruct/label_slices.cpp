@@ -1,0 +1,150 @@
+#include "engine/reconstruct/label_slices.h"
+
+#include "engine/errors.h"
+#include "engine/reconstruct/mask_distance.h"
+
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <unordered_map>
+
+namespace slicemorph {
+
+namespace {
+
+/// How a slice's pixels (x fastest) lie in the image.
+struct SliceLayout {
+  int width, height;
+  size_t x, y, slice;  ///< strides
+};
+
+SliceLayout layoutOf(const ImageLattice& lattice, int axis) {
+  const int u = axis == 0 ? 1 : 0, w = axis == 2 ? 1 : 2;
+  const size_t stride[3] = {1, size_t(lattice.size[0]), size_t(lattice.size[0]) * size_t(lattice.size[1])};
+  return {lattice.size[u], lattice.size[w], stride[u], stride[w], stride[axis]};
+}
+
+/// Labels of one given slice as they first appear, and every pixel's place among them.
+struct Census {
+  std::vector<int> values, pixel;
+  std::vector<size_t> count, first;
+  std::vector<PixelBox> box;
+};
+
+template <typename T>
+Census takeCensus(const std::vector<T>& values, const SliceLayout& layout, int slice) {
+  Census census;
+  std::unordered_map<int, int> seen;
+  census.pixel.resize(size_t(layout.width) * size_t(layout.height));
+  int last = 0, entry = -1;
+  for (int y = 0; y < layout.height; ++y)
+    for (int x = 0; x < layout.width; ++x) {
+      const int v = int(values[size_t(slice) * layout.slice + size_t(y) * layout.y + size_t(x) * layout.x]);
+      const size_t at = size_t(y) * size_t(layout.width) + size_t(x);
+      if (entry < 0 || v != last) {
+        const auto found = seen.emplace(v, int(census.values.size()));
+        if (found.second) census.values.push_back(v), census.count.push_back(0), census.first.push_back(at), census.box.emplace_back();
+        last = v, entry = found.first->second;
+      }
+      census.pixel[at] = entry;
+      ++census.count[size_t(entry)];
+      census.box[size_t(entry)].add(x, y);
+    }
+  return census;
+}
+
+/// Values in ascending order of their pixels on all given slices; of equals the one that comes first.
+std::vector<int> rankValues(const std::vector<Census>& slices) {
+  std::vector<int> values;
+  std::vector<size_t> count;
+  std::unordered_map<int, size_t> place;
+  for (const Census& c : slices)
+    for (size_t i = 0; i < c.values.size(); ++i) {
+      const auto found = place.emplace(c.values[i], values.size());
+      if (found.second) values.push_back(c.values[i]), count.push_back(0);
+      count[found.first->second] += c.count[i];
+    }
+  std::vector<size_t> order(values.size());
+  std::iota(order.begin(), order.end(), size_t(0));
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return count[a] < count[b]; });
+  std::vector<int> ranked;
+  for (size_t i : order) ranked.push_back(values[i]);
+  return ranked;
+}
+
+ScorePlane scorePlane(const Census& census, const std::unordered_map<int, int>& rank, const ScoreStack& stack, float far) {
+  ScorePlane plane;
+  for (size_t e = 0; e < census.values.size(); ++e) {
+    const PixelBox box = intersection(census.box[e].grown(1), stack.domain);
+    std::vector<std::uint8_t> mask(box.count());
+    for (int y = box.y0; y < box.y1; ++y)
+      for (int x = box.x0; x < box.x1; ++x)
+        mask[box.index(x, y)] = census.pixel[stack.domain.index(x, y)] == int(e);
+    plane.labels.push_back({rank.at(census.values[e]), box, maskDistance(mask, box, stack.pixel[0], stack.pixel[1], far)});
+  }
+  std::sort(plane.labels.begin(), plane.labels.end(), [](const LabelScore& a, const LabelScore& b) { return a.label < b.label; });
+  return plane;
+}
+
+void checkGiven(const Image& labels, const GivenSlices& given) {
+  if (given.axis < 0 || given.axis > 2) throw InputError("axis must be 0, 1 or 2, got " + std::to_string(given.axis));
+  if (given.at.size() < 2) throw InputError("at least two given slices are needed, got " + std::to_string(given.at.size()));
+  for (size_t i = 0; i < given.at.size(); ++i)
+    if (given.at[i] < 0 || given.at[i] >= labels.lattice.size[given.axis] || (i && given.at[i] <= given.at[i - 1]))
+      throw InputError("given slices must ascend within 0 to " + std::to_string(labels.lattice.size[given.axis] - 1) + ", got " +
+                       std::to_string(given.at[i]));
+}
+
+}  // namespace
+
+RankedSlices rankSlices(const Image& labels, const GivenSlices& given) {
+  checkGiven(labels, given);
+  const SliceLayout layout = layoutOf(labels.lattice, given.axis);
+  const Vec3d spacing = labels.lattice.spacing();
+  RankedSlices result;
+  ScoreStack& stack = result.stack;
+  stack.pixel[0] = float(spacing[given.axis == 0 ? 1 : 0]), stack.pixel[1] = float(spacing[given.axis == 2 ? 1 : 2]);
+  stack.domain = {0, 0, layout.width, layout.height};
+  std::vector<Census> census(given.at.size());
+  std::visit([&](const auto& values) {
+    tbb::parallel_for(size_t(0), census.size(), [&](size_t k) { census[k] = takeCensus(values, layout, given.at[k]); });
+  }, labels.values);
+  const std::vector<int> ranked = rankValues(census);
+  std::unordered_map<int, int> rank;
+  for (size_t i = 0; i < ranked.size(); ++i) rank[ranked[i]] = int(i), result.values.push_back(ranked[i]);
+  // A label that fills its slice has no border there: it is taken to lie as far away as the slice is wide.
+  const float far = std::hypot(float(layout.width) * stack.pixel[0], float(layout.height) * stack.pixel[1]);
+  stack.planes.resize(census.size());
+  tbb::parallel_for(size_t(0), census.size(), [&](size_t k) {
+    stack.planes[k] = scorePlane(census[k], rank, stack, far);
+    stack.planes[k].position = given.at[k] * spacing[given.axis];
+  });
+  return result;
+}
+
+Image interpolateLabels(const Image& labels, const GivenSlices& given) {
+  RankedSlices ranked = rankSlices(labels, given);
+  const std::vector<double> values = std::move(ranked.values);
+  const SliceScores scores(std::move(ranked.stack));
+  const SliceLayout layout = layoutOf(labels.lattice, given.axis);
+  const double spacing = labels.lattice.spacing()[given.axis];
+  std::vector<int> missing;
+  for (size_t k = 0; k + 1 < given.at.size(); ++k)
+    for (int s = given.at[k] + 1; s < given.at[k + 1]; ++s) missing.push_back(s);
+  Image dense = labels;
+  std::visit([&](auto& out) {
+    using T = typename std::decay_t<decltype(out)>::value_type;
+    tbb::parallel_for(size_t(0), missing.size(), [&](size_t m) {
+      const std::vector<int> won = scores.labelsAt(missing[m] * spacing, scores.stack().domain);
+      T* slice = out.data() + size_t(missing[m]) * layout.slice;
+      for (int y = 0, i = 0; y < layout.height; ++y)
+        for (int x = 0; x < layout.width; ++x, ++i)
+          slice[size_t(y) * layout.y + size_t(x) * layout.x] = T(values[size_t(won[size_t(i)])]);
+    });
+  }, dense.values);
+  return dense;
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "engine/reconstruct/slice_motion.h"
+
+namespace slicemorph {
+
+/// One connected piece (8 neighbours) of a label on a plane.
+struct Region {
+  PixelBox box;
+  size_t count = 0;      ///< pixels
+  float x = 0, y = 0;    ///< centroid, pixels
+  float depth = 0;       ///< greatest score, world units
+};
+
+struct LabelRegions {
+  std::vector<Region> regions;
+  std::vector<int> map;  ///< per pixel of the label's box: its region, -1: outside
+};
+
+LabelRegions findRegions(const LabelScore& score);
+
+/// A region on either plane.
+struct RegionPair {
+  int a, b;
+};
+
+/// Pairs the regions that meet none of their label's once the motion has carried them, by least centroid distance plus the
+/// difference of their radii, nearest first; a label none of whose regions meet keeps at least one pair, however far.
+std::vector<RegionPair> pairRegions(const LabelScore& a, const LabelScore& b, const LabelRegions& ra, const LabelRegions& rb,
+                                    const SliceMotion& motion, const ScoreStack& stack, float gap);
+
+/// The score of one region alone.
+LabelScore regionScore(const LabelScore& score, const LabelRegions& regions, int region, const ScoreStack& stack);
+
+}  // namespace slicemorph

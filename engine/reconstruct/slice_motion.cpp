@@ -1,0 +1,121 @@
+#include "engine/reconstruct/slice_motion.h"
+
+#include <array>
+#include <cmath>
+
+namespace slicemorph {
+
+namespace {
+
+constexpr float kNodePixels = 4;  ///< from node to node: finer than what moves together, coarse enough to be quick
+constexpr float kWidest = 4;      ///< nodes: the widest window, and no wider than a gap; it halves from level to level
+constexpr int kLevels = 4, kRounds = 3;
+/// Weight of standing still, against one label's border along every node of the window: a border that only one label
+/// has, or that fits badly, moves little, and blending the distances does the rest.
+constexpr float kRest = 4;
+/// ... and against borders known to a pixel only, where the gap is but a few: times (pixel / gap)^2.
+constexpr float kRough = 20;
+
+/// Normal equations of one node: A (xx, xy, yy) and right side (x, y), world units.
+using Normal = std::array<float, 5>;
+
+/// One pass of a running mean of 2 r + 1 nodes along a row, the ends repeated as nothing.
+void boxBlur(std::vector<Normal>& values, int nx, int ny, int r, bool alongX) {
+  const int n = alongX ? nx : ny, rows = alongX ? ny : nx;
+  const size_t stride = alongX ? 1 : size_t(nx), rowStride = alongX ? size_t(nx) : 1;
+  std::vector<Normal> line;
+  line.resize(size_t(n));
+  const float scale = 1.0f / float(2 * r + 1);
+  for (int row = 0; row < rows; ++row) {
+    Normal* p = &values[size_t(row) * rowStride];
+    for (int i = 0; i < n; ++i) line[size_t(i)] = p[size_t(i) * stride];
+    Normal sum{};
+    for (int i = 0; i < std::min(r, n); ++i)
+      for (size_t c = 0; c < 5; ++c) sum[c] += line[size_t(i)][c];
+    for (int i = 0; i < n; ++i) {
+      if (i + r < n)
+        for (size_t c = 0; c < 5; ++c) sum[c] += line[size_t(i + r)][c];
+      if (i - r - 1 >= 0)
+        for (size_t c = 0; c < 5; ++c) sum[c] -= line[size_t(i - r - 1)][c];
+      for (size_t c = 0; c < 5; ++c) p[size_t(i) * stride][c] = sum[c] * scale;
+    }
+  }
+}
+
+struct Pair {
+  ScoreField a, b;
+};
+
+/// Adds what one label says about a node's displacement.
+void addLabel(const Pair& pair, const float* pixel, float ax, float ay, float bx, float by, float reach, Normal& n) {
+  const float sa = pair.a.at(ax, ay), sb = pair.b.at(bx, by);
+  if (std::min(std::abs(sa), std::abs(sb)) > reach) return;
+  const float ca = std::min(std::max(sa, -reach), reach), cb = std::min(std::max(sb, -reach), reach);
+  // Central differences over a pixel
+  const float gx = 0.5f / pixel[0] * (pair.a.at(ax + .5f, ay) - pair.a.at(ax - .5f, ay) + pair.b.at(bx + .5f, by) - pair.b.at(bx - .5f, by));
+  const float gy = 0.5f / pixel[1] * (pair.a.at(ax, ay + .5f) - pair.a.at(ax, ay - .5f) + pair.b.at(bx, by + .5f) - pair.b.at(bx, by - .5f));
+  const float r = cb - ca;
+  n[0] += gx * gx, n[1] += gx * gy, n[2] += gy * gy, n[3] -= gx * r, n[4] -= gy * r;
+}
+
+}  // namespace
+
+SliceMotion findMotion(const ScoreStack& stack, size_t a) {
+  const ScorePlane &pa = stack.planes[a], &pb = stack.planes[a + 1];
+  std::vector<Pair> pairs;
+  PixelBox busy;
+  for (size_t i = 0, j = 0; i < pa.labels.size() && j < pb.labels.size();) {
+    if (pa.labels[i].label < pb.labels[j].label) ++i;
+    else if (pb.labels[j].label < pa.labels[i].label) ++j;
+    else {
+      const PixelBox both = hull(pa.labels[i].box, pb.labels[j].box);
+      pairs.push_back({ScoreField(pa.labels[i], stack), ScoreField(pb.labels[j], stack)});
+      busy = hull(busy, both), ++i, ++j;
+    }
+  }
+  SliceMotion motion;
+  if (pairs.empty() ) return motion;
+  const float gap = float(pb.position - pa.position);
+  const float step = kNodePixels * std::max(stack.pixel[0], stack.pixel[1]);
+  busy = busy.grown(1);
+  for (int d = 0; d < 2; ++d) motion.spacing[d] = std::max(1.0f, step / stack.pixel[d]);
+  motion.origin[0] = float(busy.x0), motion.origin[1] = float(busy.y0);
+  motion.nx = std::max(2, int(float(busy.width()) / motion.spacing[0]) + 2);
+  motion.ny = std::max(2, int(float(busy.height()) / motion.spacing[1]) + 2);
+  const size_t nodes = size_t(motion.nx) * size_t(motion.ny);
+  motion.x.assign(nodes, 0), motion.y.assign(nodes, 0);
+  std::vector<Normal> normal(nodes);
+  float sigma = std::min(gap, kWidest * step);
+  for (int level = 0; level < kLevels; ++level, sigma *= 0.5f) {
+    const int r = std::max(1, int(sigma / step + .5f));
+    const float reach = sigma;
+    for (int it = 0; it < kRounds; ++it) {
+      std::fill(normal.begin(), normal.end(), Normal{});
+      for (const Pair& pair : pairs) {
+        const int margin = int(reach / step) + 1;
+        const PixelBox box = hull(pair.a.box, pair.b.box);
+        const int i0 = std::max(0, int((float(box.x0) - motion.origin[0]) / motion.spacing[0]) - margin), i1 = std::min(motion.nx, int((float(box.x1) - motion.origin[0]) / motion.spacing[0]) + 2 + margin);
+        const int j0 = std::max(0, int((float(box.y0) - motion.origin[1]) / motion.spacing[1]) - margin), j1 = std::min(motion.ny, int((float(box.y1) - motion.origin[1]) / motion.spacing[1]) + 2 + margin);
+        for (int j = j0; j < j1; ++j)
+          for (int i = i0; i < i1; ++i) {
+            const size_t k = size_t(j) * size_t(motion.nx) + size_t(i);
+            const float px = motion.origin[0] + float(i) * motion.spacing[0], py = motion.origin[1] + float(j) * motion.spacing[1];
+            const float vx = motion.x[k], vy = motion.y[k];
+            addLabel(pair, stack.pixel, px - .5f * vx, py - .5f * vy, px + .5f * vx, py + .5f * vy, reach, normal[k]);
+          }
+      }
+      for (int pass = 0; pass < 2; ++pass) boxBlur(normal, motion.nx, motion.ny, r, true), boxBlur(normal, motion.nx, motion.ny, r, false);
+      for (size_t k = 0; k < nodes; ++k) {
+        const Normal& n = normal[k];
+        const float rough = std::max(stack.pixel[0], stack.pixel[1]) / gap, e = kRest + kRough * rough * rough, xx = n[0] + e, yy = n[2] + e, det = xx * yy - n[1] * n[1];
+        float dx = (yy * n[3] - n[1] * n[4]) / det, dy = (xx * n[4] - n[1] * n[3]) / det;
+        const float l = std::sqrt(dx * dx + dy * dy), limit = reach;
+        if (l > limit) dx *= limit / l, dy *= limit / l;
+        motion.x[k] += dx / stack.pixel[0], motion.y[k] += dy / stack.pixel[1];
+      }
+    }
+  }
+  return motion;
+}
+
+}  // namespace slicemorph

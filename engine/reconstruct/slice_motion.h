@@ -1,0 +1,36 @@
+#pragma once
+
+#include "engine/reconstruct/score_field.h"
+
+namespace slicemorph {
+
+/// Smooth planar displacement from one plane to the next, in pixels, on nodes `spacing` pixels apart.
+struct SliceMotion {
+  float origin[2] = {0, 0}, spacing[2] = {1, 1};
+  int nx = 0, ny = 0;  ///< nodes; none: no motion
+  std::vector<float> x, y;
+
+  struct Vector {
+    float x, y;
+  };
+  Vector at(float px, float py) const {
+    if (x.empty()) return {0, 0};
+    const float gx = std::min(std::max((px - origin[0]) / spacing[0], 0.0f), float(nx - 1));
+    const float gy = std::min(std::max((py - origin[1]) / spacing[1], 0.0f), float(ny - 1));
+    const int ix = std::min(int(gx), nx - 2), iy = std::min(int(gy), ny - 2);
+    const float fx = gx - float(ix), fy = gy - float(iy);
+    const size_t i = size_t(iy) * size_t(nx) + size_t(ix), j = i + size_t(nx);
+    const auto mix = [&](const std::vector<float>& v) {
+      const float low = v[i] + fx * (v[i + 1] - v[i]), high = v[j] + fx * (v[j + 1] - v[j]);
+      return low + fy * (high - low);
+    };
+    return {mix(x), mix(y)};
+  }
+};
+
+/// Motion that carries the labels of plane `a` onto those of the next, seen from half way, by least squares of their
+/// distances' difference over windows that narrow from coarse to fine (Lucas & Kanade 1981, on all labels at once, so that
+/// neighbours move together). Symmetric: from b to a it is the opposite.
+SliceMotion findMotion(const ScoreStack& stack, size_t a);
+
+}  // namespace slicemorph
