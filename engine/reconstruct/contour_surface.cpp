@@ -2,6 +2,7 @@
 
 #include "engine/errors.h"
 #include "engine/rebuild/redistance.h"
+#include "engine/reconstruct/plane_profile.h"
 #include "engine/reconstruct/plane_set.h"
 #include "engine/reconstruct/thin_plate.h"
 #include "engine/volume/manifold.h"
@@ -207,15 +208,18 @@ class Reconstruction {
   void addPixels(int plane, int stride, std::vector<PlateDatum>& data) const {
     const PlaneImage& image = planes_.images[plane];
     const PlaneContours& frame = planes_.sections[plane].frame;
+    if (image.distance.empty()) return;
     const bool whole = box_.count() <= kWholeBoxNodes;
     const double reach = whole ? 1e30 : 5 * box_.step;
+    const double bent = std::max(env("PR", 2) * planes_.gap, 6 * image.pixel);
+    const std::vector<float> profile = planeProfile(image, slopes_[plane], bent);
     for (int j = 0; j < image.height; j += stride)
       for (int i = 0; i < image.width; i += stride) {
         const size_t n = size_t(j) * image.width + i;
         const double d = image.distance[n];
         if (std::abs(d) > reach) continue;
         const Vec3d p = frame.toWorld(image.place(i, j));
-        const double target = std::copysign(bounded(plane, p, std::abs(d) * slopes_[plane][image.nearest[n]]), d);
+        const double target = std::copysign(bounded(plane, p, std::abs(profile[n])), d);
         const double fade = box_.step / (box_.step + std::abs(d));
         data.push_back({cellPlace(box_, p), float(target), float(kPlaneWeight * fade * fade)});
         if (d < planes_.gap) addCaps(plane, p, d, data);

@@ -13,8 +13,11 @@ namespace slicemorph {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-/// A next plane farther than so many gaps says nothing about what lies between: two lumps, not one body.
+/// A next plane farther than so many gaps that is parallel, says nothing about what lies
+/// between: two lumps, not one body.
 constexpr double kBridgedGaps = 3;
+constexpr double kParallel = 0.99;    // cosine
+constexpr double kLeastSlant = 1e-3;  // cosine: two planes that meet at less are never met along each other's normal
 /// Points of different planes closer than this share of the extent are the same.
 constexpr double kSamePoint = 1e-7;
 constexpr size_t kProbes = 4000;  // contour points that are asked for the gap
@@ -53,7 +56,7 @@ double gapOf(const PlaneSet& planes) {
     for (const PlaneSection::Edge& e : planes.sections[i].edges) {
       if (seen++ % stride) continue;
       for (int side : {-1, 1}) {
-        const double next = planes.nextPlane(i, planes.world(i, e.a), side);
+        const double next = planes.nextPlane(i, planes.world(i, e.a), side).distance;
         if (next < kInfinite) gaps.push_back(next);
       }
     }
@@ -74,28 +77,29 @@ void findOutermost(PlaneSet& planes) {
 
 }  // namespace
 
-double PlaneSet::nextPlane(int plane, const Vec3d& p, int side) const {
+NextPlane PlaneSet::nextPlane(int plane, const Vec3d& p, int side) const {
   const Vec3d direction = side * sections[plane].frame.normal;
   const double least = kSamePoint * box.extents().length();
-  double next = kInfinite;
+  NextPlane next{kInfinite, -1};
   for (int j = 0; j < int(sections.size()); ++j) {
     if (j == plane) continue;
     const double slant = sections[j].frame.normal.dot(direction);
-    if (std::abs(slant) < 1e-9) continue;
+    if (std::abs(slant) < kLeastSlant) continue;
     const double t = -sections[j].frame.height(p) / slant;
-    if (t > least) next = std::min(next, t);
+    if (t > least && t < next.distance) next = {t, j};
   }
   return next;
 }
 
 bool PlaneSet::endsAt(int plane, const Vec3d& p, int side) const {
-  const double next = nextPlane(plane, p, side);
-  if (next <= kBridgedGaps * gap) return false;
-  return next < kInfinite || outermost[2 * plane + (side > 0)];
+  const NextPlane next = nextPlane(plane, p, side);
+  if (next.distance <= kBridgedGaps * gap) return false;
+  if (outermost[2 * plane + (side > 0)]) return true;
+  return next.plane >= 0 && std::abs(sections[next.plane].frame.normal.dot(sections[plane].frame.normal)) > kParallel;
 }
 
 double PlaneSet::capHeight(int plane, const Vec3d& p, int side) const {
-  const double behind = nextPlane(plane, p, -side);
+  const double behind = nextPlane(plane, p, -side).distance;
   return 0.5 * (behind < kInfinite ? std::clamp(behind, 0.5 * gap, 1.5 * gap) : gap);
 }
 

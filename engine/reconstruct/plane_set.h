@@ -4,6 +4,11 @@
 
 namespace slicemorph {
 
+struct NextPlane {
+  double distance = 0;  ///< infinite: there is none
+  int plane = -1;
+};
+
 /// The planes of an object, made ready: regions cleaned, edges no longer than `step`, signed distance images.
 struct PlaneSet {
   std::vector<PlaneSection> sections;
@@ -13,9 +18,8 @@ struct PlaneSet {
   double step = 0;
 
   Vec3d world(int plane, const Vec2d& p) const { return sections[plane].frame.toWorld(p); }
-  /// Along `side` (1 or -1) times the plane's normal: the distance from a point of the plane to the next plane;
-  /// infinite: none.
-  double nextPlane(int plane, const Vec3d& p, int side) const;
+  /// The next plane from a point of a plane, along `side` (1 or -1) times its normal.
+  NextPlane nextPlane(int plane, const Vec3d& p, int side) const;
   /// Whether the object has to be closed on that side of a plane at a point inside: nothing is known there any more.
   bool endsAt(int plane, const Vec3d& p, int side) const;
   /// How far beyond the plane it may then reach.
