@@ -29,7 +29,7 @@ double env(const char* n, double d) { const char* s = std::getenv(n); return s ?
 
 // How strongly the contours, and the planes' distances around them, hold against the bending of one node.
 const double kContourWeight = env("W0", 30);
-const double kPlaneWeight = env("W1", 0.3);
+const double kPlaneWeight = env("W1", 1);
 const double kCapWeight = env("WC", 0.3);
 
 NodeBox finestBox(const PlaneSet& planes, double h, int levels) {
