@@ -12,8 +12,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <unordered_set>
 
 namespace slicemorph {
 
@@ -23,14 +21,19 @@ using openvdb::Coord;
 
 constexpr double kMostNodes = 1.2e8;      // of the finest lattice; about a gigabyte with its images
 constexpr double kDefaultNodes = 4e7;     // a default voxel size makes no more
-constexpr size_t kWholeBoxNodes = 300000; // a lattice below that is solved whole
-
-double env(const char* n, double d) { const char* s = std::getenv(n); return s ? atof(s) : d; }
+constexpr size_t kWholeBoxNodes = 60000;  // a lattice below that is solved whole
 
 // How strongly the contours, and the planes' distances around them, hold against the bending of one node.
-const double kContourWeight = env("W0", 30);
-const double kPlaneWeight = env("W1", 1);
-const double kCapWeight = env("WC", 0.3);
+// Measured on tori and slanted tubes: stronger plane weights make tori rounder (0.08 % of the tube's radius at 3, 0.33 %
+// at 0.3) and slanted tubes more wavy (5.2 % and 3.9 %).
+constexpr double kContourWeight = 30;
+constexpr double kPlaneWeight = 1;
+constexpr double kCapWeight = 0.3;
+constexpr int kWholeSteps = 400, kBandSteps = 60;  // of the solver; the first guess of a band is already close
+constexpr double kBandNodes = 5;      // half width of the band of nodes that is solved on fine levels
+constexpr double kProfileGaps = 2;    // how far from a contour its plane's profile bends, in gaps
+constexpr double kLeastSlope = 0.3;   // of a surface that runs along a plane
+constexpr int kMeetingSweeps = 4;
 
 NodeBox finestBox(const PlaneSet& planes, double h, int levels) {
   const double coarse = h * (1 << levels), margin = planes.gap + 3.5 * coarse;
@@ -99,11 +102,8 @@ class Reconstruction {
       const std::vector<std::uint32_t> active = activeNodes();
       const std::vector<PlateDatum> data = dataOf(level);
       PlateSettings settings;
-      settings.iterations = int(env("IT", box.count() <= kWholeBoxNodes ? 400 : 60));
-      const int steps = solvePlate(box, active, data, settings, values_);
-      if (getenv("VERB"))
-        fprintf(stderr, "level %d h %g box %d %d %d active %zu data %zu steps %d\n", level, box.step, box.size[0],
-                box.size[1], box.size[2], active.size(), data.size(), steps);
+      settings.iterations = box.count() <= kWholeBoxNodes ? kWholeSteps : kBandSteps;
+      solvePlate(box, active, data, settings, values_);
     }
     meetContours();
   }
@@ -153,14 +153,14 @@ class Reconstruction {
         const Vec3d g = gradientAt(box_, values_, cellPlace(box_, middle));
         const double whole = g.length(), across = g.dot(s.frame.normal);
         if (whole > 1e-6)
-          slopes_[i][e] = float(std::clamp(std::sqrt(std::max(0.0, 1 - across * across / (whole * whole))), 0.3, 1.0));
+          slopes_[i][e] = float(std::clamp(std::sqrt(std::max(0.0, 1 - across * across / (whole * whole))), kLeastSlope, 1.0));
       }
     });
   }
 
   /// Nodes near the surface so far or near a contour.
   std::vector<std::uint32_t> activeNodes() const {
-    const double band = 5 * box_.step;
+    const double band = kBandNodes * box_.step;
     std::vector<char> on(box_.count(), box_.count() <= kWholeBoxNodes);
     if (box_.count() > kWholeBoxNodes) {
       tbb::parallel_for(0, box_.size[2], [&](int k) {
@@ -210,8 +210,8 @@ class Reconstruction {
     const PlaneContours& frame = planes_.sections[plane].frame;
     if (image.distance.empty()) return;
     const bool whole = box_.count() <= kWholeBoxNodes;
-    const double reach = whole ? 1e30 : 5 * box_.step;
-    const double bent = std::max(env("PR", 2) * planes_.gap, 6 * image.pixel);
+    const double reach = whole ? 1e30 : kBandNodes * box_.step;
+    const double bent = std::max(kProfileGaps * planes_.gap, 6 * image.pixel);
     const std::vector<float> profile = planeProfile(image, slopes_[plane], bent);
     for (int j = 0; j < image.height; j += stride)
       for (int i = 0; i < image.width; i += stride) {
@@ -256,7 +256,7 @@ class Reconstruction {
       for (const PlaneSection::Edge& e : planes_.sections[i].edges)
         for (const Vec2d& p : {e.a, 0.5 * (e.a + e.b)}) places.push_back(cellPlace(box_, planes_.world(int(i), p)));
     std::vector<float> change(box_.count(), 0), weights(box_.count(), 0);
-    for (int sweep = 0; sweep < int(env("SWEEPS", 4)); ++sweep) {
+    for (int sweep = 0; sweep < kMeetingSweeps; ++sweep) {
       std::vector<std::uint32_t> touched;
       for (const CellPlace& place : places) {
         const float rest = float(valueAt(box_, values_, place));
