@@ -1,15 +1,17 @@
 #include "io/rtstruct_reader.h"
 
 #include "engine/errors.h"
-
-#include <gdcmReader.h>
-#include <gdcmSequenceOfItems.h>
+#include "io/dicom_elements.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <map>
+#include <sstream>
 
 namespace slicemorph {
 
@@ -18,32 +20,13 @@ namespace {
 constexpr double kOffPlane = 0.25;       // millimetres: points farther off their contour's plane are an error
 constexpr double kSamePlane = 0.05;      // millimetres: contours closer than this are on one plane
 constexpr double kRounding = 0.01;       // millimetres: what files round coordinates to
+constexpr size_t kHeadSize = 4096;
 constexpr const char* kStructureSet = "1.2.840.10008.5.1.4.1.1.481.3";
 
-const gdcm::Tag kSopClass(0x0008, 0x0016), kRegions(0x3006, 0x0020), kRegionNumber(0x3006, 0x0022),
-    kRegionName(0x3006, 0x0026), kRegionContours(0x3006, 0x0039), kContours(0x3006, 0x0040), kKind(0x3006, 0x0042),
-    kPointCount(0x3006, 0x0046), kPoints(0x3006, 0x0050), kObservations(0x3006, 0x0080), kReference(0x3006, 0x0084),
-    kApproval(0x300e, 0x0002);
-
-std::string textOf(const gdcm::DataSet& set, const gdcm::Tag& tag) {
-  if (!set.FindDataElement(tag)) return "";
-  const gdcm::ByteValue* bytes = set.GetDataElement(tag).GetByteValue();
-  if (!bytes || bytes->GetLength() == 0) return "";
-  std::string text(bytes->GetPointer(), size_t(bytes->GetLength()));
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\0')) text.pop_back();
-  text.erase(0, std::min(text.find_first_not_of(' '), text.size()));
-  return text;
-}
-
-/// The items of a sequence; none where it is absent.
-std::vector<gdcm::DataSet> itemsOf(const gdcm::DataSet& set, const gdcm::Tag& tag) {
-  std::vector<gdcm::DataSet> items;
-  if (!set.FindDataElement(tag)) return items;
-  const gdcm::SmartPointer<gdcm::SequenceOfItems> sequence = set.GetDataElement(tag).GetValueAsSQ();
-  if (!sequence) return items;
-  for (size_t i = 1; i <= sequence->GetNumberOfItems(); ++i) items.push_back(sequence->GetItem(i).GetNestedDataSet());
-  return items;
-}
+constexpr DicomTag kSopClass = 0x00080016, kRegions = 0x30060020, kRegionNumber = 0x30060022,
+                   kRegionName = 0x30060026, kRegionContours = 0x30060039, kContours = 0x30060040,
+                   kKind = 0x30060042, kPointCount = 0x30060046, kPoints = 0x30060050, kObservations = 0x30060080,
+                   kReference = 0x30060084, kApproval = 0x300e0002;
 
 struct Loop {
   std::vector<Vec3d> points;
@@ -64,9 +47,9 @@ std::vector<double> numbersOf(const std::string& text, const std::string& where)
   return numbers;
 }
 
-Loop loopOf(const gdcm::DataSet& item, const std::string& where) {
-  const std::vector<double> numbers = numbersOf(textOf(item, kPoints), where);
-  const std::string count = textOf(item, kPointCount);
+Loop loopOf(const DicomElements& item, const std::string& where) {
+  const std::vector<double> numbers = numbersOf(item.text(kPoints), where);
+  const std::string count = item.text(kPointCount);
   if (numbers.size() % 3 != 0 || (!count.empty() && std::atol(count.c_str()) != long(numbers.size() / 3)))
     throw IoError(where + ": has " + std::to_string(numbers.size()) + " coordinates where " +
                   (count.empty() ? std::string("three a point") : count + " points") + " are announced");
@@ -103,13 +86,13 @@ class RegionReader {
   RegionReader(const std::string& path, ContourSet& set, std::vector<std::string>& notes)
       : where_(path + ", " + set.name), set_(set), notes_(notes) {}
 
-  void read(const gdcm::DataSet& region) {
+  void read(const DicomElements& region) {
     std::vector<Loop> loops;
     int number = 0, few = 0;
     std::map<std::string, int> others;
-    for (const gdcm::DataSet& item : itemsOf(region, kContours)) {
+    for (const DicomElements& item : region.items(kContours)) {
       const std::string where = where_ + ", contour " + std::to_string(++number);
-      const std::string kind = textOf(item, kKind);
+      const std::string kind = item.text(kKind);
       if (kind != "CLOSED_PLANAR" && kind != "CLOSEDPLANAR_XOR") {
         ++others[kind.empty() ? "no type" : kind];
         continue;
@@ -175,27 +158,22 @@ class RegionReader {
   std::vector<std::string>& notes_;
 };
 
-/// Reads the file; throws IoError where it is none, or is cut short.
-void load(const std::string& path, gdcm::Reader& reader) {
+std::string bytesOf(const std::string& path) {
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) throw IoError(path + " is a folder");
-  if (!std::filesystem::exists(path, error)) throw IoError(path + ": cannot be opened: no such file");
-  reader.SetFileName(path.c_str());
-  bool good = false;
-  try {
-    good = reader.Read();
-  } catch (const std::exception& e) {
-    throw IoError(path + ": cannot be read as DICOM: " + e.what());
-  }
-  if (!good) throw IoError(path + ": cannot be read as DICOM: it is of another kind, damaged or cut short");
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw IoError(path + ": cannot be opened");
+  std::stringstream all;
+  all << file.rdbuf();
+  return all.str();
 }
 
-std::vector<ContourSet> regionsOf(const std::string& path, const gdcm::DataSet& all) {
+std::vector<ContourSet> regionsOf(const std::string& path, const DicomElements& all) {
   std::vector<ContourSet> sets;
-  for (const gdcm::DataSet& item : itemsOf(all, kRegions)) {
+  for (const DicomElements& item : all.items(kRegions)) {
     ContourSet set;
-    set.label = std::atoi(textOf(item, kRegionNumber).c_str());
-    set.name = textOf(item, kRegionName);
+    set.label = std::atoi(item.text(kRegionNumber).c_str());
+    set.name = item.text(kRegionName);
     if (set.name.empty()) set.name = "ROI " + std::to_string(set.label);
     sets.push_back(std::move(set));
   }
@@ -203,36 +181,17 @@ std::vector<ContourSet> regionsOf(const std::string& path, const gdcm::DataSet& 
   return sets;
 }
 
-}  // namespace
-
-bool isRtStructureSet(const std::string& path) {
-  gdcm::Reader reader;
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) return false;
-  reader.SetFileName(path.c_str());
-  try {
-    // Only the head of the file: the rest may be damaged, which the reader then says.
-    if (!reader.ReadUpToTag(gdcm::Tag(0x0008, 0x0018))) return false;
-    return textOf(reader.GetFile().GetDataSet(), kSopClass) == kStructureSet;
-  } catch (const std::exception&) {
-    return false;
-  }
-}
-
-ContourFile readRtStructureSet(const std::string& path) {
-  gdcm::Reader reader;
-  load(path, reader);
-  const gdcm::DataSet& all = reader.GetFile().GetDataSet();
-  if (textOf(all, kSopClass) != kStructureSet)
-    throw IoError(path + " is DICOM, but no RT structure set (its SOP class is '" + textOf(all, kSopClass) + "')");
-  if (!all.FindDataElement(kRegionContours) || !all.FindDataElement(kObservations))
+ContourFile contoursOf(const std::string& path, const DicomElements& all) {
+  if (all.text(kSopClass) != kStructureSet)
+    throw IoError(path + " is DICOM, but no RT structure set (its SOP class is '" + all.text(kSopClass) + "')");
+  if (!all.has(kRegionContours) || !all.has(kObservations))
     throw IoError(path + ": the file ends before its contours and observations do: it was cut short");
   ContourFile file;
-  if (!all.FindDataElement(kApproval))
+  if (!all.has(kApproval))
     file.notes.push_back(path + ": has no approval status, as a file has that was cut short");
   file.sets = regionsOf(path, all);
-  for (const gdcm::DataSet& item : itemsOf(all, kRegionContours)) {
-    const int number = std::atoi(textOf(item, kReference).c_str());
+  for (const DicomElements& item : all.items(kRegionContours)) {
+    const int number = std::atoi(item.text(kReference).c_str());
     const auto set = std::find_if(file.sets.begin(), file.sets.end(), [&](const ContourSet& s) { return s.label == number; });
     if (set == file.sets.end()) {
       file.notes.push_back(path + ": contours of region " + std::to_string(number) + ", which is not named, left out");
@@ -243,6 +202,31 @@ ContourFile readRtStructureSet(const std::string& path) {
   const auto empty = [](const ContourSet& s) { return s.planes.empty(); };
   if (std::all_of(file.sets.begin(), file.sets.end(), empty)) throw IoError(path + ": no region has a closed contour");
   return file;
+}
+
+}  // namespace
+
+bool isRtStructureSet(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return false;
+  // Only the head of the file, so that a damaged one is still known for what it is: the storage class is named there.
+  std::ifstream file(path, std::ios::binary);
+  std::string head(kHeadSize, '\0');
+  file.read(head.data(), kHeadSize);
+  head.resize(size_t(file.gcount()));
+  if (head.size() < 132 || head.compare(128, 4, "DICM") != 0) return false;
+  const size_t at = head.find(kStructureSet);
+  return at != std::string::npos && (at + std::strlen(kStructureSet) >= head.size() ||
+                                     !std::isdigit(static_cast<unsigned char>(head[at + std::strlen(kStructureSet)])));
+}
+
+ContourFile readRtStructureSet(const std::string& path) {
+  const std::string bytes = bytesOf(path);
+  try {
+    return contoursOf(path, DicomElements::ofFile(bytes));
+  } catch (const DicomDamage& damage) {
+    throw IoError(path + ": " + damage.what());
+  }
 }
 
 }  // namespace slicemorph
