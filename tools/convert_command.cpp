@@ -51,8 +51,10 @@ void writeGrids(const ConvertSettings& s, const Image& image) {
 Image imageOfGrid(const ConvertSettings& s) {
   const InputName name = splitInput(s.input);
   const VdbFile file(name.path);
-  const size_t index = name.grid.empty() ? gridsToTry(file, name.path).at(0) : findGrid(file, name);
-  return imageOf(*file.read(index));
+  if (!name.grid.empty()) return imageOf(*file.read(findGrid(file, name)));
+  for (size_t i = 0; i < file.entries().size(); ++i)
+    if (const auto header = file.readHeader(i); header && (*header)["image_size"]) return imageOf(*file.read(i));
+  return imageOf(*file.read(gridsToTry(file, name.path).at(0)));
 }
 
 /// 1 inside, 0 outside.

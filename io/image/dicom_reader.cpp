@@ -1,9 +1,9 @@
 #include "io/image/dicom_reader.h"
 
+#include "io/dicom_elements.h"
 #include "io/image/itk_values.h"
 #include "io/image/straighten.h"
 
-#include <gdcmReader.h>
 #include <gdcmTrace.h>
 #include <itkGDCMImageIO.h>
 #include <itkMetaDataObject.h>
@@ -16,7 +16,6 @@
 #include <fstream>
 #include <map>
 #include <optional>
-#include <set>
 
 namespace slicemorph {
 namespace {
@@ -25,27 +24,8 @@ namespace fs = std::filesystem;
 
 struct Header {
   std::string uid, modality, description, shape;
-  bool image = false, positioned = false;
+  bool image = false;
 };
-
-std::string text(const gdcm::DataSet& data, std::uint16_t group, std::uint16_t element) {
-  const gdcm::Tag tag(group, element);
-  if (!data.FindDataElement(tag)) return "";
-  const gdcm::ByteValue* value = data.GetDataElement(tag).GetByteValue();
-  if (!value) return "";
-  std::string s(value->GetPointer(), value->GetLength());
-  s.erase(s.find_last_not_of(std::string(" \0", 2)) + 1);
-  return s;
-}
-
-std::string number(const gdcm::DataSet& data, std::uint16_t group, std::uint16_t element) {
-  const gdcm::Tag tag(group, element);
-  if (!data.FindDataElement(tag)) return "?";
-  const gdcm::ByteValue* value = data.GetDataElement(tag).GetByteValue();
-  if (!value || value->GetLength() < 2) return "?";
-  const auto* bytes = reinterpret_cast<const unsigned char*>(value->GetPointer());
-  return std::to_string(bytes[0] + 256 * bytes[1]);
-}
 
 /// Numbers to six places, so that noise in the last digit parts no slices.
 std::string rounded(const std::string& numbers) {
@@ -60,35 +40,39 @@ std::string rounded(const std::string& numbers) {
   return result;
 }
 
-bool startsAsDicom(const std::string& path) {
+std::string bytesOf(const std::string& path) {
+  std::string bytes(sizeOfInput(path), '\0');
   std::ifstream file(path, std::ios::binary);
-  char head[132] = {};
-  file.read(head, sizeof head);
-  return file.gcount() == sizeof head && std::string(head + 128, 4) == "DICM";
+  if (!file.read(bytes.data(), std::streamsize(bytes.size()))) throw IoError(path + " cannot be read");
+  return bytes;
 }
 
-/// None where a file is no DICOM file. Throws IoError where it is a damaged one.
+/// None where a file is no DICOM file. Throws IoError where it is a damaged one: every element is walked over, for GDCM
+/// aborts the program on files that were cut short.
 std::optional<Header> readHeader(const std::string& path) {
-  gdcm::Reader reader;
-  reader.SetFileName(path.c_str());
-  bool read = false;
-  try {
-    read = reader.ReadUpToTag(gdcm::Tag(0x7fe0, 0x0000));
-  } catch (const std::exception&) {
-  }
-  const gdcm::DataSet& data = reader.GetFile().GetDataSet();
-  if (!read || data.IsEmpty()) {
-    if (startsAsDicom(path)) throw IoError(path + " is truncated or damaged: its DICOM header cannot be read");
-    return std::nullopt;
-  }
+  constexpr DicomTag kModality = 0x00080060, kDescription = 0x0008103e, kSeries = 0x0020000e, kOrientation = 0x00200037,
+                     kRows = 0x00280010, kColumns = 0x00280011, kFrames = 0x00280008, kSpacing = 0x00280030,
+                     kBits = 0x00280100, kPixels = 0x7fe00010;
+  const std::string bytes = bytesOf(path);
+  const bool marked = bytes.size() >= 132 && bytes.compare(128, 4, "DICM") == 0;
   Header header;
-  header.uid = text(data, 0x0020, 0x000e);
-  header.modality = text(data, 0x0008, 0x0060);
-  header.description = text(data, 0x0008, 0x103e);
-  header.image = data.FindDataElement(gdcm::Tag(0x0028, 0x0010)) && data.FindDataElement(gdcm::Tag(0x0028, 0x0011));
-  header.shape = number(data, 0x0028, 0x0010) + " x " + number(data, 0x0028, 0x0011) + " " +
-                 rounded(text(data, 0x0020, 0x0037)) + rounded(text(data, 0x0028, 0x0030));
-  if (!header.image && header.uid.empty() && header.modality.empty() && !startsAsDicom(path)) return std::nullopt;
+  try {
+    const DicomElements data = DicomElements::ofFile(bytes);
+    header.uid = data.text(kSeries), header.modality = data.text(kModality), header.description = data.text(kDescription);
+    const int rows = data.number(kRows), columns = data.number(kColumns);
+    header.image = rows > 0 && columns > 0;
+    header.shape = std::to_string(rows) + " x " + std::to_string(columns) + " " + rounded(data.text(kOrientation)) +
+                   rounded(data.text(kSpacing));
+    if (!header.image && !marked && header.uid.empty()) return std::nullopt;
+    const size_t frames = size_t(std::max(1, std::atoi(data.text(kFrames).c_str())));
+    const size_t needed = size_t(std::max(rows, 0)) * size_t(std::max(columns, 0)) * size_t(std::max(data.number(kBits), 1)) / 8 * frames;
+    if (header.image && !data.has(kPixels)) throw DicomDamage("it has no pixels");
+    if (header.image && data.plainPixels() && data.size(kPixels) < needed)
+      throw DicomDamage("it has " + std::to_string(data.size(kPixels)) + " bytes of pixels, " + std::to_string(needed) + " are needed");
+  } catch (const DicomDamage& damage) {
+    if (!marked) return std::nullopt;
+    throw IoError(path + " is truncated or damaged: " + damage.what());
+  }
   return header;
 }
 
@@ -230,8 +214,10 @@ DicomFolder scanDicomFolder(const std::string& folder) {
   size_t others = 0;
   const std::vector<std::string> files = filesOf(folder);
   std::vector<std::optional<Header>> headers(files.size());
-  if (!files.empty()) headers[0] = readHeader(files[0]);  // fills the library's dictionaries
-  tbb::parallel_for(size_t(1), std::max<size_t>(files.size(), 1), [&](size_t i) { headers[i] = readHeader(files[i]); });
+  tbb::parallel_for(size_t(0), files.size(), [&](size_t i) {
+    std::error_code ignored;
+    if (fs::file_size(files[i], ignored) > 0) headers[i] = readHeader(files[i]);
+  });
   for (size_t i = 0; i < files.size(); ++i) {
     const std::optional<Header>& header = headers[i];
     if (!header) {

@@ -1,0 +1,140 @@
+#include "engine/reconstruct/plane_set.h"
+
+#include "engine/errors.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace slicemorph {
+
+namespace {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+/// A next plane farther than so many gaps that is parallel, says nothing about what lies
+/// between: two lumps, not one body.
+constexpr double kBridgedGaps = 3;
+constexpr double kParallel = 0.99;    // cosine
+constexpr double kLeastSlant = 1e-3;  // cosine: two planes that meet at less are never met along each other's normal
+/// Points of different planes closer than this share of the extent are the same.
+constexpr double kSamePoint = 1e-7;
+constexpr size_t kProbes = 4000;  // contour points that are asked for the gap
+
+double median(std::vector<double>& values) {
+  if (values.empty()) return 0;
+  auto middle = values.begin() + long(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double extentOf(const ContourSet& set) {
+  openvdb::BBoxd box;
+  for (const PlaneContours& plane : set.planes)
+    for (const auto& loop : plane.loops)
+      for (const Vec2d& p : loop) box.expand(plane.toWorld(p));
+  return box.empty() ? 0 : box.extents()[int(box.maxExtent())];
+}
+
+std::vector<PlaneSection::Edge> shortened(const std::vector<PlaneSection::Edge>& edges, double longest) {
+  std::vector<PlaneSection::Edge> out;
+  for (const PlaneSection::Edge& e : edges) {
+    const int parts = std::max(1, int(std::ceil((e.b - e.a).length() / longest)));
+    for (int k = 0; k < parts; ++k)
+      out.push_back({e.a + double(k) / parts * (e.b - e.a), e.a + double(k + 1) / parts * (e.b - e.a)});
+  }
+  return out;
+}
+
+double gapOf(const PlaneSet& planes) {
+  size_t count = 0, seen = 0;
+  for (const PlaneSection& s : planes.sections) count += s.edges.size();
+  const size_t stride = std::max<size_t>(1, count / kProbes);
+  std::vector<double> gaps;
+  for (int i = 0; i < int(planes.sections.size()); ++i)
+    for (const PlaneSection::Edge& e : planes.sections[i].edges) {
+      if (seen++ % stride) continue;
+      for (int side : {-1, 1}) {
+        const double next = planes.nextPlane(i, planes.world(i, e.a), side).distance;
+        if (next < kInfinite) gaps.push_back(next);
+      }
+    }
+  return median(gaps);
+}
+
+void findOutermost(PlaneSet& planes) {
+  planes.outermost.assign(planes.sections.size() * 2, 1);
+  const double slack = 0.25 * planes.gap;
+  for (size_t i = 0; i < planes.sections.size(); ++i)
+    for (const PlaneSection& s : planes.sections)
+      for (const PlaneSection::Edge& e : s.edges) {
+        const double height = planes.sections[i].frame.height(s.frame.toWorld(e.a));
+        if (height > slack) planes.outermost[2 * i + 1] = 0;
+        if (height < -slack) planes.outermost[2 * i] = 0;
+      }
+}
+
+}  // namespace
+
+NextPlane PlaneSet::nextPlane(int plane, const Vec3d& p, int side) const {
+  const Vec3d direction = side * sections[plane].frame.normal;
+  const double least = kSamePoint * box.extents().length();
+  NextPlane next{kInfinite, -1};
+  for (int j = 0; j < int(sections.size()); ++j) {
+    if (j == plane) continue;
+    const double slant = sections[j].frame.normal.dot(direction);
+    if (std::abs(slant) < kLeastSlant) continue;
+    const double t = -sections[j].frame.height(p) / slant;
+    if (t > least && t < next.distance) next = {t, j};
+  }
+  return next;
+}
+
+bool PlaneSet::endsAt(int plane, const Vec3d& p, int side) const {
+  const NextPlane next = nextPlane(plane, p, side);
+  if (next.distance <= kBridgedGaps * gap) return false;
+  if (outermost[2 * plane + (side > 0)]) return true;
+  return next.plane >= 0 && std::abs(sections[next.plane].frame.normal.dot(sections[plane].frame.normal)) > kParallel;
+}
+
+double PlaneSet::capHeight(int plane, const Vec3d& p, int side) const {
+  const double behind = nextPlane(plane, p, -side).distance;
+  return 0.5 * (behind < kInfinite ? std::clamp(behind, 0.5 * gap, 1.5 * gap) : gap);
+}
+
+PlaneSet cleanPlanes(const ContourSet& set, std::vector<std::string>& notes) {
+  PlaneSet planes;
+  const double tolerance = 1e-6 * std::max(extentOf(set), 1e-30);
+  int filled = 0;
+  for (size_t i = 0; i < set.planes.size(); ++i) {
+    const std::string where = set.name + ", plane " + std::to_string(i + 1);
+    planes.sections.push_back(sectionOf(set.planes[i], tolerance, where, notes));
+    filled += !planes.sections.back().edges.empty();
+    for (const PlaneSection::Edge& e : planes.sections.back().edges) planes.box.expand(planes.world(int(i), e.a));
+  }
+  if (filled == 0) throw GeometryError(set.name + ": no contour encloses anything");
+  if (filled == 1) throw GeometryError(set.name + ": contours on one plane only; a body needs two or more");
+  planes.gap = gapOf(planes);
+  if (planes.gap <= 0) planes.gap = planes.box.extents().length() / 4;
+  findOutermost(planes);
+  return planes;
+}
+
+Sampling samplingOf(const PlaneSet& planes) {
+  std::vector<double> lengths;
+  for (const PlaneSection& s : planes.sections)
+    for (const PlaneSection::Edge& e : s.edges) lengths.push_back((e.b - e.a).length());
+  return {median(lengths), planes.gap, planes.box.extents()[int(planes.box.maxExtent())]};
+}
+
+void makeImages(PlaneSet& planes, double step) {
+  planes.step = step;
+  planes.images.resize(planes.sections.size());
+  tbb::parallel_for(size_t(0), planes.sections.size(), [&](size_t i) {
+    planes.sections[i].edges = shortened(planes.sections[i].edges, step);
+    planes.images[i] = distanceImage(planes.sections[i], step, planes.gap + 6 * step);
+  });
+}
+
+}  // namespace slicemorph
