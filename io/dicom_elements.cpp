@@ -31,10 +31,12 @@ class DicomElements::Walk {
   size_t at() const { return at_; }
 
   /// Elements up to the end, or up to the end mark of an item of undefined length.
-  DicomElements elements(bool marked) {
+  /// `group`: only those of this one, the first.
+  DicomElements elements(bool marked, int group = -1) {
     DicomElements out;
     out.withTypes_ = withTypes_;
     while (!atEnd() && !onlyPaddingLeft()) {
+      if (group >= 0 && nextGroup() != group) return out;
       const DicomTag tag = takeTag();
       if (tag == kItemEnd && marked) {
         takeSize(4);
@@ -104,6 +106,10 @@ class DicomElements::Walk {
     for (size_t i = 0; i < bytes; ++i) size |= std::uint32_t(static_cast<unsigned char>(raw[i])) << (8 * i);
     return size;
   }
+  int nextGroup() const {
+    if (bytes_.size() - at_ < 2) return -1;
+    return static_cast<unsigned char>(bytes_[at_]) + 256 * static_cast<unsigned char>(bytes_[at_ + 1]);
+  }
   /// Some writers fill a file's last block with zeros.
   bool onlyPaddingLeft() const {
     return withTypes_ && depth_ == 0 && bytes_[at_] == 0 && bytes_.find_first_not_of('\0', at_) == std::string_view::npos;
@@ -140,13 +146,9 @@ DicomElements DicomElements::ofFile(std::string_view bytes) {
     if (bytes.size() < 8 || bytes.substr(0, 2) != std::string_view("\x08\0", 2)) throw DicomDamage("it is no DICOM file");
     return Walk(bytes, bytes[4] >= 'A' && bytes[4] <= 'Z' && bytes[5] >= 'A' && bytes[5] <= 'Z').elements(false);
   }
-  // The file's own group says how long it is: (0002,0000) UL 4, then the length.
+  // The head is the elements of group 2; its own length, (0002,0000), may be missing or wrong.
   Walk head(bytes.substr(kPreamble + 4), true);
-  const std::string_view group = head.take(12);
-  if (group.substr(0, 8) != std::string_view("\x02\0\0\0UL\4\0", 8)) throw DicomDamage("its head has no length");
-  std::uint32_t length = 0;
-  for (size_t i = 0; i < 4; ++i) length |= std::uint32_t(static_cast<unsigned char>(group[8 + i])) << (8 * i);
-  const DicomElements meta = Walk(head.take(length), true).elements(false);
+  const DicomElements meta = head.elements(false, 2);
   const std::string syntax = meta.text(kTransferSyntax);
   if (syntax == "1.2.840.10008.1.2.2" || syntax == "1.2.840.10008.1.2.1.99")
     throw DicomDamage("it is big endian or deflated as a whole (transfer syntax '" + syntax + "'), which is not read");

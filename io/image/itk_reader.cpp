@@ -162,6 +162,7 @@ void readMetaData(const std::string& path, const MetaHeader& header, RawType typ
   const std::string data = local ? path : (std::filesystem::path(path).parent_path() / name).string();
   const bool single = local || (name.find('%') == std::string::npos && name.rfind("LIST", 0) != 0);
   const size_t bytes = count * size_t(type.bytes);
+  if (single && !std::filesystem::exists(data)) throw IoError(path + ": its data file " + data + " does not exist");
   if (single) sizeOfInput(data);
   if (!header.is("CompressedData")) {
     const std::uint64_t from = local ? header.bytes : 0, there = single ? sizeOfInput(data) : 0;
@@ -227,6 +228,14 @@ class HeaderWithoutSpace {
   bool spacings_ = false, detached_ = false;
 };
 
+/// The space of a header that says nothing of directions but its name.
+void placeWithoutSpace(const std::string& space, ImageFile& file) {
+  const bool leftHanded = space.rfind("3D-left-handed", 0) == 0;
+  if (leftHanded) file.image.lattice.step[2] = -file.image.lattice.step[2];
+  file.notes.push_back("its space '" + space + "' comes with spacings alone: voxels are placed by these, axes as left, back, " +
+                       (leftHanded ? "down (a left-handed space; with up it would be mirrored)" : "up"));
+}
+
 }  // namespace
 
 ImageFile readNrrd(const std::string& path, int volume) {
@@ -235,12 +244,9 @@ ImageFile readNrrd(const std::string& path, int volume) {
   sizeOfInput(path);
   const HeaderWithoutSpace patched(path);
   readHeader(patched.needed() ? patched.path() : path, *io, "NRRD");
-  if (patched.needed())
-    file.notes.push_back("its space '" + patched.space() +
-                         "' comes with spacings alone: voxels are placed by these, axes as left, back, up; if the space is "
-                         "another one, the image may be mirrored");
   file.format = "NRRD";
   describe(path, *io, volume, file);
+  if (patched.needed()) placeWithoutSpace(patched.space(), file);
   const RawType type = rawTypeOf(path, io->GetComponentType());
   file.image.values = chosenValues(type, *io, file, volume, [&](void* to) { readWhole(path, *io, to); });
   return file;
