@@ -2,6 +2,7 @@
 
 #include "engine/errors.h"
 #include "engine/rebuild/redistance.h"
+#include "engine/reconstruct/meet_contours.h"
 #include "engine/reconstruct/plane_profile.h"
 #include "engine/reconstruct/plane_set.h"
 #include "engine/reconstruct/thin_plate.h"
@@ -423,6 +424,10 @@ ContourSurface contourSurface(const ContourSet& set, const ContourSurfaceOptions
   return out;
 }
 
-Mesh contourMesh(const ContourSurface& surface) { return makeManifold(surfaceOf(*surface.grid)).mesh; }
+Mesh contourMesh(const ContourSet& set, const ContourSurface& surface) {
+  Mesh mesh = makeManifold(surfaceOf(*surface.grid)).mesh;
+  meetContours(set, surface.voxelSize, mesh);
+  return mesh;
+}
 
 }  // namespace slicemorph
