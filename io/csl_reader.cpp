@@ -42,7 +42,6 @@ class Parser {
     text_ = all.str();
     if (text_.empty()) throw IoError(path + " is empty");
     if (text_.compare(0, 4, "CSLC") != 0) throw IoError(path + " is no CSL file: it does not begin with CSLC");
-    if (text_.back() != '\n') fail("its last line has no end: the file was cut short");
     at_ = 4;
   }
 
@@ -55,10 +54,22 @@ class Parser {
       planes.push_back(plane());
     }
     if (!word().empty()) fail("there is more after the last plane");
+    if (endsInLine() && lastPointRepeats(planes.back())) fail("the file ends inside its last number: it was cut short");
     return planes;
   }
 
+  bool endsInLine() const { return text_.back() != '\n'; }
+
  private:
+  /// A number that lost its last digits names a point that some contour of the plane already has.
+  static bool lastPointRepeats(const StoredPlane& plane) {
+    if (plane.components.empty() || plane.components.back().points.empty()) return false;
+    const long last = plane.components.back().points.back();
+    long uses = 0;
+    for (const Component& c : plane.components) uses += std::count(c.points.begin(), c.points.end(), last);
+    return uses > 1;
+  }
+
   [[noreturn]] void fail(const std::string& why) const { throw IoError(path_ + place_ + ": " + why); }
 
   std::string word() {
@@ -183,13 +194,15 @@ ContourSet setOf(const std::string& path, const std::vector<StoredPlane>& planes
 }  // namespace
 
 ContourFile readCsl(const std::string& path) {
-  const std::vector<StoredPlane> planes = Parser(path).planes();
+  Parser parser(path);
+  const std::vector<StoredPlane> planes = parser.planes();
   checkPlanes(path, planes);
   std::set<int> labels;
   for (const StoredPlane& plane : planes)
     for (const Component& c : plane.components)
       if (c.parent < 0) labels.insert(c.label);
   ContourFile file;
+  if (parser.endsInLine()) file.notes.push_back(path + ": the last line has no end; the file may have been cut short");
   for (int label : labels) file.sets.push_back(setOf(path, planes, label, file.notes));
   if (file.sets.empty()) throw IoError(path + ": no plane has a contour");
   return file;

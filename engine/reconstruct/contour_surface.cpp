@@ -2,6 +2,7 @@
 
 #include "engine/errors.h"
 #include "engine/rebuild/redistance.h"
+#include "engine/reconstruct/meet_contours.h"
 #include "engine/reconstruct/plane_profile.h"
 #include "engine/reconstruct/plane_set.h"
 #include "engine/reconstruct/thin_plate.h"
@@ -29,11 +30,11 @@ constexpr size_t kWholeBoxNodes = 60000;  // a lattice below that is solved whol
 constexpr double kContourWeight = 30;
 constexpr double kPlaneWeight = 1;
 constexpr double kCapWeight = 0.3;
-constexpr int kWholeSteps = 400, kBandSteps = 60;  // of the solver; the first guess of a band is already close
+constexpr int kWholeSteps = 400, kBandSteps = 40;  // of the solver; the first guess of a band is already close
 constexpr double kBandNodes = 5;      // half width of the band of nodes that is solved on fine levels
 constexpr double kProfileGaps = 2;    // how far from a contour its plane's profile bends, in gaps
 constexpr double kLeastSlope = 0.3;   // of a surface that runs along a plane
-constexpr int kMeetingSweeps = 4;
+constexpr int kMeetingSweeps = 10;
 
 NodeBox finestBox(const PlaneSet& planes, double h, int levels) {
   const double coarse = h * (1 << levels), margin = planes.gap + 3.5 * coarse;
@@ -326,6 +327,21 @@ int dropStrays(const PlaneSet& planes, const NodeBox& box, std::vector<float>& v
   return strays;
 }
 
+/// Next to a change of sign the surface is near, whatever the values: where a detail that the coarser levels did not
+/// see meets values that they left, these may be large.
+void limitAtSurface(const NodeBox& box, std::vector<float>& values) {
+  const float most = float(2 * box.step);
+  const std::ptrdiff_t step[3] = {1, box.size[0], std::ptrdiff_t(box.size[0]) * box.size[1]};
+  for (int k = 1; k < box.size[2] - 1; ++k)
+    for (int j = 1; j < box.size[1] - 1; ++j)
+      for (int i = 1; i < box.size[0] - 1; ++i) {
+        float& v = values[box.index(i, j, k)];
+        if (std::abs(v) <= most) continue;
+        for (std::ptrdiff_t s : step)
+          if (((&v)[s] < 0) != (v < 0) || ((&v)[-s] < 0) != (v < 0)) v = std::copysign(most, v);
+      }
+}
+
 /// The level set of the lattice's values.
 FloatGrid::Ptr levelSetOf(const NodeBox& box, const std::vector<float>& values) {
   const Coord shift = Coord::round(box.origin / box.step), high = shift + box.size - Coord(1);
@@ -360,7 +376,7 @@ FloatGrid::Ptr levelSetOf(const NodeBox& box, const std::vector<float>& values) 
 
 double defaultVoxelSize(const PlaneSet& planes) {
   const Sampling s = samplingOf(planes);
-  double h = std::min({0.75 * s.edge, s.gap / 2.5, s.extent / 32});
+  double h = std::min({0.6 * s.edge, s.gap / 3.3, s.extent / 32});
   h = std::max(h, s.extent / 500);
   const openvdb::Vec3d size = planes.box.extents() + Vec3d(4 * planes.gap);
   return std::max(h, std::cbrt(size[0] * size[1] * size[2] / kDefaultNodes));
@@ -403,10 +419,15 @@ ContourSurface contourSurface(const ContourSet& set, const ContourSurfaceOptions
       const double steepness = std::max(gradientAt(box, values, place).length(), 0.1);
       out.farthestContour = std::max(out.farthestContour, std::abs(valueAt(box, values, place)) / steepness);
     }
+  limitAtSurface(box, values);
   out.grid = levelSetOf(box, values);
   return out;
 }
 
-Mesh contourMesh(const ContourSurface& surface) { return makeManifold(surfaceOf(*surface.grid)).mesh; }
+Mesh contourMesh(const ContourSet& set, const ContourSurface& surface) {
+  Mesh mesh = makeManifold(surfaceOf(*surface.grid)).mesh;
+  meetContours(set, surface.voxelSize, mesh);
+  return mesh;
+}
 
 }  // namespace slicemorph

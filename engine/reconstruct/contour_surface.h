@@ -18,7 +18,7 @@ struct ContourSurface {
   std::vector<std::string> notes;
 };
 
-/// About half the usual distance between a contour's points, at most a third of the usual gap between planes, so that
+/// 0.6 of the usual distance between a contour's points, at most 0.3 of the usual gap between planes, so that
 /// the surface follows the contours closer than half a voxel.
 double contourVoxelSize(const ContourSet& set);
 
@@ -31,7 +31,8 @@ double contourVoxelSize(const ContourSet& set);
 ContourSurface contourSurface(const ContourSet& set, const ContourSurfaceOptions& options = {},
                               Progress* progress = nullptr);
 
-/// The mesh of a contour surface: closed and manifold.
-Mesh contourMesh(const ContourSurface& surface);
+/// The mesh of a contour surface: closed and manifold, moved onto the contour points where meshing the level set cuts
+/// their corners.
+Mesh contourMesh(const ContourSet& set, const ContourSurface& surface);
 
 }  // namespace slicemorph
