@@ -198,6 +198,7 @@ Carrier MorphPlan::carrier(const Weights& weights) const {
   carrier->carrying.anchor = carrier->anchors[0];
   carrier->carrying.lattice = p.lattice.get();
   carrier->sizes.assign(p.fields.size(), 1);
+  carrier->fields = p.fields;
   carrier->imageSpacing = p.fields[0]->box().extents().length() / kImageNodes;
   if (p.lattice) {
     carrier->carrying.pose = p.lattice->poseAt(carrier->shapeWeights);

@@ -3,6 +3,7 @@
 #include "tools/convert_command.h"
 #include "tools/info_command.h"
 #include "tools/morph_command.h"
+#include "tools/reconstruct_command.h"
 #include "tools/render_command.h"
 #include "tools/slice_command.h"
 
@@ -37,6 +38,7 @@ int run(int argc, char** argv) {
   slicemorph::addConvertCommand(program);
   slicemorph::addCompareCommand(program);
   slicemorph::addInfoCommand(program);
+  slicemorph::addReconstructCommand(program);
   slicemorph::addRenderCommand(program);
   slicemorph::addSliceCommand(program);
   try {

@@ -94,7 +94,10 @@ Image Carrier::carry(const std::vector<const Image*>& images, const ImageLattice
   std::vector<CarriedImage> carried;
   for (size_t k = 0; k < images.size(); ++k) {
     if (p.weights[k] > 1 - kWhole) return resampledTo(*images[k], on);
-    if (p.weights[k] > 0) carried.push_back({images[k], p.shapeOf[k], p.anchors[p.shapeOf[k]], p.weights[k]});
+    const size_t shape = p.shapeOf[k];
+    if (p.weights[k] > 0)
+      carried.push_back({images[k], shape, p.anchors[shape], p.weights[k], p.fields.empty() ? nullptr : p.fields[shape].get(),
+                         p.sizes[shape]});
   }
   return warpImages(carried, imageNodes(on, p.carrying, p.imageSpacing), on);
 }

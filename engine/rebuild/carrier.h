@@ -12,6 +12,7 @@ struct Carrier::Impl {
   std::vector<size_t> shapeOf;  ///< per object: its place in the lattice
   Weights shapeWeights;         ///< per place in the lattice
   std::vector<Vec3d> anchors;   ///< per place in the lattice
+  std::vector<std::shared_ptr<const DistanceField>> fields;  ///< per place in the lattice; none without one
   std::vector<double> sizes;    ///< per place in the lattice: of the in-between against the object's
   double imageSpacing = 1;      ///< world units between the nodes that carry images
 

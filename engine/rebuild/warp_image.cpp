@@ -9,6 +9,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
 
 namespace slicemorph {
 namespace {
@@ -191,6 +192,121 @@ class Straight {
   Vec3d origin_, step_[3];
 };
 
+/// Depths of images near the surfaces of the in-between and of their objects.
+class Depths {
+ public:
+  Depths(const std::vector<CarriedImage>& images, const ImageNodes& nodes) : images_(images), nodes_(nodes) {
+    bool all = images.size() > 1;
+    for (const CarriedImage& c : images) all = all && c.field;
+    if (!all) return;
+    for (const CarriedImage& c : images) {
+      voxels_.emplace_back(c.image->lattice);
+      reach_ += c.weight * c.size * kReach * c.field->voxelSize();
+      for (int d = 0; d < 3; ++d) offset_.push_back((voxels_.back().inverse * (c.anchor - voxels_.back().origin))[d]);
+    }
+    findCells();
+  }
+
+  bool near(const openvdb::Coord& node) const { return !near_.empty() && near_[nodes_.map.index(node[0], node[1], node[2])]; }
+
+  struct Scratch {
+    std::vector<DistanceField::Sampler> samplers;
+    std::vector<float> distance;
+    std::vector<Vec3f> place;
+  };
+  Scratch scratch() const {
+    Scratch s;
+    for (const CarriedImage& c : images_) s.samplers.emplace_back(*c.field);
+    s.distance.resize(images_.size()), s.place.resize(images_.size());
+    return s;
+  }
+
+  /// Where each image is to be looked up for a voxel, in its own voxels.
+  void find(const openvdb::Coord& v, Scratch& s, std::vector<Vec3f>& voxel) const {
+    float blended = 0;
+    for (size_t c = 0; c < images_.size(); ++c) {
+      s.place[c] = placeOf(images_[c].shape, v);
+      s.distance[c] = s.samplers[c](s.place[c]);
+      blended += float(images_[c].weight * images_[c].size) * s.distance[c];
+    }
+    const float away = std::abs(blended) / float(reach_);
+    const float fade = std::min(std::max(2 - 2 * away, 0.f), 1.f);
+    for (size_t c = 0; c < images_.size(); ++c) {
+      const CarriedImage& image = images_[c];
+      const float target = blended / float(image.size);
+      const bool otherSide = (s.distance[c] < 0) != (blended < 0);
+      const float wrong = otherSide ? std::min(std::abs(s.distance[c]) / float(image.field->voxelSize()), 1.f) : 0.f;
+      const float share = std::max(fade, wrong);
+      const float level = s.distance[c] + share * (target - s.distance[c]);
+      if (share > 0) s.place[c] = moved(c, s.place[c], s.distance[c], level, s.samplers[c]);
+      const Vec3d p = voxels_[c].inverse * Vec3d(s.place[c]);
+      voxel[c] = Vec3f(float(p[0] + offset_[3 * c]), float(p[1] + offset_[3 * c + 1]), float(p[2] + offset_[3 * c + 2]));
+    }
+  }
+
+ private:
+  /// Voxels around the surface in which depths are matched.
+  static constexpr double kReach = 6;
+
+  /// A place moved along the way to the surface to where its distance is `level`; twice, for gradients turn.
+  Vec3f moved(size_t c, Vec3f place, float distance, float level, const DistanceField::Sampler& sampler) const {
+    const CarriedImage& image = images_[c];
+    for (int step = 0; step < 2; ++step) {
+      if (std::abs(level - distance) < 0.05f * float(image.field->voxelSize())) break;
+      place += Vec3f(image.field->gradient(image.anchor + Vec3d(place))) * (level - distance);
+      distance = sampler(place);
+    }
+    return place;
+  }
+
+  Vec3f placeOf(size_t shape, const openvdb::Coord& v) const {
+    const NodeMap& map = nodes_.map;
+    int node[3];
+    float f[3];
+    for (int d = 0; d < 3; ++d) {
+      node[d] = v[d] / nodes_.step[d];
+      f[d] = float(v[d] - node[d] * nodes_.step[d]) / float(nodes_.step[d]);
+    }
+    Vec3f sum(0.f);
+    for (int c = 0; c < 8; ++c) {
+      const float w = (c & 1 ? f[0] : 1 - f[0]) * (c & 2 ? f[1] : 1 - f[1]) * (c & 4 ? f[2] : 1 - f[2]);
+      sum += w * map.at[map.index(node[0] + (c & 1), node[1] + (c >> 1 & 1), node[2] + (c >> 2)) * map.objects + shape];
+    }
+    return sum;
+  }
+
+  /// Cells that a surface may pass, by the distances at their corners.
+  void findCells() {
+    const NodeMap& map = nodes_.map;
+    const size_t count = size_t(map.size[0]) * map.size[1] * map.size[2];
+    std::vector<char> nodeNear(count);
+    tbb::parallel_for(size_t(0), count, [&](size_t n) {
+      float low = std::numeric_limits<float>::max(), high = std::numeric_limits<float>::lowest();
+      for (const CarriedImage& c : images_) {
+        const float d = float(c.size) * c.field->coarse(c.anchor + Vec3d(map.at[n * map.objects + c.shape]));
+        low = std::min(low, d), high = std::max(high, d);
+      }
+      nodeNear[n] = low < float(reach_) && high > -float(reach_);
+    });
+    near_.assign(count, 0);
+    const openvdb::Coord o = map.origin;
+    for (int k = 0; k + 1 < map.size[2]; ++k)
+      for (int j = 0; j + 1 < map.size[1]; ++j)
+        for (int i = 0; i + 1 < map.size[0]; ++i) {
+          char any = 0;
+          for (int c = 0; c < 8; ++c) any |= nodeNear[map.index(o[0] + i + (c & 1), o[1] + j + (c >> 1 & 1), o[2] + k + (c >> 2))];
+          near_[map.index(o[0] + i, o[1] + j, o[2] + k)] = any;
+        }
+  }
+
+  const std::vector<CarriedImage>& images_;
+  const ImageNodes& nodes_;
+  std::vector<WorldToVoxel> voxels_;
+  std::vector<double> offset_;  ///< three per image: of its anchor, voxels
+  double reach_ = 0;            ///< world units of the in-between
+  std::vector<char> near_;      ///< per cell, by its first node
+};
+
 }  // namespace
 
 ImageNodes imageNodes(const ImageLattice& on, const Carrying& carrying, double spacing) {
@@ -217,17 +333,24 @@ Image warpImages(const std::vector<CarriedImage>& images, const ImageNodes& node
   }
   const Places places(nodes, shapes, lattices);
   Image result{on, commonValues(all, on.count())};
+  const Depths depths(images, nodes);
   // A value of one type after another: the row is summed in the widest.
   std::vector<std::function<void(std::vector<double>&, int, int)>> addRow;
+  std::vector<std::function<double(const Vec3f&)>> sample;
   for (size_t c = 0; c < images.size(); ++c)
     std::visit(
         [&](const auto& values) {
           using T = typename std::decay_t<decltype(values)>::value_type;
           const Sampler<T> sampler(*lattices[c], values);
-          addRow.push_back([&places, &on, sampler, c, weight = images[c].weight](std::vector<double>& row, int j, int k) {
+          sample.push_back([sampler](const Vec3f& p) { return sampler.at(p); });
+          addRow.push_back([&places, &on, &depths, &nodes, sampler, c, weight = images[c].weight](std::vector<double>& row, int j, int k) {
             for (int i = 0; i < on.size[0];) {
               const Places::Stretch s = places.stretch(c, {i, j, k});
               const int end = std::min(i + s.length, on.size[0]);
+              if (depths.near({i / nodes.step[0], j / nodes.step[1], k / nodes.step[2]})) {
+                i = end;
+                continue;
+              }
               for (int n = 0; i < end; ++i, ++n) row[size_t(i)] += weight * sampler.at(s.at + s.step * float(n));
             }
           });
@@ -235,9 +358,17 @@ Image warpImages(const std::vector<CarriedImage>& images, const ImageNodes& node
         images[c].image->values);
   tbb::parallel_for(0, on.size[2], [&](int k) {
     std::vector<double> row(size_t(on.size[0]));
+    std::optional<Depths::Scratch> scratch;
+    std::vector<Vec3f> voxel(images.size());
     for (int j = 0; j < on.size[1]; ++j) {
       std::fill(row.begin(), row.end(), 0.0);
       for (const auto& add : addRow) add(row, j, k);
+      for (int i = 0; i < on.size[0]; ++i) {
+        if (!depths.near({i / nodes.step[0], j / nodes.step[1], k / nodes.step[2]})) continue;
+        if (!scratch) scratch = depths.scratch();
+        depths.find({i, j, k}, *scratch, voxel);
+        for (size_t c = 0; c < images.size(); ++c) row[size_t(i)] += images[c].weight * sample[c](voxel[c]);
+      }
       storeRow(row, on.index(0, j, k), result.values);
     }
   });

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/rebuild/warp_grid.h"
+#include "engine/volume/distance_field.h"
 #include "engine/volume/label_field.h"
 
 namespace slicemorph {
@@ -20,9 +21,13 @@ struct CarriedImage {
   size_t shape = 0;           ///< which object of the node map it rides with
   Vec3d anchor{0, 0, 0};      ///< of that object's field
   double weight = 0;
+  const DistanceField* field = nullptr;  ///< of the object; null: places alone are matched, not depths
+  double size = 1;            ///< of the in-between against the object
 };
 
-/// sum_k w_k V_k(M_k(p)), trilinear, slice by slice; see Carrier::carry.
+/// sum_k w_k V_k(M_k(p)), trilinear, slice by slice; see Carrier::carry. Near the surfaces every image is looked up where it
+/// is as deep inside its object as the in-between is, along the way to its surface: thin walls that do not lie quite on each
+/// other stay whole, and what is outside the in-between shows no ghost of one image's inside.
 Image warpImages(const std::vector<CarriedImage>& images, const ImageNodes& nodes, const ImageLattice& on);
 
 /// An image at the voxels of another lattice, trilinear; beyond it its smallest value. Where voxels coincide values are kept.
