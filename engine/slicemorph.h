@@ -81,8 +81,9 @@ class Carrier {
 
   /// In-between of dense images on a lattice: sum_k w_k V_k(M_k(p)), trilinear; beyond an image its smallest value. Of the
   /// images' own number type where they share one (whole numbers are rounded), else of one that holds all. At weight 1 it
-  /// is that image itself, resampled only where its lattice is another. `images`: one per object. Throws InputError.
-  Image carry(const std::vector<const Image*>& images, const ImageLattice& on) const;
+  /// is that image itself, resampled only where its lattice is another. `images`: one per object. `isos`: the value at each
+  /// one's surface; the in-between then has their blend on its own surface, and only inside it more. Throws InputError.
+  Image carry(const std::vector<const Image*>& images, const ImageLattice& on, const std::vector<double>& isos = {}) const;
 
   /// In-between of label maps: at every voxel the label whose blended distance, sum_k w_k d_k(M_k(p)), lies deepest inside;
   /// the space without a label counts as one. No gaps, no overlaps, no order of labels. `labels`: one per object.

@@ -206,8 +206,9 @@ Image FrameMaker::image() const {
   const Carrier carrier = this->carrier();
   if (!inputs()[0].labels) {
     std::vector<const Image*> images;
-    for (const LoadedObject& input : inputs()) images.push_back(input.image.get());
-    return carrier.carry(images, lattice_);
+    std::vector<double> isos;
+    for (const LoadedObject& input : inputs()) images.push_back(input.image.get()), isos.push_back(input.iso);
+    return carrier.carry(images, lattice_, isos);
   }
   // The inputs themselves are not made anew.
   for (size_t k = 0; k < inputs().size(); ++k)

@@ -87,7 +87,7 @@ GridBase::Ptr Carrier::warped(const std::vector<CarriedGrid>& carried, const Gri
   return empty;
 }
 
-Image Carrier::carry(const std::vector<const Image*>& images, const ImageLattice& on) const {
+Image Carrier::carry(const std::vector<const Image*>& images, const ImageLattice& on, const std::vector<double>& isos) const {
   const Impl& p = *impl_;
   if (images.size() != p.weights.size())
     throw InputError(std::to_string(images.size()) + " images were given for " + std::to_string(p.weights.size()) + " objects");
@@ -97,7 +97,7 @@ Image Carrier::carry(const std::vector<const Image*>& images, const ImageLattice
     const size_t shape = p.shapeOf[k];
     if (p.weights[k] > 0)
       carried.push_back({images[k], shape, p.anchors[shape], p.weights[k], p.fields.empty() ? nullptr : p.fields[shape].get(),
-                         p.sizes[shape]});
+                         p.sizes[shape], isos.empty() ? std::nullopt : std::optional<double>(isos[k])});
   }
   return warpImages(carried, imageNodes(on, p.carrying, p.imageSpacing), on);
 }

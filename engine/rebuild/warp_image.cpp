@@ -192,6 +192,54 @@ class Straight {
   Vec3d origin_, step_[3];
 };
 
+/// How fast values change across the surface, per world unit: over the edges between voxels that it crosses.
+double slopeAt(const Image& image, double iso) {
+  return std::visit(
+      [&](const auto& values) {
+        const ImageLattice& l = image.lattice;
+        const Vec3d spacing = l.spacing();
+        const size_t next[3] = {1, size_t(l.size[0]), size_t(l.size[0]) * l.size[1]};
+        double sum = 0;
+        size_t count = 0;
+        for (int k = 0; k + 1 < l.size[2]; k += 2)
+          for (int j = 0; j + 1 < l.size[1]; j += 2)
+            for (int i = 0; i + 1 < l.size[0]; i += 2) {
+              const size_t at = l.index(i, j, k);
+              for (int d = 0; d < 3; ++d) {
+                const double a = double(values[at]), b = double(values[at + next[d]]);
+                if ((a > iso) != (b > iso)) sum += std::abs(a - b) / spacing[d], ++count;
+              }
+            }
+        return count ? sum / double(count) : 0;
+      },
+      image.values);
+}
+
+/// Keeps an in-between's surface where its shape has it: values inside stay above the blended iso value and those outside
+/// below, by the usual slope within a voxel of the surface.
+class KeptSurface {
+ public:
+  KeptSurface(const std::vector<CarriedImage>& images, const ImageLattice& on) {
+    for (const CarriedImage& c : images) {
+      if (!c.iso) return;
+      iso_ += c.weight * *c.iso;
+      slope_ += c.weight * slopeAt(*c.image, *c.iso) / c.size;
+    }
+    const Vec3d spacing = on.spacing();
+    voxel_ = std::min({spacing[0], spacing[1], spacing[2]});
+    known_ = true;
+  }
+  double at(double value, double distance) const {
+    if (!known_) return value;
+    const double least = iso_ - slope_ * std::min(std::max(distance, -voxel_), voxel_);
+    return distance < 0 ? std::max(value, least) : std::min(value, least);
+  }
+
+ private:
+  bool known_ = false;
+  double iso_ = 0, slope_ = 0, voxel_ = 0;
+};
+
 /// Depths of images near the surfaces of the in-between and of their objects.
 class Depths {
  public:
@@ -221,8 +269,8 @@ class Depths {
     return s;
   }
 
-  /// Where each image is to be looked up for a voxel, in its own voxels.
-  void find(const openvdb::Coord& v, Scratch& s, std::vector<Vec3f>& voxel) const {
+  /// Where each image is to be looked up for a voxel, in its own voxels. Returns the in-between's distance.
+  float find(const openvdb::Coord& v, Scratch& s, std::vector<Vec3f>& voxel) const {
     float blended = 0;
     for (size_t c = 0; c < images_.size(); ++c) {
       s.place[c] = placeOf(images_[c].shape, v);
@@ -242,21 +290,24 @@ class Depths {
       const Vec3d p = voxels_[c].inverse * Vec3d(s.place[c]);
       voxel[c] = Vec3f(float(p[0] + offset_[3 * c]), float(p[1] + offset_[3 * c + 1]), float(p[2] + offset_[3 * c + 2]));
     }
+    return blended;
   }
 
  private:
   /// Voxels around the surface in which depths are matched.
   static constexpr double kReach = 6;
 
-  /// A place moved along the way to the surface to where its distance is `level`; twice, for gradients turn.
-  Vec3f moved(size_t c, Vec3f place, float distance, float level, const DistanceField::Sampler& sampler) const {
+  /// A place moved along the way to the surface to where its distance is `level`; a little way by the gradient there, a long
+  /// one by way of the nearest surface point. Where the wall is thinner than that, just inside.
+  Vec3f moved(size_t c, const Vec3f& place, float distance, float level, const DistanceField::Sampler& sampler) const {
     const CarriedImage& image = images_[c];
-    for (int step = 0; step < 2; ++step) {
-      if (std::abs(level - distance) < 0.05f * float(image.field->voxelSize())) break;
-      place += Vec3f(image.field->gradient(image.anchor + Vec3d(place))) * (level - distance);
-      distance = sampler(place);
-    }
-    return place;
+    const float voxel = float(image.field->voxelSize()), way = level - distance;
+    if (std::abs(way) < 0.05f * voxel) return place;
+    if (std::abs(way) < 1.5f * voxel) return place + Vec3f(image.field->gradient(image.anchor + Vec3d(place))) * way;
+    const Vec3d surface = image.field->closest(image.anchor + Vec3d(place));
+    const Vec3f at(surface - image.anchor), outwards(image.field->gradient(surface));
+    const Vec3f there = at + outwards * level;
+    return (sampler(there) < 0) == (level < 0) ? there : at + outwards * std::copysign(std::min(0.5f * voxel, std::abs(level)), level);
   }
 
   Vec3f placeOf(size_t shape, const openvdb::Coord& v) const {
@@ -334,6 +385,7 @@ Image warpImages(const std::vector<CarriedImage>& images, const ImageNodes& node
   const Places places(nodes, shapes, lattices);
   Image result{on, commonValues(all, on.count())};
   const Depths depths(images, nodes);
+  const KeptSurface kept(images, on);
   // A value of one type after another: the row is summed in the widest.
   std::vector<std::function<void(std::vector<double>&, int, int)>> addRow;
   std::vector<std::function<double(const Vec3f&)>> sample;
@@ -366,8 +418,9 @@ Image warpImages(const std::vector<CarriedImage>& images, const ImageNodes& node
       for (int i = 0; i < on.size[0]; ++i) {
         if (!depths.near({i / nodes.step[0], j / nodes.step[1], k / nodes.step[2]})) continue;
         if (!scratch) scratch = depths.scratch();
-        depths.find({i, j, k}, *scratch, voxel);
+        const float distance = depths.find({i, j, k}, *scratch, voxel);
         for (size_t c = 0; c < images.size(); ++c) row[size_t(i)] += images[c].weight * sample[c](voxel[c]);
+        row[size_t(i)] = kept.at(row[size_t(i)], distance);
       }
       storeRow(row, on.index(0, j, k), result.values);
     }

@@ -4,6 +4,8 @@
 #include "engine/volume/distance_field.h"
 #include "engine/volume/label_field.h"
 
+#include <optional>
+
 namespace slicemorph {
 
 /// Nodes that carry a dense lattice: every step[d]-th voxel along axis d.
@@ -23,6 +25,7 @@ struct CarriedImage {
   double weight = 0;
   const DistanceField* field = nullptr;  ///< of the object; null: places alone are matched, not depths
   double size = 1;            ///< of the in-between against the object
+  std::optional<double> iso = std::nullopt;  ///< the value at its surface; where all are known the in-between's surface has their blend
 };
 
 /// sum_k w_k V_k(M_k(p)), trilinear, slice by slice; see Carrier::carry. Near the surfaces every image is looked up where it
