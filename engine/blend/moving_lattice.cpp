@@ -142,6 +142,7 @@ struct MovingLattice::Frame {
   std::vector<Vec3d> node;  ///< in units of `step` voxels
   std::vector<char> near;   ///< per cell (at its first node): to be looked at
   NodeMap* map;
+  double handed = 1;  ///< -1: the frame's index space is mirrored, and so is every tetrahedron
 };
 
 /// Grid nodes found in one slab's tetrahedra.
@@ -155,6 +156,7 @@ MovingLattice::Frame MovingLattice::frameOf(const Pose& pose, const openvdb::mat
                                             std::vector<const VectorField*> fields, NodeMap& map) const {
   map.objects = fields.size();
   Frame frame{pose, std::move(fields), std::vector<Vec3d>(lattice_.count()), std::vector<char>(lattice_.count(), 0), &map};
+  frame.handed = transform.baseMap()->getAffineMap()->getMat4().det() < 0 ? -1 : 1;
   tbb::parallel_for(size_t(0), frame.node.size(),
                     [&](size_t i) { frame.node[i] = transform.worldToIndex(pose.world[i]) / map.step; });
   return frame;
@@ -378,7 +380,7 @@ void MovingLattice::rasterise(const Frame& frame, int z, Found& found) const {
       for (const auto& t : kKuhnTetrahedra) {
         const Vec3d e1 = p[t[1]] - p[t[0]], e2 = p[t[2]] - p[t[0]], e3 = p[t[3]] - p[t[0]];
         const double volume = e1.cross(e2).dot(e3);
-        if (!(volume > 0)) continue;
+        if (!(frame.handed * volume > 0)) continue;
         const Vec3d n1 = e2.cross(e3) / volume, n2 = e3.cross(e1) / volume, n3 = e1.cross(e2) / volume;
         for (int k = low[2]; k <= high[2]; ++k)
           for (int j = low[1]; j <= high[1]; ++j)
