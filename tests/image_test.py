@@ -481,8 +481,9 @@ def case_order_of_voxels():
         return d
     def grey(d):
         return np.rint(-1000 + 1900 * np.clip(0.5 - d / 6, 0, 1)).astype(np.int16)
-    a = grey(np.minimum(bar((0, 5, 45), (1, 0, 0), 22, 7), bar((12, 5, 52), (0, 0, 1), 12, 5)))
-    b = grey(np.minimum(bar((2, 8, 48), (1, 0.5, 0.1), 22, 8), bar((12, 12, 56), (0, 0.3, 1), 14, 6)))
+    # A knob that slides along a bar and rises: no turn or shift of the whole can do that, only the matching's own map.
+    a = grey(np.minimum(bar((0, 5, 45), (1, 0, 0), 25, 6), bar((-12, 5, 53), (0, 0, 1), 4, 10)))
+    b = grey(np.minimum(bar((0, 5, 45), (1, 0, 0), 25, 6), bar((-2, 5, 58), (0, 0, 1), 4, 10)))
     save_nifti("b.nii", b, affine)
     frames = {}
     for name, axes, flips in (("straight", (0, 1, 2), ()), ("mirrored", (0, 1, 2), (2,)), ("turned", (2, 0, 1), (0, 1, 2)), ("swapped", (1, 0, 2), ())):
@@ -492,7 +493,8 @@ def case_order_of_voxels():
             own[:3, axis] *= -1
             values = np.flip(values, axis)
         save_nifti(name + ".nii", np.ascontiguousarray(values), own)
-        run("morph", name + ".nii", "b.nii", "-o", name + "_half.nii", "--at", 0.5, "--iso", -50, "--like", name + ".nii")
+        run("morph", name + ".nii", "b.nii", "-o", name + "_half.nii", "--at", 0.5, "--iso", -50, "--align", "none",
+            "--like", name + ".nii")
         frames[name] = lps(name + "_half.nii")
     values, own = frames["straight"]
     points = p.reshape(-1, 3)

@@ -257,23 +257,59 @@ class Depths {
 
   bool near(const openvdb::Coord& node) const { return !near_.empty() && near_[nodes_.map.index(node[0], node[1], node[2])]; }
 
+  /// What one task works with.
   struct Scratch {
     std::vector<DistanceField::Sampler> samplers;
     std::vector<float> distance;
-    std::vector<Vec3f> place;
+    std::vector<Vec3f> place, first, step;  ///< world, relative to the fields' anchors; first and step: of a stretch
+    std::vector<Vec3f> voxel;               ///< result: where each image is to be looked up, in its own voxels
   };
   Scratch scratch() const {
     Scratch s;
     for (const CarriedImage& c : images_) s.samplers.emplace_back(*c.field);
-    s.distance.resize(images_.size()), s.place.resize(images_.size());
+    s.distance.resize(images_.size());
+    for (auto* list : {&s.place, &s.first, &s.step, &s.voxel}) list->resize(images_.size());
     return s;
   }
 
-  /// Where each image is to be looked up for a voxel, in its own voxels. Returns the in-between's distance.
-  float find(const openvdb::Coord& v, Scratch& s, std::vector<Vec3f>& voxel) const {
+  /// Begins the stretch of a row that goes from voxel v to the next node.
+  void begin(const openvdb::Coord& v, Scratch& s) const {
+    const int across = nodes_.step[0], offset = v[0] % across;
+    for (size_t c = 0; c < images_.size(); ++c) {
+      const openvdb::Coord node(v[0] - offset, v[1], v[2]);
+      const Vec3f low = placeOf(images_[c].shape, node), high = placeOf(images_[c].shape, node.offsetBy(across, 0, 0));
+      s.step[c] = (high - low) / float(across);
+      s.first[c] = low + s.step[c] * float(offset);
+    }
+  }
+
+  /// Where each image is to be looked up for the n-th voxel of the stretch. Returns the in-between's distance.
+  float find(int n, Scratch& s) const {
+    float blended = 0;
+    bool away = true;
+    for (size_t c = 0; c < images_.size(); ++c) {
+      s.place[c] = s.first[c] + s.step[c] * float(n);
+      s.distance[c] = s.samplers[c].coarse(s.place[c]);
+      blended += float(images_[c].weight * images_[c].size) * s.distance[c];
+    }
+    for (size_t c = 0; c < images_.size() && away; ++c)
+      away = (s.distance[c] < 0) == (blended < 0) && std::abs(s.distance[c]) > float(images_[c].field->voxelSize());
+    if (!(away && std::abs(blended) > float(reach_))) blended = match(s);
+    for (size_t c = 0; c < images_.size(); ++c) {
+      const Vec3d p = voxels_[c].inverse * Vec3d(s.place[c]);
+      s.voxel[c] = Vec3f(float(p[0] + offset_[3 * c]), float(p[1] + offset_[3 * c + 1]), float(p[2] + offset_[3 * c + 2]));
+    }
+    return blended;
+  }
+
+ private:
+  /// Voxels around the surface in which depths are matched.
+  static constexpr double kReach = 3;
+
+  /// Moves the places to like depths.
+  float match(Scratch& s) const {
     float blended = 0;
     for (size_t c = 0; c < images_.size(); ++c) {
-      s.place[c] = placeOf(images_[c].shape, v);
       s.distance[c] = s.samplers[c](s.place[c]);
       blended += float(images_[c].weight * images_[c].size) * s.distance[c];
     }
@@ -287,15 +323,9 @@ class Depths {
       const float share = std::max(fade, wrong);
       const float level = s.distance[c] + share * (target - s.distance[c]);
       if (share > 0) s.place[c] = moved(c, s.place[c], s.distance[c], level, s.samplers[c]);
-      const Vec3d p = voxels_[c].inverse * Vec3d(s.place[c]);
-      voxel[c] = Vec3f(float(p[0] + offset_[3 * c]), float(p[1] + offset_[3 * c + 1]), float(p[2] + offset_[3 * c + 2]));
     }
     return blended;
   }
-
- private:
-  /// Voxels around the surface in which depths are matched.
-  static constexpr double kReach = 6;
 
   /// A place moved along the way to the surface to where its distance is `level`; a little way by the gradient there, a long
   /// one by way of the nearest surface point. Where the wall is thinner than that, just inside.
@@ -411,16 +441,19 @@ Image warpImages(const std::vector<CarriedImage>& images, const ImageNodes& node
   tbb::parallel_for(0, on.size[2], [&](int k) {
     std::vector<double> row(size_t(on.size[0]));
     std::optional<Depths::Scratch> scratch;
-    std::vector<Vec3f> voxel(images.size());
     for (int j = 0; j < on.size[1]; ++j) {
       std::fill(row.begin(), row.end(), 0.0);
       for (const auto& add : addRow) add(row, j, k);
-      for (int i = 0; i < on.size[0]; ++i) {
+      for (int i = 0, end; i < on.size[0]; i = end) {
+        end = std::min(i + nodes.step[0] - i % nodes.step[0], on.size[0]);
         if (!depths.near({i / nodes.step[0], j / nodes.step[1], k / nodes.step[2]})) continue;
         if (!scratch) scratch = depths.scratch();
-        const float distance = depths.find({i, j, k}, *scratch, voxel);
-        for (size_t c = 0; c < images.size(); ++c) row[size_t(i)] += images[c].weight * sample[c](voxel[c]);
-        row[size_t(i)] = kept.at(row[size_t(i)], distance);
+        depths.begin({i, j, k}, *scratch);
+        for (int v = i; v < end; ++v) {
+          const float distance = depths.find(v - i, *scratch);
+          for (size_t c = 0; c < images.size(); ++c) row[size_t(v)] += images[c].weight * sample[c](scratch->voxel[c]);
+          row[size_t(v)] = kept.at(row[size_t(v)], distance);
+        }
       }
       storeRow(row, on.index(0, j, k), result.values);
     }
