@@ -34,6 +34,7 @@ void rowDistance(const int* rows, const std::uint8_t* mask, std::uint8_t keep, i
     ++top;
     e.apex[size_t(top)] = x, e.from[size_t(top)] = start, e.height[size_t(top)] = lifted;
   }
+  const float half = 0.5f * std::min(stepX, stepY);
   int k = 0;
   for (int x = 0; x < width; ++x) {
     if (mask[x] != keep) continue;
@@ -43,9 +44,8 @@ void rowDistance(const int* rows, const std::uint8_t* mask, std::uint8_t keep, i
     }
     while (k < top && e.from[size_t(k) + 1] < float(x)) ++k;
     const int a = e.apex[size_t(k)];
-    const float dx = std::max(0.0f, std::abs(float(x - a)) - 0.5f) * stepX;
-    const float dy = std::max(0.0f, float(rows[a]) - 0.5f) * stepY;
-    out[x] = sign * std::sqrt(dx * dx + dy * dy);
+    const float dx = float(x - a) * stepX, dy = float(rows[a]) * stepY;
+    out[x] = sign * (std::sqrt(dx * dx + dy * dy) - half);
   }
 }
 

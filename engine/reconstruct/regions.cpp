@@ -21,7 +21,7 @@ void markMeeting(const LabelScore& a, const LabelScore& b, const LabelRegions& r
   const auto missing = [](const std::vector<char>& meets) { return size_t(std::count(meets.begin(), meets.end(), 0)); };
   size_t left = missing(meetsA) + missing(meetsB);
   for (int y = a.box.y0; y < a.box.y1 && left; ++y)
-    for (int x = a.box.x0; x < a.box.x1; ++x) {
+    for (int x = a.box.x0; x < a.box.x1 && left; ++x) {
       const int i = ra.map[a.box.index(x, y)];
       if (i < 0) continue;
       const SliceMotion::Vector v = motion.at(float(x), float(y));
