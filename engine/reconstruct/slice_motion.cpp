@@ -107,7 +107,7 @@ SliceMotion findMotion(const ScoreStack& stack, size_t a) {
       for (int pass = 0; pass < 2; ++pass) boxBlur(normal, motion.nx, motion.ny, r, true), boxBlur(normal, motion.nx, motion.ny, r, false);
       for (size_t k = 0; k < nodes; ++k) {
         const Normal& n = normal[k];
-        const float rough = std::max(stack.pixel[0], stack.pixel[1]) / gap, e = kRest + kRough * rough * rough, xx = n[0] + e, yy = n[2] + e, det = xx * yy - n[1] * n[1];
+        const float rough = std::max(stack.pixel[0], stack.pixel[1]) / gap, e = kRest * (level < 2 ? 1 : 2) + kRough * rough * rough, xx = n[0] + e, yy = n[2] + e, det = xx * yy - n[1] * n[1];
         float dx = (yy * n[3] - n[1] * n[4]) / det, dy = (xx * n[4] - n[1] * n[3]) / det;
         const float l = std::sqrt(dx * dx + dy * dy), limit = reach;
         if (l > limit) dx *= limit / l, dy *= limit / l;
