@@ -45,7 +45,8 @@ Census takeCensus(const std::vector<T>& values, const SliceLayout& layout, int s
       const size_t at = size_t(y) * size_t(layout.width) + size_t(x);
       if (entry < 0 || v != last) {
         const auto found = seen.emplace(v, int(census.values.size()));
-        if (found.second) census.values.push_back(v), census.count.push_back(0), census.first.push_back(at), census.box.emplace_back();
+        if (found.second) census.values.push_back(v), census.count.push_back(0), census.first.push_back(at),
+            census.box.emplace_back();
         last = v, entry = found.first->second;
       }
       census.pixel[at] = entry;
@@ -92,9 +93,11 @@ void soften(std::vector<float>& v, const PixelBox& box, float sx, float sy, floa
     }
 }
 
-ScorePlane scorePlane(const Census& census, const std::unordered_map<int, int>& rank, const ScoreStack& stack, float far) {
+ScorePlane scorePlane(const Census& census, const std::unordered_map<int, int>& rank, const ScoreStack& stack,
+    float far) {
   ScorePlane plane;
-  const float least = std::min(stack.pixel[0], stack.pixel[1]), sx = least / stack.pixel[0], sy = least / stack.pixel[1];
+  const float least = std::min(stack.pixel[0], stack.pixel[1]), sx = least / stack.pixel[0],
+      sy = least / stack.pixel[1];
   for (size_t e = 0; e < census.values.size(); ++e) {
     const PixelBox box = intersection(census.box[e].grown(1), stack.domain);
     std::vector<std::uint8_t> mask(box.count());
@@ -105,16 +108,19 @@ ScorePlane scorePlane(const Census& census, const std::unordered_map<int, int>& 
     soften(values, box, kSoft * sx * sx, kSoft * sy * sy, kLeast * least);
     plane.labels.push_back({rank.at(census.values[e]), box, std::move(values)});
   }
-  std::sort(plane.labels.begin(), plane.labels.end(), [](const LabelScore& a, const LabelScore& b) { return a.label < b.label; });
+  std::sort(plane.labels.begin(), plane.labels.end(),
+      [](const LabelScore& a, const LabelScore& b) { return a.label < b.label; });
   return plane;
 }
 
 void checkGiven(const Image& labels, const GivenSlices& given) {
   if (given.axis < 0 || given.axis > 2) throw InputError("axis must be 0, 1 or 2, got " + std::to_string(given.axis));
-  if (given.at.size() < 2) throw InputError("at least two given slices are needed, got " + std::to_string(given.at.size()));
+  if (given.at.size() < 2) throw InputError("at least two given slices are needed, got " +
+      std::to_string(given.at.size()));
   for (size_t i = 0; i < given.at.size(); ++i)
     if (given.at[i] < 0 || given.at[i] >= labels.lattice.size[given.axis] || (i && given.at[i] <= given.at[i - 1]))
-      throw InputError("given slices must ascend within 0 to " + std::to_string(labels.lattice.size[given.axis] - 1) + ", got " +
+      throw InputError("given slices must ascend within 0 to " + std::to_string(labels.lattice.size[given.axis] - 1) +
+          ", got " +
                        std::to_string(given.at[i]));
 }
 

@@ -39,7 +39,8 @@ struct ScoreField {
     const float cx = std::min(std::max(x, float(box.x0)), float(box.x1 - 1));
     const float cy = std::min(std::max(y, float(box.y0)), float(box.y1 - 1));
     const int w = box.width();
-    const int ix = std::max(std::min(int(cx) - box.x0, w - 2), 0), iy = std::max(std::min(int(cy) - box.y0, box.height() - 2), 0);
+    const int ix = std::max(std::min(int(cx) - box.x0, w - 2), 0),
+        iy = std::max(std::min(int(cy) - box.y0, box.height() - 2), 0);
     const float fx = cx - float(ix + box.x0), fy = cy - float(iy + box.y0);
     const float* p = values + size_t(iy) * size_t(w) + ix;
     const float* q = box.height() > 1 ? p + w : p;

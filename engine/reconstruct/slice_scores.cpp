@@ -185,7 +185,8 @@ struct SliceScores::Plan {
       m.cubic[beyond] -= a * q, m.cubic[here] += a * (q + 1), m.cubic[there] -= a;
     };
     if ((m.before = g > 0)) bend(planes[g].position - planes[g - 1].position, trust * t * (1 - t) * (1 - t), 0, 1, 2);
-    if ((m.after = g + 2 < planes.size())) bend(planes[g + 2].position - planes[g + 1].position, trust * t * t * (1 - t), 3, 2, 1);
+    if ((m.after = g + 2 < planes.size())) bend(planes[g + 2].position - planes[g + 1].position,
+        trust * t * t * (1 - t), 3, 2, 1);
     return m;
   }
 
@@ -247,7 +248,8 @@ void SliceScores::Plan::makeGap(size_t g, const std::vector<std::vector<LabelReg
     GapLabel l;
     l.label = label;
     for (size_t k = 0; k < 4; ++k) {
-      const LabelScore* f = g + k >= 1 && g + k - 1 < stack.planes.size() ? find(stack.planes[g + k - 1], label) : nullptr;
+      const LabelScore* f = g + k >= 1 && g + k - 1 < stack.planes.size() ?
+          find(stack.planes[g + k - 1], label) : nullptr;
       if (!f) continue;
       l.plane[k] = ScoreField(*f, stack);
       if (k == 1 || k == 2)
@@ -349,10 +351,12 @@ void SliceScores::Plan::rescue(const Moment& m, const PixelBox& box, std::vector
 
 SliceScores::SliceScores(ScoreStack stack) : plan_(std::make_unique<Plan>()) {
   if (stack.planes.size() < 2)
-    throw InputError("at least two planes are needed to interpolate between, got " + std::to_string(stack.planes.size()));
+    throw InputError("at least two planes are needed to interpolate between, got " +
+        std::to_string(stack.planes.size()));
   for (size_t k = 1; k < stack.planes.size(); ++k)
     if (!(stack.planes[k].position > stack.planes[k - 1].position))
-      throw InputError("planes must lie at increasing positions, got " + std::to_string(stack.planes[k].position) + " after " +
+      throw InputError("planes must lie at increasing positions, got " + std::to_string(stack.planes[k].position) +
+          " after " +
                        std::to_string(stack.planes[k - 1].position));
   plan_->stack = std::move(stack);
   const ScoreStack& s = plan_->stack;
@@ -396,7 +400,8 @@ LabelScore SliceScores::marginAt(double position, int label) const {
         const float mine = plan_->whole(gap, own, m, float(x), float(y));
         float best = gap.labels.size() > 1 ? -1e30f : -mine;
         for (const GapLabel& l : gap.labels)
-          if (l.label != label && l.box.contains(x, y)) best = std::max(best, plan_->whole(gap, l, m, float(x), float(y)));
+          if (l.label != label && l.box.contains(x, y)) best = std::max(best,
+              plan_->whole(gap, l, m, float(x), float(y)));
         margin.values[own.box.index(x, y)] = best > -1e29f ? 0.5f * (mine - best) : mine;
       }
   }
