@@ -64,7 +64,9 @@ int scene(int i, int j, int k) {
 
 TEST(Reconstruct, TiltedTubeMovesWithoutOverlap) {
   // Radius 5, 12 to the side per gap of 8: sections do not meet.
-  const Image dense = fillIn(80, 33, 8, [](int i, int j, int k) { return distance(i, j, 15 + 1.5 * k, 40) <= 5.2 ? 7 : 0; });
+  const Image dense = fillIn(80, 33, 8, [](int i, int j, int k) {
+    return distance(i, j, 15 + 1.5 * k, 40) <= 5.2 ? 7 : 0;
+  });
   for (int k = 0; k < 33; ++k) {
     const Section s = sectionOf(dense, 7, k);
     EXPECT_NEAR(s.area, M_PI * 5.2 * 5.2, 2 * M_PI * 5.2 * 0.5) << k;  // half a pixel all round
@@ -74,7 +76,7 @@ TEST(Reconstruct, TiltedTubeMovesWithoutOverlap) {
 }
 
 TEST(Reconstruct, ConeAndBall) {
-  const Image cone = fillIn(64, 33, 8, [](int i, int j, int k) { return distance(i, j, 32, 32) <= 5 + 0.6 * k ? 1 : 0; });
+  const Image cone = fillIn(64, 33, 8, [](int i, int j, int k) { return distance(i, j, 32, 32) <= 5 + 0.6 * k; });
   for (int k = 0; k < 33; ++k) EXPECT_NEAR(std::sqrt(sectionOf(cone, 1, k).area / M_PI), 5 + 0.6 * k, 0.6) << k;
   const Image ball = fillIn(64, 65, 8, [](int i, int j, int k) {
     return (i - 32) * (i - 32) + (j - 32) * (j - 32) + (k - 32) * (k - 32) <= 22 * 22 ? 1 : 0;
@@ -97,7 +99,7 @@ TEST(Reconstruct, BranchesJoin) {
 }
 
 TEST(Reconstruct, LabelEndsBetweenSlices) {
-  const Image end = fillIn(48, 17, 8, [](int i, int j, int k) { return k <= 8 && distance(i, j, 24, 24) <= 6 ? 1 : 0; });
+  const Image end = fillIn(48, 17, 8, [](int i, int j, int k) { return k <= 8 && distance(i, j, 24, 24) <= 6; });
   EXPECT_GT(sectionOf(end, 1, 9).area, 0);
   EXPECT_EQ(sectionOf(end, 1, 16).area, 0);
   for (int k = 9; k < 17; ++k) EXPECT_LE(sectionOf(end, 1, k).area, sectionOf(end, 1, k - 1).area) << k;
@@ -134,7 +136,8 @@ TEST(Reconstruct, MirroredInputMirrorsOutput) {
   size_t differ = 0, drawn = 0;
   for (int k = 0; k < 25; ++k)
     for (int j = 0; j < 72; ++j)
-      for (int i = 0; i < 72; ++i) differ += at(turned, i, j, 24 - k) != at(dense, i, j, k), drawn += at(dense, i, j, k) != 0;
+      for (int i = 0; i < 72; ++i) differ += at(turned, i, j, 24 - k) != at(dense, i, j, k),
+          drawn += at(dense, i, j, k) != 0;
   EXPECT_LE(differ, drawn / 1000);  // roundings of half pixels go one way
 }
 
@@ -183,5 +186,8 @@ TEST(Reconstruct, LevelSetPassesThroughTheContours) {
         ASSERT_EQ(values.getValue(openvdb::Coord::round(node)) < 0, tube(i, j, k) == 1) << i << " " << j << " " << k;
       }
   // Closed within half a gap.
-  for (double z : {-5.0, 37.0}) EXPECT_GT(values.getValue(openvdb::Coord::round(grid->transform().worldToIndex(Vec3d(z < 0 ? 20 : 36, 32, z)))), 0);
+  for (double z : {-5.0, 37.0}) {
+    const Vec3d node = grid->transform().worldToIndex(Vec3d(z < 0 ? 20 : 36, 32, z));
+    EXPECT_GT(values.getValue(openvdb::Coord::round(node)), 0);
+  }
 }

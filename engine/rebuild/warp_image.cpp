@@ -201,8 +201,9 @@ double slopeAt(const Image& image, double iso) {
         const size_t next[3] = {1, size_t(l.size[0]), size_t(l.size[0]) * l.size[1]};
         double sum = 0;
         size_t count = 0;
-        for (int k = 0; k + 1 < l.size[2]; k += 2)
-          for (int j = 0; j + 1 < l.size[1]; j += 2)
+        // Every 30th voxel is enough for a mean.
+        for (int k = 0; k + 1 < l.size[2]; k += 5)
+          for (int j = 0; j + 1 < l.size[1]; j += 3)
             for (int i = 0; i + 1 < l.size[0]; i += 2) {
               const size_t at = l.index(i, j, k);
               for (int d = 0; d < 3; ++d) {

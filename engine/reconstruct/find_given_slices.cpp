@@ -22,8 +22,10 @@ std::vector<Flags> labelledSlices(const Image& image) {
           for (int j = 0; j < n[1]; ++j)
             for (int i = 0; i < n[0]; ++i, ++at) {
               if (values[at] == 0) continue;
-              if (std::floor(double(values[at])) != double(values[at]) || !(std::abs(double(values[at])) < 2147483648.0))
-                throw InputError("labels must be whole numbers, got " + std::to_string(double(values[at])) + " at voxel (" +
+              if (std::floor(double(values[at])) != double(values[at]) ||
+                  !(std::abs(double(values[at])) < 2147483648.0))
+                throw InputError("labels must be whole numbers, got " + std::to_string(double(values[at])) +
+                    " at voxel (" +
                                  std::to_string(i) + ", " + std::to_string(j) + ", " + std::to_string(k) + ")");
               found[0][size_t(i)] = found[1][size_t(j)] = found[2][size_t(k)] = 1;
             }
@@ -61,7 +63,8 @@ std::vector<int> regular(const std::vector<int>& at, int every) {
 
 GivenSlices findGivenSlices(const Image& labels, int axis, int every) {
   if (axis < -1 || axis > 2) throw InputError("axis must be 0, 1 or 2, got " + std::to_string(axis));
-  if (every < 0 || every == 1) throw InputError("the step from one given slice to the next must be 2 or more, got " + std::to_string(every));
+  if (every < 0 || every == 1) throw InputError("the step from one given slice to the next must be 2 or more, got " +
+      std::to_string(every));
   const std::vector<Flags> flags = labelledSlices(labels);
   if (indices(flags[0]).empty()) throw InputError("nothing is labelled in the map");
   GivenSlices best;

@@ -35,8 +35,8 @@ FineSteps fineSteps(const ScoreStack& stack) {
   return s;
 }
 
-/// The label's lead at a position; beyond the ends that of the end plane, less what closes it: an elliptic cap as high as
-/// the label is deep, at most half a gap.
+/// The label's lead at a position; beyond the ends that of the end plane, less what closes it: an elliptic cap as high
+/// as the label is deep, at most half a gap.
 LabelScore leadAt(const SliceScores& scores, int label, double position) {
   const auto& planes = scores.stack().planes;
   const double first = planes.front().position, last = planes.back().position;

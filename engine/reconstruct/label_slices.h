@@ -19,16 +19,16 @@ struct GivenSlices {
 /// none is missing between them.
 GivenSlices findGivenSlices(const Image& labels, int axis = -1, int every = 0);
 
-/// Labels of the given slices as scores: label numbers become ranks, by ascending count of pixels on them, so that nothing
-/// that follows can depend on the numbers.
+/// Labels of the given slices as scores: label numbers become ranks, by ascending count of pixels on them, so that
+/// nothing that follows can depend on the numbers.
 struct RankedSlices {
   ScoreStack stack;             ///< in-plane axes in their order, positions: slice number times spacing
   std::vector<double> values;  ///< the image's value of every rank
 };
 RankedSlices rankSlices(const Image& labels, const GivenSlices& given);
 
-/// A dense map from sparse slices: the slices between the given ones are filled in, all else stays as it is. Equal scores go
-/// to the label with fewer pixels on the given slices.
+/// A dense map from sparse slices: the slices between the given ones are filled in, all else stays as it is. Equal
+/// scores go to the label with fewer pixels on the given slices.
 Image interpolateLabels(const Image& labels, const GivenSlices& given);
 
 }  // namespace slicemorph

@@ -34,6 +34,7 @@ void rowDistance(const int* rows, const std::uint8_t* mask, std::uint8_t keep, i
     ++top;
     e.apex[size_t(top)] = x, e.from[size_t(top)] = start, e.height[size_t(top)] = lifted;
   }
+  const float half = 0.5f * std::min(stepX, stepY);
   int k = 0;
   for (int x = 0; x < width; ++x) {
     if (mask[x] != keep) continue;
@@ -43,14 +44,14 @@ void rowDistance(const int* rows, const std::uint8_t* mask, std::uint8_t keep, i
     }
     while (k < top && e.from[size_t(k) + 1] < float(x)) ++k;
     const int a = e.apex[size_t(k)];
-    const float dx = std::max(0.0f, std::abs(float(x - a)) - 0.5f) * stepX;
-    const float dy = std::max(0.0f, float(rows[a]) - 0.5f) * stepY;
-    out[x] = sign * std::sqrt(dx * dx + dy * dy);
+    const float dx = float(x - a) * stepX, dy = float(rows[a]) * stepY;
+    out[x] = sign * (std::sqrt(dx * dx + dy * dy) - half);
   }
 }
 
 /// Rows from every pixel to the nearest one of its column whose mask is `value`.
-void columnRows(const std::vector<std::uint8_t>& mask, const PixelBox& box, std::uint8_t value, std::vector<int>& rows) {
+void columnRows(const std::vector<std::uint8_t>& mask, const PixelBox& box, std::uint8_t value,
+    std::vector<int>& rows) {
   const size_t w = size_t(box.width()), h = size_t(box.height());
   for (size_t x = 0; x < w; ++x) rows[x] = mask[x] == value ? 0 : kNone;
   for (size_t y = 1; y < h; ++y)
@@ -77,7 +78,8 @@ std::vector<float> maskDistance(const std::vector<std::uint8_t>& mask, const Pix
     columnRows(mask, box, other, rows);
     for (int y = 0; y < box.height(); ++y) {
       const size_t row = size_t(y) * size_t(box.width());
-      rowDistance(&rows[row], &mask[row], side, box.width(), stepX, stepY, side ? 1.0f : -1.0f, far, envelope, &out[row]);
+      rowDistance(&rows[row], &mask[row], side, box.width(), stepX, stepY, side ? 1.0f : -1.0f, far, envelope,
+          &out[row]);
     }
   }
   return out;

@@ -8,7 +8,8 @@ namespace slicemorph {
 
 namespace {
 
-/// How far a region may go sideways per unit along the stack before another beginning is likelier: two gaps (63 degrees).
+/// How far a region may go sideways per unit along the stack before another beginning is likelier: two gaps (63
+/// degrees).
 constexpr float kSteepest = 2;
 
 float radiusOf(const Region& r, const ScoreStack& stack) {
@@ -21,7 +22,7 @@ void markMeeting(const LabelScore& a, const LabelScore& b, const LabelRegions& r
   const auto missing = [](const std::vector<char>& meets) { return size_t(std::count(meets.begin(), meets.end(), 0)); };
   size_t left = missing(meetsA) + missing(meetsB);
   for (int y = a.box.y0; y < a.box.y1 && left; ++y)
-    for (int x = a.box.x0; x < a.box.x1; ++x) {
+    for (int x = a.box.x0; x < a.box.x1 && left; ++x) {
       const int i = ra.map[a.box.index(x, y)];
       if (i < 0) continue;
       const SliceMotion::Vector v = motion.at(float(x), float(y));
@@ -70,7 +71,8 @@ LabelRegions findRegions(const LabelScore& score) {
   return result;
 }
 
-std::vector<RegionPair> pairRegions(const LabelScore& a, const LabelScore& b, const LabelRegions& ra, const LabelRegions& rb,
+std::vector<RegionPair> pairRegions(const LabelScore& a, const LabelScore& b, const LabelRegions& ra,
+    const LabelRegions& rb,
                                     const SliceMotion& motion, const ScoreStack& stack, float gap) {
   std::vector<char> tiedA(ra.regions.size(), 0), tiedB(rb.regions.size(), 0);
   markMeeting(a, b, ra, rb, motion, 1, tiedA, tiedB), markMeeting(b, a, rb, ra, motion, -1, tiedB, tiedA);
@@ -84,7 +86,8 @@ std::vector<RegionPair> pairRegions(const LabelScore& a, const LabelScore& b, co
       const float rp = radiusOf(p, stack), rq = radiusOf(q, stack);
       candidates.push_back({d + std::abs(rp - rq), int(i), int(j), d <= kSteepest * gap + rp + rq});
     }
-  std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& p, const Candidate& q) { return p.cost < q.cost; });
+  std::stable_sort(candidates.begin(), candidates.end(),
+      [](const Candidate& p, const Candidate& q) { return p.cost < q.cost; });
   std::vector<RegionPair> pairs;
   for (const Candidate& c : candidates) {
     if (tiedA[size_t(c.a)] || tiedB[size_t(c.b)] || (!c.trusted && any)) continue;

@@ -24,9 +24,11 @@ struct RegionPair {
   int a, b;
 };
 
-/// Pairs the regions that meet none of their label's once the motion has carried them, by least centroid distance plus the
-/// difference of their radii, nearest first; a label none of whose regions meet keeps at least one pair, however far.
-std::vector<RegionPair> pairRegions(const LabelScore& a, const LabelScore& b, const LabelRegions& ra, const LabelRegions& rb,
+/// Pairs the regions that meet none of their label's once the motion has carried them, by least centroid distance plus
+/// the difference of their radii, nearest first; a label none of whose regions meet keeps at least one pair, however
+/// far.
+std::vector<RegionPair> pairRegions(const LabelScore& a, const LabelScore& b, const LabelRegions& ra,
+    const LabelRegions& rb,
                                     const SliceMotion& motion, const ScoreStack& stack, float gap);
 
 /// The score of one region alone.

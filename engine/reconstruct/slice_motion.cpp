@@ -52,8 +52,10 @@ void addLabel(const Pair& pair, const float* pixel, float ax, float ay, float bx
   if (std::min(std::abs(sa), std::abs(sb)) > reach) return;
   const float ca = std::min(std::max(sa, -reach), reach), cb = std::min(std::max(sb, -reach), reach);
   // Central differences over a pixel
-  const float gx = 0.5f / pixel[0] * (pair.a.at(ax + .5f, ay) - pair.a.at(ax - .5f, ay) + pair.b.at(bx + .5f, by) - pair.b.at(bx - .5f, by));
-  const float gy = 0.5f / pixel[1] * (pair.a.at(ax, ay + .5f) - pair.a.at(ax, ay - .5f) + pair.b.at(bx, by + .5f) - pair.b.at(bx, by - .5f));
+  const float gx = 0.5f / pixel[0] * (pair.a.at(ax + .5f, ay) - pair.a.at(ax - .5f, ay) +
+      pair.b.at(bx + .5f, by) - pair.b.at(bx - .5f, by));
+  const float gy = 0.5f / pixel[1] * (pair.a.at(ax, ay + .5f) - pair.a.at(ax, ay - .5f) +
+      pair.b.at(bx, by + .5f) - pair.b.at(bx, by - .5f));
   const float r = cb - ca;
   n[0] += gx * gx, n[1] += gx * gy, n[2] += gy * gy, n[3] -= gx * r, n[4] -= gy * r;
 }
@@ -88,26 +90,33 @@ SliceMotion findMotion(const ScoreStack& stack, size_t a) {
   float sigma = std::min(gap, kWidest * step);
   for (int level = 0; level < kLevels; ++level, sigma *= 0.5f) {
     const int r = std::max(1, int(sigma / step + .5f));
-    const float reach = sigma;
+    const float reach = sigma, rough = std::max(stack.pixel[0], stack.pixel[1]) / gap;
+    // Fine windows hold little evidence, and what they add to the coarse ones' is mostly noise.
+    const float rest = kRest * (level < 2 ? 1 : 2) + kRough * rough * rough;
     for (int it = 0; it < kRounds; ++it) {
       std::fill(normal.begin(), normal.end(), Normal{});
       for (const Pair& pair : pairs) {
         const int margin = int(reach / step) + 1;
         const PixelBox box = hull(pair.a.box, pair.b.box);
-        const int i0 = std::max(0, int((float(box.x0) - motion.origin[0]) / motion.spacing[0]) - margin), i1 = std::min(motion.nx, int((float(box.x1) - motion.origin[0]) / motion.spacing[0]) + 2 + margin);
-        const int j0 = std::max(0, int((float(box.y0) - motion.origin[1]) / motion.spacing[1]) - margin), j1 = std::min(motion.ny, int((float(box.y1) - motion.origin[1]) / motion.spacing[1]) + 2 + margin);
+        const auto nodeAt = [&](int p, int d) { return int((float(p) - motion.origin[d]) / motion.spacing[d]); };
+        const int i0 = std::max(0, nodeAt(box.x0, 0) - margin),
+            i1 = std::min(motion.nx, nodeAt(box.x1, 0) + 2 + margin);
+        const int j0 = std::max(0, nodeAt(box.y0, 1) - margin),
+            j1 = std::min(motion.ny, nodeAt(box.y1, 1) + 2 + margin);
         for (int j = j0; j < j1; ++j)
           for (int i = i0; i < i1; ++i) {
             const size_t k = size_t(j) * size_t(motion.nx) + size_t(i);
-            const float px = motion.origin[0] + float(i) * motion.spacing[0], py = motion.origin[1] + float(j) * motion.spacing[1];
+            const float px = motion.origin[0] + float(i) * motion.spacing[0], py = motion.origin[1] +
+                float(j) * motion.spacing[1];
             const float vx = motion.x[k], vy = motion.y[k];
             addLabel(pair, stack.pixel, px - .5f * vx, py - .5f * vy, px + .5f * vx, py + .5f * vy, reach, normal[k]);
           }
       }
-      for (int pass = 0; pass < 2; ++pass) boxBlur(normal, motion.nx, motion.ny, r, true), boxBlur(normal, motion.nx, motion.ny, r, false);
+      for (int pass = 0; pass < 2; ++pass)
+        for (bool alongX : {true, false}) boxBlur(normal, motion.nx, motion.ny, r, alongX);
       for (size_t k = 0; k < nodes; ++k) {
         const Normal& n = normal[k];
-        const float rough = std::max(stack.pixel[0], stack.pixel[1]) / gap, e = kRest + kRough * rough * rough, xx = n[0] + e, yy = n[2] + e, det = xx * yy - n[1] * n[1];
+        const float xx = n[0] + rest, yy = n[2] + rest, det = xx * yy - n[1] * n[1];
         float dx = (yy * n[3] - n[1] * n[4]) / det, dy = (xx * n[4] - n[1] * n[3]) / det;
         const float l = std::sqrt(dx * dx + dy * dy), limit = reach;
         if (l > limit) dx *= limit / l, dy *= limit / l;

@@ -14,15 +14,15 @@ namespace {
 
 constexpr int kLeaf = 16;  ///< pixels of a cell that is not cut any further
 /// Scores level off at a gap's length: how far away a contour is says nothing about what comes within one gap.
-constexpr float kLevel = 1;
+constexpr float kLevel = 0.85f;
 /// The cubic may change a slope by this share of a gap per gap: more is a label that jumps, not one that bends.
 constexpr float kBend = 0.7f;
 /// Slopes over a gap of few pixels are mostly the pixels' rounding: they count 1 / (1 + kRough (pixel / gap)^2).
-constexpr float kRough = 2;
-/// A label that is not on the next plane ends half way, the mean of where it may.
-constexpr float kEnding = 2;
-/// A lead of less than this share of the level is a draw: at one gap of two pixels, a 25th of a pixel.
-constexpr float kDraw = 0.02f;
+constexpr float kRough = 0.5f;
+/// A label that is not on the next plane lies this many times its depth outside of there.
+constexpr float kEnding = 3;
+/// A lead of less than this share of the level is a draw: at one gap of two pixels, a 60th of a pixel.
+constexpr float kDraw = 0.01f;
 /// Room for how much the motion stretches a tile.
 constexpr float kStretch = 1.2f;
 
@@ -71,6 +71,12 @@ struct Places {
   float x[4], y[4];
 };
 
+Places between(const Places& a, const Places& b, float f) {
+  Places p;
+  for (int k = 0; k < 4; ++k) p.x[k] = a.x[k] + f * (b.x[k] - a.x[k]), p.y[k] = a.y[k] + f * (b.y[k] - a.y[k]);
+  return p;
+}
+
 float levelOff(float s, float level) {
   const float q = s / level;
   return s / std::sqrt(1 + q * q);
@@ -89,10 +95,18 @@ void read(const GapLabel& l, const Places& p, float* s) {
   for (int k = 0; k < 4; ++k) s[k] = l.plane[k] ? l.plane[k].at(p.x[k], p.y[k]) : 0;
 }
 
-float scoreOf(const GapLabel& l, const Moment& m, const Places& p) {
-  float s[4];
-  read(l, p, s), complete(l, m, s);
-  const float linear = s[1] + m.t * (s[2] - s[1]);
+/// Anything up to `toBeat` stands for any other score up to it.
+float scoreOf(const GapLabel& l, const Moment& m, const Places& p, float toBeat = -1e30f) {
+  float s[4] = {0, 0, 0, 0};
+  if (l.plane[1]) s[1] = l.plane[1].at(p.x[1], p.y[1]);
+  if (l.plane[2]) s[2] = l.plane[2].at(p.x[2], p.y[2]);
+  if (!l.plane[2]) s[2] = s[1] - kEnding * l.depth[0];
+  if (!l.plane[1]) s[1] = s[2] - kEnding * l.depth[1];
+  const float a = levelOff(s[1], m.level), linear = a + m.t * (levelOff(s[2], m.level) - a);
+  if (linear + m.limit <= toBeat) return toBeat;
+  if (m.before && l.plane[0]) s[0] = l.plane[0].at(p.x[0], p.y[0]);
+  if (m.after && l.plane[3]) s[3] = l.plane[3].at(p.x[3], p.y[3]);
+  complete(l, m, s);
   const float cubic = m.cubic[0] * s[0] + m.cubic[1] * s[1] + m.cubic[2] * s[2] + m.cubic[3] * s[3];
   return std::min(std::max(cubic, linear - m.limit), linear + m.limit);
 }
@@ -113,8 +127,33 @@ Bounds boundsOf(const GapLabel& l, const Moment& m, const Places& p, float reach
   }
   const float ll = lo[1] + m.t * (lo[2] - lo[1]), lh = hi[1] + m.t * (hi[2] - hi[1]);
   const float spare = 1e-4f * m.level;  // rounding must not rule everyone out
-  return {std::max(std::min(cl, ll + m.limit), ll - m.limit) - spare, std::min(std::max(ch, lh - m.limit), lh + m.limit)};
+  return {std::max(std::min(cl, ll + m.limit), ll - m.limit) - spare,
+          std::min(std::max(ch, lh - m.limit), lh + m.limit)};
 }
+
+/// The labels that may win in a cell, on top of those of the cells that hold it.
+struct Rivals {
+  std::vector<const GapLabel*> labels;
+  std::vector<float> highs;
+
+  /// Adds those from `from` on that may win within `reach` of a point of `part`.
+  void narrow(size_t from, const PixelBox& part, const Moment& m, const Places& p, float reach) {
+    const size_t end = labels.size();
+    float most = -1e30f;
+    highs.clear();
+    for (int anywhere = 0; anywhere < 2 && labels.size() == end; ++anywhere)  // where no label's box is, all compete
+      for (size_t k = from; k < end; ++k) {
+        const GapLabel* l = labels[k];
+        if (!anywhere && intersection(l->box, part).empty()) continue;
+        const Bounds b = boundsOf(*l, m, p, reach);
+        most = std::max(most, b.low), labels.push_back(l), highs.push_back(b.high);
+      }
+    size_t kept = end;
+    for (size_t k = end; k < labels.size(); ++k)
+      if (highs[k - end] + kDraw * m.level >= most) labels[kept++] = labels[k];
+    labels.resize(kept);
+  }
+};
 
 float scoreOf(const Traveller& l, const ScoreStack& stack, const Moment& m, float x, float y) {
   float px = m.t * l.x, py = m.t * l.y, dx = l.x, dy = l.y;
@@ -146,7 +185,8 @@ struct SliceScores::Plan {
       m.cubic[beyond] -= a * q, m.cubic[here] += a * (q + 1), m.cubic[there] -= a;
     };
     if ((m.before = g > 0)) bend(planes[g].position - planes[g - 1].position, trust * t * (1 - t) * (1 - t), 0, 1, 2);
-    if ((m.after = g + 2 < planes.size())) bend(planes[g + 2].position - planes[g + 1].position, trust * t * t * (1 - t), 3, 2, 1);
+    if ((m.after = g + 2 < planes.size())) bend(planes[g + 2].position - planes[g + 1].position,
+        trust * t * t * (1 - t), 3, 2, 1);
     return m;
   }
 
@@ -168,9 +208,9 @@ struct SliceScores::Plan {
   void makeGap(size_t g, const std::vector<std::vector<LabelRegions>>& regions);
   void addTravellers(size_t g, GapLabel& label, const std::vector<std::vector<LabelRegions>>& regions);
   float whole(const Gap& gap, const GapLabel& l, const Moment& m, float x, float y) const;
-  void fill(const Moment& m, const PixelBox& box, const PixelBox& part, const std::vector<const GapLabel*>& among,
+  void fill(const Moment& m, const PixelBox& box, const PixelBox& part, size_t from, Rivals& rivals,
             std::vector<int>& out) const;
-  void fillTile(const Moment& m, const PixelBox& box, const PixelBox& part, const std::vector<const GapLabel*>& among,
+  void fillTile(const Moment& m, const PixelBox& box, const PixelBox& part, size_t from, const Rivals& rivals,
                 std::vector<int>& out) const;
   void rescue(const Moment& m, const PixelBox& box, std::vector<int>& out) const;
 };
@@ -208,7 +248,8 @@ void SliceScores::Plan::makeGap(size_t g, const std::vector<std::vector<LabelReg
     GapLabel l;
     l.label = label;
     for (size_t k = 0; k < 4; ++k) {
-      const LabelScore* f = g + k >= 1 && g + k - 1 < stack.planes.size() ? find(stack.planes[g + k - 1], label) : nullptr;
+      const LabelScore* f = g + k >= 1 && g + k - 1 < stack.planes.size() ?
+          find(stack.planes[g + k - 1], label) : nullptr;
       if (!f) continue;
       l.plane[k] = ScoreField(*f, stack);
       if (k == 1 || k == 2)
@@ -233,18 +274,25 @@ float SliceScores::Plan::whole(const Gap& gap, const GapLabel& l, const Moment& 
 }
 
 void SliceScores::Plan::fillTile(const Moment& m, const PixelBox& box, const PixelBox& part,
-                                 const std::vector<const GapLabel*>& among, std::vector<int>& out) const {
+                                 size_t from, const Rivals& rivals, std::vector<int>& out) const {
   std::vector<const Traveller*> near;
   for (const Traveller& t : gaps[m.gap].travellers)
     if (!intersection(t.box, part).empty()) near.push_back(&t);
-  for (int y = part.y0; y < part.y1; ++y)
+  // The motion's nodes are further apart than a tile's corners.
+  const float x0 = float(part.x0), y0 = float(part.y0), x1 = float(part.x1 - 1), y1 = float(part.y1 - 1);
+  const Places corner[4] = {placesOf(m, x0, y0), placesOf(m, x1, y0), placesOf(m, x0, y1), placesOf(m, x1, y1)};
+  const float across = 1 / std::max(1.0f, x1 - x0), down = 1 / std::max(1.0f, y1 - y0), draw = kDraw * m.level;
+  for (int y = part.y0; y < part.y1; ++y) {
+    const Places left = between(corner[0], corner[2], down * float(y - part.y0));
+    const Places right = between(corner[1], corner[3], down * float(y - part.y0));
     for (int x = part.x0; x < part.x1; ++x) {
       float best = -1e30f;
       int& win = out[box.index(x, y)];
-      const Places p = placesOf(m, float(x), float(y));
-      for (const GapLabel* l : among) {
-        const float v = scoreOf(*l, m, p);
-        if (v > best + kDraw * m.level) best = v, win = l->label;
+      const Places p = between(left, right, across * float(x - part.x0));
+      for (size_t k = from; k < rivals.labels.size(); ++k) {
+        const GapLabel* l = rivals.labels[k];
+        const float v = scoreOf(*l, m, p, best + draw);
+        if (v > best + draw) best = v, win = l->label;
       }
       best = -1e-5f * m.level;  // a traveller on its own border is still there
       for (const Traveller* t : near) {
@@ -253,38 +301,30 @@ void SliceScores::Plan::fillTile(const Moment& m, const PixelBox& box, const Pix
         if (v > best) best = v, win = t->label;
       }
     }
+  }
 }
 
-void SliceScores::Plan::fill(const Moment& m, const PixelBox& box, const PixelBox& part,
-                             const std::vector<const GapLabel*>& among, std::vector<int>& out) const {
-  const Gap& gap = gaps[m.gap];
+void SliceScores::Plan::fill(const Moment& m, const PixelBox& box, const PixelBox& part, size_t from, Rivals& rivals,
+                             std::vector<int>& out) const {
   const int w = part.width(), h = part.height(), cx = (part.x0 + part.x1) / 2, cy = (part.y0 + part.y1) / 2;
   const float sx = float(w) * stack.pixel[0], sy = float(h) * stack.pixel[1];
-  const float reach = 0.5f * kStretch * std::sqrt(sx * sx + sy * sy);
-  const Places p = placesOf(m, float(cx), float(cy));
-  std::vector<const GapLabel*> near, left;
-  for (const GapLabel* l : among)
-    if (!intersection(l->box, part).empty()) near.push_back(l);
-  if (near.empty()) near = among;
-  std::vector<Bounds> bounds;
-  float most = -1e30f;
-  for (const GapLabel* l : near) bounds.push_back(boundsOf(*l, m, p, reach)), most = std::max(most, bounds.back().low);
-  for (size_t k = 0; k < near.size(); ++k)
-    if (bounds[k].high + kDraw * m.level >= most) left.push_back(near[k]);
-  bool alone = left.size() == 1;
+  const size_t mine = rivals.labels.size();
+  rivals.narrow(from, part, m, placesOf(m, float(cx), float(cy)), 0.5f * kStretch * std::sqrt(sx * sx + sy * sy));
+  bool alone = rivals.labels.size() == mine + 1;
   if (alone)
-    for (const Traveller& t : gap.travellers) alone = alone && intersection(t.box, part).empty();
+    for (const Traveller& t : gaps[m.gap].travellers) alone = alone && intersection(t.box, part).empty();
   if (alone) {
     for (int y = part.y0; y < part.y1; ++y)
-      std::fill_n(out.begin() + std::ptrdiff_t(box.index(part.x0, y)), w, left[0]->label);
-    return;
+      std::fill_n(out.begin() + std::ptrdiff_t(box.index(part.x0, y)), w, rivals.labels[mine]->label);
+  } else if (size_t(w) * size_t(h) <= kLeaf) {
+    fillTile(m, box, part, mine, rivals, out);
+  } else {
+    PixelBox first = part, second = part;
+    if ((sx > sy && w > 1) || h <= 1) first.x1 = second.x0 = cx;
+    else first.y1 = second.y0 = cy;
+    fill(m, box, first, mine, rivals, out), fill(m, box, second, mine, rivals, out);
   }
-  if (size_t(w) * size_t(h) <= kLeaf) return fillTile(m, box, part, left, out);
-  PixelBox first = part, second = part;
-  if (sx > sy && w > 1) first.x1 = second.x0 = cx;
-  else if (h > 1) first.y1 = second.y0 = cy;
-  else first.x1 = second.x0 = cx;
-  fill(m, box, first, left, out), fill(m, box, second, left, out);
+  rivals.labels.resize(mine);
 }
 
 /// Gives every label of both planes that has won nothing the pixel where it came closest.
@@ -311,10 +351,12 @@ void SliceScores::Plan::rescue(const Moment& m, const PixelBox& box, std::vector
 
 SliceScores::SliceScores(ScoreStack stack) : plan_(std::make_unique<Plan>()) {
   if (stack.planes.size() < 2)
-    throw InputError("at least two planes are needed to interpolate between, got " + std::to_string(stack.planes.size()));
+    throw InputError("at least two planes are needed to interpolate between, got " +
+        std::to_string(stack.planes.size()));
   for (size_t k = 1; k < stack.planes.size(); ++k)
     if (!(stack.planes[k].position > stack.planes[k - 1].position))
-      throw InputError("planes must lie at increasing positions, got " + std::to_string(stack.planes[k].position) + " after " +
+      throw InputError("planes must lie at increasing positions, got " + std::to_string(stack.planes[k].position) +
+          " after " +
                        std::to_string(stack.planes[k - 1].position));
   plan_->stack = std::move(stack);
   const ScoreStack& s = plan_->stack;
@@ -358,7 +400,8 @@ LabelScore SliceScores::marginAt(double position, int label) const {
         const float mine = plan_->whole(gap, own, m, float(x), float(y));
         float best = gap.labels.size() > 1 ? -1e30f : -mine;
         for (const GapLabel& l : gap.labels)
-          if (l.label != label && l.box.contains(x, y)) best = std::max(best, plan_->whole(gap, l, m, float(x), float(y)));
+          if (l.label != label && l.box.contains(x, y)) best = std::max(best,
+              plan_->whole(gap, l, m, float(x), float(y)));
         margin.values[own.box.index(x, y)] = best > -1e29f ? 0.5f * (mine - best) : mine;
       }
   }
@@ -367,11 +410,11 @@ LabelScore SliceScores::marginAt(double position, int label) const {
 
 std::vector<int> SliceScores::labelsAt(double position, const PixelBox& box) const {
   const Moment m = plan_->momentAt(position);
-  std::vector<const GapLabel*> all;
-  for (const GapLabel& l : plan_->gaps[m.gap].labels) all.push_back(&l);
+  Rivals all;
+  for (const GapLabel& l : plan_->gaps[m.gap].labels) all.labels.push_back(&l);
   std::vector<int> out(box.count(), -1);
-  if (all.empty() || box.empty()) return out;
-  plan_->fill(m, box, box, all, out);
+  if (all.labels.empty() || box.empty()) return out;
+  plan_->fill(m, box, box, 0, all, out);
   plan_->rescue(m, box, out);
   return out;
 }

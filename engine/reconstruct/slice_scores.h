@@ -39,7 +39,8 @@ class SliceScores {
 
   const ScoreStack& stack() const;
 
-  /// Scores of every label that may be at a position from the first plane to the last, ascending; each over a box outside of which it loses.
+  /// Scores of every label that may be at a position from the first plane to the last, ascending; each over a box
+  /// outside of which it loses.
   std::vector<LabelScore> scoresAt(double position) const;
 
   /// Half of what `label` has over the best other label; as `scoresAt`, an empty box where the label cannot be.
