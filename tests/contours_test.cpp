@@ -1,5 +1,5 @@
 #include "engine/errors.h"
-#include "engine/reconstruct/contour_surface.h"
+#include "engine/reconstruct/contour_labels.h"
 #include "io/contour_reader.h"
 #include "tests/same_values.h"
 #include "tests/shapes.h"
@@ -338,6 +338,57 @@ TEST_F(Contours, RepairsAreStated) {
   notes.clear();
   volumeOf(prism({square(0, 0, 2), {{0, 0}, {1, 0}}}), notes);
   EXPECT_NE(notes.find("less than three"), std::string::npos) << notes;
+}
+
+TEST_F(Contours, MissingPlanesAreStated) {
+  ContourSet set = cut(shapes::sphere(Vec3d(0.0), 2), stack(9, 0.4), 3, 0.1);
+  ContourSurfaceOptions options;
+  options.voxelSize = 0.1;
+  EXPECT_TRUE(contourSurface(set, options).notes.empty());
+  set.planes.erase(set.planes.begin() + 5);
+  const std::vector<std::string> notes = contourSurface(set, options).notes;
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_EQ(notes[0], "shape: 1 gaps between planes bridged (1 planes missing), usual gap 0.4 mm: 0.8 mm from 0 mm to 0.8 mm");
+}
+
+Image labelsOf(const std::vector<ContourSet>& sets, const std::vector<int>& labels, SharedVoxel rule) {
+  std::vector<ContourSurface> surfaces;
+  ContourSurfaceOptions options;
+  options.voxelSize = 0.1;
+  for (const ContourSet& set : sets) surfaces.push_back(contourSurface(set, options));
+  return contourLabels(surfaces, labels, contourLattice(sets, 0.1), rule);
+}
+
+double volumeOf(const Image& image, int label) {
+  const auto& values = std::get<std::vector<std::uint8_t>>(image.values);
+  const Vec3d spacing = image.lattice.spacing();
+  return spacing[0] * spacing[1] * spacing[2] * double(std::count(values.begin(), values.end(), label));
+}
+
+TEST_F(Contours, InnerOfTwoBallsIsNotSwallowed) {
+  const std::vector<Plane> planes = stack(19, 0.2);
+  const std::vector<ContourSet> sets{cut(shapes::sphere(Vec3d(0.0), 2), planes, 3, 0.1), cut(shapes::sphere(Vec3d(0.0), 1), planes, 3, 0.1)};
+  const double inner = 4 * M_PI / 3, voxel = 0.1;
+  for (const std::vector<int>& labels : {std::vector<int>{1, 2}, std::vector<int>{2, 1}}) {
+    const Image image = labelsOf(sets, labels, SharedVoxel::smallest);
+    // Half a voxel of either surface.
+    EXPECT_NEAR(volumeOf(image, labels[1]), inner, 0.5 * voxel * 4 * M_PI);
+    EXPECT_NEAR(volumeOf(image, labels[0]), 7 * inner, 0.5 * voxel * 20 * M_PI);
+  }
+}
+
+TEST_F(Contours, TouchingBoxesShareAWall) {
+  const std::vector<ContourSet> sets{prism({square(-1, 0, 1)}), prism({square(1, 0, 1)})};
+  const Image image = labelsOf(sets, {7, 3}, SharedVoxel::deepest);
+  const auto& values = std::get<std::vector<std::uint8_t>>(image.values);
+  const ImageLattice& on = image.lattice;
+  for (int k = 0; k < on.size[2]; ++k)
+    for (int j = 0; j < on.size[1]; ++j)
+      for (int i = 0; i < on.size[0]; ++i) {
+        const Vec3d p = on.toWorld(Vec3d(i, j, k));
+        if (std::abs(p[1]) > 0.8 || p[2] < 0 || p[2] > 2 || std::abs(p[0]) < 0.06 || std::abs(p[0]) > 1.8) continue;
+        EXPECT_EQ(values[on.index(i, j, k)], p[0] < 0 ? 7 : 3) << p;
+      }
 }
 
 TEST_F(Contours, KeyholeIsAHole) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 namespace slicemorph {
@@ -75,6 +76,46 @@ void findOutermost(PlaneSet& planes) {
       }
 }
 
+std::string millimetres(double v) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g mm", v);
+  return text;
+}
+
+/// Of a stack of parallel planes: gaps that are not the usual one, next to contours.
+void noteGaps(const std::string& name, const PlaneSet& planes, std::vector<std::string>& notes) {
+  constexpr double kStack = 1 - 1e-6, kUneven = 0.1;  // cosine; share of the gap
+  constexpr int kNamed = 5;
+  const Vec3d normal = planes.sections[0].frame.normal;
+  std::vector<std::pair<double, bool>> heights;  // and whether there are contours
+  for (const PlaneSection& s : planes.sections) {
+    if (std::abs(s.frame.normal.dot(normal)) < kStack) return;
+    heights.emplace_back(s.frame.origin.dot(normal), !s.edges.empty());
+  }
+  std::sort(heights.begin(), heights.end());
+  struct Kind {
+    const char* what;
+    int count, missing;
+    std::string where;
+  } kinds[3] = {{"bridged", 0, 0, ""}, {"too wide to bridge, the object is closed on both sides", 0, 0, ""}, {"uneven", 0, 0, ""}};
+  for (size_t i = 1; i < heights.size(); ++i) {
+    const double low = heights[i - 1].first, high = heights[i].first, gaps = (high - low) / planes.gap;
+    if (gaps < 1e-3 || (!heights[i - 1].second && !heights[i].second) || std::abs(gaps - 1) <= kUneven) continue;
+    Kind& kind = kinds[gaps > kBridgedGaps ? 1 : gaps > 1.5 ? 0 : 2];
+    kind.missing += int(std::round(gaps)) - 1;
+    if (++kind.count <= kNamed)
+      kind.where += (kind.count > 1 ? ", " : "") + millimetres(high - low) + " from " + millimetres(low) + " to " + millimetres(high);
+  }
+  for (const Kind& kind : kinds) {
+    if (kind.count == 0) continue;
+    std::string note = name + ": " + std::to_string(kind.count) + " gaps between planes " + kind.what;
+    if (kind.missing > 0) note += " (" + std::to_string(kind.missing) + " planes missing)";
+    note += ", usual gap " + millimetres(planes.gap) + ": " + kind.where;
+    if (kind.count > kNamed) note += " and " + std::to_string(kind.count - kNamed) + " more";
+    notes.push_back(note);
+  }
+}
+
 }  // namespace
 
 NextPlane PlaneSet::nextPlane(int plane, const Vec3d& p, int side) const {
@@ -118,6 +159,7 @@ PlaneSet cleanPlanes(const ContourSet& set, std::vector<std::string>& notes) {
   planes.gap = gapOf(planes);
   if (planes.gap <= 0) planes.gap = planes.box.extents().length() / 4;
   findOutermost(planes);
+  noteGaps(set.name, planes, notes);
   return planes;
 }
 

@@ -1,0 +1,193 @@
+#include "engine/reconstruct/contour_labels.h"
+
+#include "engine/errors.h"
+
+#include <openvdb/tools/Interpolation.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace slicemorph {
+
+namespace {
+
+constexpr double kParallel = 1 - 1e-6;  // cosine
+constexpr double kOnPlane = 0.02;       // gaps
+constexpr double kMostVoxels = 2e9;
+
+struct Solid {
+  const FloatGrid* grid;
+  int label;
+  openvdb::CoordBBox box;  // of the band: outside beyond it
+  double volume = 0;
+  Vec3d middle{0, 0, 0};
+};
+
+Solid solidOf(const FloatGrid& grid, int label) {
+  Solid solid{&grid, label, grid.evalActiveVoxelBoundingBox()};
+  Vec3d sum(0.0);
+  double count = 0;
+  for (auto it = grid.cbeginValueAll(); it; ++it) {
+    if (*it >= 0) continue;
+    openvdb::CoordBBox box;
+    it.getBoundingBox(box);
+    count += double(it.getVoxelCount());
+    sum += double(it.getVoxelCount()) * 0.5 * (box.min().asVec3d() + box.max().asVec3d());
+  }
+  solid.volume = count * std::pow(grid.voxelSize()[0], 3);
+  if (count > 0) solid.middle = grid.indexToWorld(sum / count);
+  return solid;
+}
+
+bool before(const Solid& a, const Solid& b) {
+  if (a.volume != b.volume) return a.volume < b.volume;
+  return std::lexicographical_compare(a.middle.asPointer(), a.middle.asPointer() + 3, b.middle.asPointer(), b.middle.asPointer() + 3);
+}
+
+template <typename Value>
+std::vector<Value> paint(const std::vector<Solid>& solids, const ImageLattice& on, SharedVoxel rule) {
+  std::vector<Value> values(on.count(), 0);
+  tbb::parallel_for(0, on.size[2], [&](int k) {
+    std::vector<FloatGrid::ConstAccessor> accessors;
+    for (const Solid& s : solids) accessors.push_back(s.grid->getConstAccessor());
+    for (int j = 0; j < on.size[1]; ++j)
+      for (int i = 0; i < on.size[0]; ++i) {
+        const Vec3d world = on.toWorld(Vec3d(i, j, k));
+        double depth = 0, band = 0;
+        for (size_t s = 0; s < solids.size(); ++s) {
+          const Vec3d at = solids[s].grid->worldToIndex(world);
+          const openvdb::Coord node = openvdb::Coord::round(at);
+          if (!solids[s].box.isInside(node)) continue;
+          const double background = solids[s].grid->background();
+          double value = accessors[s].getValue(node);
+          // A band is wider than a voxel: next to a node off it, nothing changes sign.
+          if (std::abs(value) < background) value = openvdb::tools::BoxSampler::sample(accessors[s], at);
+          if (value >= 0) continue;
+          const double common = band > 0 ? std::min(band, background) : background;
+          if (band > 0 && std::min(-value, common) <= std::min(depth, common)) continue;
+          depth = -value, band = background;
+          values[on.index(i, j, k)] = Value(solids[s].label);
+          if (rule == SharedVoxel::smallest) break;
+        }
+      }
+  });
+  return values;
+}
+
+template <typename Action>
+void forPoints(const std::vector<ContourSet>& sets, const Action& action) {
+  for (const ContourSet& set : sets)
+    for (const PlaneContours& plane : set.planes)
+      for (const auto& loop : plane.loops)
+        for (const Vec2d& p : loop) action(plane.toWorld(p));
+}
+
+/// Of the planes with contours, ascending; empty where they are not parallel.
+std::vector<double> heightsOf(const std::vector<ContourSet>& sets, const Vec3d& normal, double tolerance) {
+  std::vector<double> heights, out;
+  for (const ContourSet& set : sets)
+    for (const PlaneContours& plane : set.planes) {
+      if (plane.loops.empty()) continue;
+      if (std::abs(plane.normal.dot(normal)) < kParallel) return {};
+      heights.push_back(plane.origin.dot(normal));
+    }
+  std::sort(heights.begin(), heights.end());
+  for (double h : heights)
+    if (out.empty() || h > out.back() + tolerance) out.push_back(h);
+  return out.size() < 2 ? std::vector<double>() : out;
+}
+
+/// The median, made exact by all gaps that are whole multiples of it.
+double usualGap(const std::vector<double>& heights) {
+  std::vector<double> gaps;
+  for (size_t i = 1; i < heights.size(); ++i) gaps.push_back(heights[i] - heights[i - 1]);
+  std::nth_element(gaps.begin(), gaps.begin() + long(gaps.size() / 2), gaps.end());
+  const double median = gaps[gaps.size() / 2];
+  double sum = 0, count = 0;
+  for (double g : gaps) {
+    const double n = std::round(g / median);
+    if (n >= 1 && std::abs(g - n * median) <= kOnPlane * median) sum += g, count += n;
+  }
+  return sum / count;
+}
+
+/// Of the planes, the one that most planes are whole steps away from.
+double anchorOf(const std::vector<double>& heights, double step) {
+  double best = heights[0];
+  int most = 0;
+  for (double anchor : heights) {
+    int count = 0;
+    for (double h : heights) count += std::abs((h - anchor) / step - std::round((h - anchor) / step)) < kOnPlane;
+    if (count > most) most = count, best = anchor;
+  }
+  return best;
+}
+
+}  // namespace
+
+Image contourLabels(const std::vector<ContourSurface>& surfaces, const std::vector<int>& labels, const ImageLattice& on,
+                    SharedVoxel rule) {
+  if (surfaces.size() != labels.size())
+    throw InputError(std::to_string(labels.size()) + " labels for " + std::to_string(surfaces.size()) + " surfaces; one each");
+  if (on.size[0] <= 0 || on.size[1] <= 0 || on.size[2] <= 0) throw InputError("the lattice of the labels has no voxels");
+  std::vector<Solid> solids;
+  int most = 0;
+  for (size_t i = 0; i < surfaces.size(); ++i) {
+    if (labels[i] < 1 || labels[i] > 65535) throw InputError("label " + std::to_string(labels[i]) + " is not in 1..65535");
+    most = std::max(most, labels[i]);
+    solids.push_back(solidOf(*surfaces[i].grid, labels[i]));
+  }
+  std::stable_sort(solids.begin(), solids.end(), before);
+  Image image;
+  image.lattice = on;
+  if (most < 256) image.values = paint<std::uint8_t>(solids, on, rule);
+  else image.values = paint<std::uint16_t>(solids, on, rule);
+  return image;
+}
+
+ImageLattice contourLattice(const std::vector<ContourSet>& sets, double voxelSize) {
+  if (!(voxelSize > 0) || !std::isfinite(voxelSize))
+    throw InputError("voxel size " + std::to_string(voxelSize) + " is no positive number of world units");
+  openvdb::BBoxd world;
+  forPoints(sets, [&](const Vec3d& p) { world.expand(p); });
+  if (world.empty()) throw GeometryError("no contours to lay a lattice around");
+  PlaneContours axes;
+  for (const ContourSet& set : sets)
+    for (const PlaneContours& plane : set.planes)
+      if (!plane.loops.empty()) axes = plane;
+  const std::vector<double> heights = heightsOf(sets, axes.normal, 1e-4 * voxelSize);
+  if (heights.empty()) axes = PlaneContours();
+  const Vec3d directions[3] = {axes.x, axes.y, axes.normal};
+  double spacing[3] = {voxelSize, voxelSize, voxelSize}, phase[3] = {0, 0, 0};
+  double beyond = 0.75 * world.extents().length() / 32;
+  if (!heights.empty()) {
+    const double gap = usualGap(heights);
+    spacing[2] = gap / std::ceil(gap / voxelSize - 1e-9);
+    phase[2] = anchorOf(heights, spacing[2]);
+    beyond = 0.75 * gap;
+  }
+  Vec3d low(1e300), high(-1e300);
+  forPoints(sets, [&](const Vec3d& p) {
+    for (int a = 0; a < 3; ++a) low[a] = std::min(low[a], p.dot(directions[a])), high[a] = std::max(high[a], p.dot(directions[a]));
+  });
+  ImageLattice lattice;
+  lattice.origin = Vec3d(0.0);
+  double count = 1;
+  for (int a = 0; a < 3; ++a) {
+    const double margin = a == 2 || heights.empty() ? beyond : 0;
+    const double first = std::floor((low[a] - margin - phase[a]) / spacing[a]) - 2;
+    const double last = std::ceil((high[a] + margin - phase[a]) / spacing[a]) + 2;
+    count *= last - first + 1;
+    if (count > kMostVoxels)
+      throw InputError("voxel size " + std::to_string(voxelSize) + " would make a lattice of more than " +
+                       std::to_string(long(kMostVoxels)) + " voxels; choose a larger one");
+    lattice.size[a] = int(last - first) + 1;
+    lattice.origin += (phase[a] + first * spacing[a]) * directions[a];
+    lattice.step[a] = spacing[a] * directions[a];
+  }
+  return lattice;
+}
+
+}  // namespace slicemorph
