@@ -3,6 +3,7 @@
 #include "engine/errors.h"
 #include "engine/measure/label_measures.h"
 #include "engine/measure/measure.h"
+#include "engine/reconstruct/contour_labels.h"
 #include "engine/reconstruct/contour_surface.h"
 #include "engine/reconstruct/label_level_set.h"
 #include "engine/reconstruct/label_slices.h"
@@ -25,6 +26,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
+#include <optional>
 
 namespace slicemorph {
 namespace {
@@ -254,6 +257,28 @@ std::vector<ContourSet> chosenSets(const InputName& name, std::vector<ContourSet
   throw InputError(name.path + " has no structure '" + name.grid + "'; there are " + list);
 }
 
+/// A dense label map of several structures: materials of a CSL file share walls, regions of a structure set may lie in each
+/// other.
+void writeContourLabels(const ReconstructSettings& s, const std::vector<ContourSet>& sets,
+                        const std::vector<ContourSurface>& surfaces, bool materials, const std::vector<std::string>& notes) {
+  double finest = std::numeric_limits<double>::infinity();
+  std::vector<int> labels;
+  for (size_t i = 0; i < sets.size(); ++i) finest = std::min(finest, surfaces[i].voxelSize), labels.push_back(sets[i].label);
+  const ImageLattice on = s.like.empty() ? contourLattice(sets, s.voxelSize > 0 ? s.voxelSize : finest)
+                                         : readImage(s.like, s.image).image.lattice;
+  const Image dense = contourLabels(surfaces, labels, on, materials ? SharedVoxel::deepest : SharedVoxel::smallest);
+  writeImage(s.output, dense);
+  if (!s.quiet) std::printf("%s\n", s.output.c_str());
+  if (s.reports.empty()) return;
+  std::vector<Json> rows;
+  for (const LabelMeasures& m : measureLabels(dense)) {
+    rows.push_back(describe(m, s.output));
+    for (const ContourSet& set : sets)
+      if (set.label == m.label) rows.back()["name"] = set.name;
+  }
+  writeReports(s, rows, notes);
+}
+
 void reconstructContours(const ReconstructSettings& s, const InputName& name) {
   ContourFile file = readContours(name.path);
   std::vector<std::string> notes = file.notes;
@@ -261,18 +286,25 @@ void reconstructContours(const ReconstructSettings& s, const InputName& name) {
   const std::vector<ContourSet> sets = chosenSets(name, std::move(file.sets));
   std::string list;
   for (const ContourSet& set : sets) list += (list.empty() ? "" : ", ") + name.path + ":" + set.name;
-  SurfaceWriter writer(s, sets.size(), list);
+  const bool toImage = isImageOutput(s.output);
+  std::optional<SurfaceWriter> writer;
+  if (!toImage) writer.emplace(s, sets.size(), list);
   TerminalProgress progress(s.quiet);
+  std::vector<ContourSurface> surfaces;
   for (const ContourSet& set : sets) {
-    const ContourSurface surface = contourSurface(set, {s.voxelSize}, &progress);
+    ContourSurface surface = contourSurface(set, {s.voxelSize}, &progress);
     progress.clear();
     for (const std::string& note : surface.notes) {
       notes.push_back(set.name + ": " + note);
       printNotes(name.path + ": ", {notes.back()}, s.quiet);
     }
-    writer.add({set.label, set.name, contourMesh(set, surface), surface.grid});
+    if (toImage)
+      surfaces.push_back(std::move(surface));
+    else
+      writer->add({set.label, set.name, contourMesh(set, surface), surface.grid});
   }
-  writeReports(s, writer.finish(), notes);
+  if (!toImage) return writeReports(s, writer->finish(), notes);
+  writeContourLabels(s, sets, surfaces, extensionOf(name.path) == ".csl", notes);
 }
 
 void runReconstruct(const ReconstructSettings& s) {
