@@ -621,9 +621,10 @@ def case_reconstruct_labels():
     labels_py("thin", torso, "compact.nii.gz", "--axis", 0, "--every", 8, "--compact")
     run("reconstruct", "compact.nii.gz", "-o", "between.nii.gz", "--axis", "i", "--between", 7)
     dense, between = np.asanyarray(nib.load("dense.nii.gz").dataobj), np.asanyarray(nib.load("between.nii.gz").dataobj)
-    # Between the first and the last labelled slice; beyond them the thinned map says nothing and the stack has empty slices.
+    # Where the four slices that a gap looks at are the same: beyond the labelled ones the thinned map says nothing, and the
+    # stack has empty slices.
     labelled = np.flatnonzero(between[::8].any((1, 2))) * 8
-    span = slice(labelled[0], labelled[-1] + 1)
+    span = slice(labelled[1], labelled[-2] + 1)
     assert np.array_equal(dense[span], between[span])
     assert np.allclose(nib.load("between.nii.gz").affine, full.affine, atol=1e-5)
     refused("reconstruct", torso, "-o", "x.nii.gz", says=["torsoLabel", "--between"])
