@@ -627,7 +627,10 @@ def case_reconstruct_labels():
     span = slice(labelled[1], labelled[-2] + 1)
     assert np.array_equal(dense[span], between[span])
     assert np.allclose(nib.load("between.nii.gz").affine, full.affine, atol=1e-5)
-    refused("reconstruct", torso, "-o", "x.nii.gz", says=["torsoLabel", "--between"])
+    whole = np.zeros((9, 9, 9), np.uint8)
+    whole[2:6, 2:6, 2:6] = 1
+    save_nifti("whole.nii", whole, np.eye(4))
+    refused("reconstruct", "whole.nii", "-o", "x.nii.gz", says=["whole.nii", "--between"])
     one = np.zeros((9, 9, 9), np.uint8)
     one[2:6, 2:6, 4] = 1
     save_nifti("one.nii", one, np.eye(4))
