@@ -33,7 +33,8 @@ bool isLabelMap(const Image& image, ImageKind kind) {
 /// The image on the lattice that was asked for, its own where none was.
 Image onAskedLattice(Image image, const ConvertSettings& s) {
   if (s.like.empty() && s.load.voxelSize == 0 && s.load.resolution == 0) return image;
-  const ImageLattice on = s.like.empty() ? cubicLattice(image.lattice, s.load) : readImage(s.like, s.load.image).image.lattice;
+  const ImageLattice on =
+      s.like.empty() ? cubicLattice(image.lattice, s.load) : readImage(s.like, s.load.image).image.lattice;
   return isLabelMap(image, s.load.imageKind) ? nearestTo(image, on) : resampledTo(image, on);
 }
 
@@ -42,7 +43,8 @@ void writeGrids(const ConvertSettings& s, const Image& image) {
   const bool labels = isLabelMap(image, s.load.imageKind);
   openvdb::GridCPtrVec grids{gridOf(image, labels ? "labels" : "image", labels)};
   if (s.load.isoGiven) {
-    const double smallest = std::min({image.lattice.spacing()[0], image.lattice.spacing()[1], image.lattice.spacing()[2]});
+    const double smallest =
+        std::min({image.lattice.spacing()[0], image.lattice.spacing()[1], image.lattice.spacing()[2]});
     grids.push_back(surfaceGrid(*toLevelSet(shapeAbove(image, s.load.iso), smallest, s.load.iso).grid));
   }
   writeVdb(s.output, grids, {});
@@ -53,7 +55,8 @@ Image imageOfGrid(const ConvertSettings& s) {
   const VdbFile file(name.path);
   if (!name.grid.empty()) return imageOf(*file.read(findGrid(file, name)));
   for (size_t i = 0; i < file.entries().size(); ++i)
-    if (const auto header = file.readHeader(i); header && (*header)["image_size"]) return imageOf(*file.read(i));
+    if (const auto header = file.readHeader(i); header && (*header)["image_size"])
+      return imageOf(*file.read(i));
   return imageOf(*file.read(gridsToTry(file, name.path).at(0)));
 }
 
@@ -78,7 +81,8 @@ void convertToImage(const ConvertSettings& s) {
     const LoadedObject loaded = loadObject(s.input, load);
     printNotes(s.input + ": ", loaded.notes, s.quiet);
     Image mask = maskOf(*loaded.object.levelSet);
-    writeImage(s.output, s.like.empty() ? mask : nearestTo(mask, readImage(s.like, s.load.image).image.lattice));
+    writeImage(s.output,
+               s.like.empty() ? mask : nearestTo(mask, readImage(s.like, s.load.image).image.lattice));
   }
 }
 
@@ -109,16 +113,19 @@ void runConvert(const ConvertSettings& s) {
 }  // namespace
 
 void addConvertCommand(CLI::App& program) {
-  CLI::App* command = program.add_subcommand("convert", "Voxelise, mesh or resample a shape, or convert an image");
+  CLI::App* command =
+      program.add_subcommand("convert", "Voxelise, mesh or resample a shape, or convert an image");
   const auto s = std::make_shared<ConvertSettings>();
   command
       ->add_option("INPUT", s->input,
-                   "Shape: .vdb (file.vdb:grid picks a grid) .obj .ply .stl .off .glb; image: .nii .nii.gz .nrrd .nhdr .mha .mhd "
+                   "Shape: .vdb (file.vdb:grid picks a grid) .obj .ply .stl .off .glb; image: .nii .nii.gz "
+                   ".nrrd .nhdr .mha .mhd "
                    "(file:N for a volume), a DICOM folder (folder:N for a series), name.####.tif|png|exr")
       ->required();
   command
       ->add_option("-o,--output", s->output,
-                   "Result: .vdb (a level set; of an image its values, with --iso the surface beside them), .obj .ply .stl "
+                   "Result: .vdb (a level set; of an image its values, with --iso the surface beside them), "
+                   ".obj .ply .stl "
                    "(the surface), .nii .nii.gz .nrrd .mha (an image; of a shape 1 inside)")
       ->required()
       ->type_name("OUTPUT");

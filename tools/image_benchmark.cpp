@@ -1,5 +1,5 @@
-/// Reading a DICOM series and making in-betweens of two grey images, beside ITK's own reader and ITK's trilinear resampling,
-/// in one run. Usage: slicemorph_image_benchmark DICOM_FOLDER [ISO]
+/// Reading a DICOM series and making in-betweens of two grey images, beside ITK's own reader and ITK's
+/// trilinear resampling, in one run. Usage: slicemorph_image_benchmark DICOM_FOLDER [ISO]
 #include "engine/slicemorph.h"
 #include "io/image/image_file.h"
 #include "io/input.h"
@@ -81,7 +81,8 @@ int main(int argc, char** argv) {
     own = std::min(own, seconds([&] { file = readImage(folder); }));
   }
   const openvdb::Coord n = file.image.lattice.size;
-  std::printf("read %d x %d x %d: slicemorph %.2f s, ITK %.2f s, ratio %.2f (limit 1.5)\n", n[0], n[1], n[2], own, itks, own / itks);
+  std::printf("read %d x %d x %d: slicemorph %.2f s, ITK %.2f s, ratio %.2f (limit 1.5)\n", n[0], n[1], n[2],
+              own, itks, own / itks);
   const double resample = seconds([&] { resampleWithItk(theirs); });
   theirs = nullptr;
   file = ImageFile();
@@ -102,11 +103,13 @@ int main(int argc, char** argv) {
   const MorphPlan plan({a.object, b.object}, planOptions);
   Image frame;
   const double made = seconds([&] {
-    frame = plan.carrier({0.5, 0.5}).carry(std::vector<const Image*>{a.image.get(), b.image.get()}, a.image->lattice);
+    frame = plan.carrier({0.5, 0.5})
+                .carry(std::vector<const Image*>{a.image.get(), b.image.get()}, a.image->lattice);
   });
-  std::printf("grey frame: %.2f s, one trilinear resample by ITK %.2f s, ratio %.2f (limit 2); plan %.1f s\n", made, resample,
-              made / resample, planned);
+  std::printf("grey frame: %.2f s, one trilinear resample by ITK %.2f s, ratio %.2f (limit 2); plan %.1f s\n",
+              made, resample, made / resample, planned);
   const double copy = double(frame.lattice.count()) * 2 / 1024 / 1024;
-  std::printf("peak memory %.0f MiB: %.1f copies of the volume as int16 (%.0f MiB)\n", peakMiB(), peakMiB() / copy, copy);
+  std::printf("peak memory %.0f MiB: %.1f copies of the volume as int16 (%.0f MiB)\n", peakMiB(),
+              peakMiB() / copy, copy);
   return 0;
 }

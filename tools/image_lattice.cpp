@@ -27,7 +27,8 @@ ImageLattice cubicLattice(const ImageLattice& lattice, const LoadOptions& option
     // The faces of the box stay where they are, half a voxel beyond the outermost centres.
     cubic.size[d] = std::max(1, int(std::lround(lattice.size[d] * spacing[d] / edge)));
     cubic.step[d] = direction * edge;
-    cubic.origin += direction * (0.5 * (lattice.size[d] * spacing[d] - cubic.size[d] * edge) + 0.5 * edge - 0.5 * spacing[d]);
+    cubic.origin += direction * (0.5 * (lattice.size[d] * spacing[d] - cubic.size[d] * edge) + 0.5 * edge -
+                                 0.5 * spacing[d]);
   }
   return cubic;
 }
@@ -44,7 +45,8 @@ ImageLattice latticeAround(const std::vector<LoadedObject>& objects, std::vector
     const openvdb::BBoxd box = shape.transform().indexToWorld(band);
     Vec3d least(1e30), most(-1e30);
     for (int c = 0; c < 8; ++c) {
-      const Vec3d corner(c & 1 ? box.max()[0] : box.min()[0], c & 2 ? box.max()[1] : box.min()[1], c & 4 ? box.max()[2] : box.min()[2]);
+      const Vec3d corner(c & 1 ? box.max()[0] : box.min()[0], c & 2 ? box.max()[1] : box.min()[1],
+                         c & 4 ? box.max()[2] : box.min()[2]);
       const Vec3d v = voxel(corner);
       least = openvdb::math::minComponent(least, v), most = openvdb::math::maxComponent(most, v);
     }
@@ -57,8 +59,9 @@ ImageLattice latticeAround(const std::vector<LoadedObject>& objects, std::vector
   lattice.size = high - low + openvdb::Coord(1);
   lattice.origin = first.toWorld(low.asVec3d());
   if (lattice.size != first.size)
-    notes.push_back("the shapes reach beyond the first image: the result has " + std::to_string(lattice.size[0]) + " x " +
-                    std::to_string(lattice.size[1]) + " x " + std::to_string(lattice.size[2]) +
+    notes.push_back("the shapes reach beyond the first image: the result has " +
+                    std::to_string(lattice.size[0]) + " x " + std::to_string(lattice.size[1]) + " x " +
+                    std::to_string(lattice.size[2]) +
                     " voxels, the first image's own and more around them (--like keeps an image's voxels)");
   return lattice;
 }

@@ -61,8 +61,11 @@ std::vector<Vec3d> readPoints(const std::string& option, const std::string& path
     }
     if (slicer) {
       const std::vector<std::string> fields = parted(line, ',');
-      const std::vector<double> n = fields.size() < 4 ? std::vector<double>() : numbersOf(fields[1] + "," + fields[2] + "," + fields[3], false);
-      if (n.size() != 3) throw InputError(option + ": " + path + ":" + std::to_string(number) + ": no point: " + line);
+      const std::vector<double> n = fields.size() < 4
+                                        ? std::vector<double>()
+                                        : numbersOf(fields[1] + "," + fields[2] + "," + fields[3], false);
+      if (n.size() != 3)
+        throw InputError(option + ": " + path + ":" + std::to_string(number) + ": no point: " + line);
       points.emplace_back(n[0], n[1], n[2]);
       continue;
     }
@@ -75,12 +78,14 @@ std::vector<Vec3d> readPoints(const std::string& option, const std::string& path
     } else if (n.size() == 3) {
       points.emplace_back(n[0], n[1], n[2]);
     } else {
-      throw InputError(option + ": " + path + ":" + std::to_string(number) + ": expected x y z, not '" + line + "'");
+      throw InputError(option + ": " + path + ":" + std::to_string(number) + ": expected x y z, not '" +
+                       line + "'");
     }
   }
   if (points.empty()) throw InputError(option + ": " + path + " holds no points");
   if (stated != 0 && stated != points.size())
-    throw InputError(option + ": " + path + " states " + std::to_string(stated) + " points and holds " + std::to_string(points.size()));
+    throw InputError(option + ": " + path + " states " + std::to_string(stated) + " points and holds " +
+                     std::to_string(points.size()));
   if (ras)
     for (Vec3d& p : points) p[0] = -p[0], p[1] = -p[1];
   return points;
@@ -96,8 +101,8 @@ std::vector<Landmark> readLandmarks(const std::string& option, const std::string
       landmarks.emplace_back();
       for (const std::string& place : parted(mark, '=')) landmarks.back().push_back(placeOf(option, place));
       if (landmarks.back().size() != inputs)
-        throw InputError(option + ": a landmark has " + std::to_string(landmarks.back().size()) + " places for " +
-                         std::to_string(inputs) + " inputs: " + mark);
+        throw InputError(option + ": a landmark has " + std::to_string(landmarks.back().size()) +
+                         " places for " + std::to_string(inputs) + " inputs: " + mark);
     }
     return landmarks;
   }
@@ -109,8 +114,9 @@ std::vector<Landmark> readLandmarks(const std::string& option, const std::string
     const std::vector<Vec3d> points = readPoints(option, files[k]);
     if (k == 0) landmarks.resize(points.size());
     if (points.size() != landmarks.size())
-      throw InputError(option + ": " + files[k] + " holds " + std::to_string(points.size()) + " points, " + files[0] + " " +
-                       std::to_string(landmarks.size()) + "; the n-th of one belongs with the n-th of the others");
+      throw InputError(option + ": " + files[k] + " holds " + std::to_string(points.size()) + " points, " +
+                       files[0] + " " + std::to_string(landmarks.size()) +
+                       "; the n-th of one belongs with the n-th of the others");
     for (size_t i = 0; i < points.size(); ++i) landmarks[i].push_back(points[i]);
   }
   return landmarks;

@@ -3,11 +3,11 @@
 #include "engine/errors.h"
 #include "engine/measure/label_measures.h"
 #include "engine/measure/measure.h"
+#include "engine/rebuild/warp_image.h"
 #include "engine/reconstruct/contour_labels.h"
 #include "engine/reconstruct/contour_surface.h"
 #include "engine/reconstruct/label_level_set.h"
 #include "engine/reconstruct/label_slices.h"
-#include "engine/rebuild/warp_image.h"
 #include "engine/volume/image_shape.h"
 #include "engine/volume/level_set.h"
 #include "engine/volume/manifold.h"
@@ -41,7 +41,8 @@ struct ReconstructSettings {
   double voxelSize = 0;
   ImageOptions image;
   int threads = 0;
-  CLI::Option *threadsGiven = nullptr, *voxelSizeGiven = nullptr, *betweenGiven = nullptr, *everyGiven = nullptr;
+  CLI::Option *threadsGiven = nullptr, *voxelSizeGiven = nullptr, *betweenGiven = nullptr,
+              *everyGiven = nullptr;
   bool quiet = false;
 };
 
@@ -58,33 +59,39 @@ Json describe(const Structure& s, const std::string& file) {
   openvdb::BBoxd box;
   for (const openvdb::Vec3s& p : s.mesh.points) box.expand(Vec3d(p));
   const Vec3d e = box.extents();
-  return {{"label", s.number},     {"name", s.name},     {"file", file},   {"volumeMl", m.volume / 1000},
-          {"areaMm2", m.area},     {"extentsMm", {e[0], e[1], e[2]}},      {"pieces", m.pieces},
-          {"genus", m.genus}};
+  return {{"label", s.number},           {"name", s.name},    {"file", file},
+          {"volumeMl", m.volume / 1000}, {"areaMm2", m.area}, {"extentsMm", {e[0], e[1], e[2]}},
+          {"pieces", m.pieces},          {"genus", m.genus}};
 }
 
 Json describe(const LabelMeasures& m, const std::string& file) {
-  return {{"label", m.label},        {"name", std::to_string(m.label)}, {"file", file}, {"volumeMl", m.volume / 1000},
-          {"areaMm2", m.area},       {"extentsMm", {m.extents[0], m.extents[1], m.extents[2]}},
-          {"pieces", nullptr},       {"genus", nullptr}};
+  return {{"label", m.label},  {"name", std::to_string(m.label)},
+          {"file", file},      {"volumeMl", m.volume / 1000},
+          {"areaMm2", m.area}, {"extentsMm", {m.extents[0], m.extents[1], m.extents[2]}},
+          {"pieces", nullptr}, {"genus", nullptr}};
 }
 
-void writeReports(const ReconstructSettings& s, const std::vector<Json>& rows, const std::vector<std::string>& notes) {
+void writeReports(const ReconstructSettings& s, const std::vector<Json>& rows,
+                  const std::vector<std::string>& notes) {
   for (const std::string& path : s.reports) {
     if (OutputName(path).extension() == ".json") {
       const Json report = {{"input", s.input}, {"notes", notes}, {"structures", rows}};
       writeTextFile(path, report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
       continue;
     }
-    std::string table = "label,name,file,volume_ml,area_mm2,extent_x_mm,extent_y_mm,extent_z_mm,pieces,genus\n";
+    std::string table =
+        "label,name,file,volume_ml,area_mm2,extent_x_mm,extent_y_mm,extent_z_mm,pieces,genus\n";
     for (const Json& row : rows) {
       std::string line;
-      for (const char* key : {"label", "name", "file", "volumeMl", "areaMm2", "extentsMm", "pieces", "genus"}) {
+      for (const char* key :
+           {"label", "name", "file", "volumeMl", "areaMm2", "extentsMm", "pieces", "genus"}) {
         const Json& value = row[key];
         if (value.is_array())
           for (const Json& v : value) line += (line.empty() ? "" : ",") + v.dump();
         else
-          line += (line.empty() ? "" : ",") + (value.is_null() ? std::string() : value.dump(-1, ' ', false, Json::error_handler_t::replace));
+          line +=
+              (line.empty() ? "" : ",") +
+              (value.is_null() ? std::string() : value.dump(-1, ' ', false, Json::error_handler_t::replace));
       }
       table += line + "\n";
     }
@@ -95,10 +102,13 @@ void writeReports(const ReconstructSettings& s, const std::vector<Json>& rows, c
 /// Surfaces as meshes, a file each, or as level sets of one VDB.
 class SurfaceWriter {
  public:
-  SurfaceWriter(const ReconstructSettings& s, size_t count, const std::string& list) : s_(s), name_(s.output) {
+  SurfaceWriter(const ReconstructSettings& s, size_t count, const std::string& list)
+      : s_(s), name_(s.output) {
     if (extensionOf(s.output) == ".vdb" || count < 2 || name_.isSequence()) return;
-    throw InputError("-o " + s.output + " is one file for " + std::to_string(count) +
-                     " surfaces; put #### where their number belongs (name.####.stl), write a .vdb, or choose one: " + list);
+    throw InputError(
+        "-o " + s.output + " is one file for " + std::to_string(count) +
+        " surfaces; put #### where their number belongs (name.####.stl), write a .vdb, or choose one: " +
+        list);
   }
 
   void add(const Structure& structure) {
@@ -167,10 +177,11 @@ GivenSlices everySlice(int axis, int gap, int size) {
 
 std::string described(const GivenSlices& given) {
   const int first = given.at.size() > 1 ? given.at[1] - given.at[0] : 0;
-  const bool even = std::adjacent_find(given.at.begin(), given.at.end(), [&](int a, int b) { return b - a != first; }) == given.at.end();
+  const bool even = std::adjacent_find(given.at.begin(), given.at.end(),
+                                       [&](int a, int b) { return b - a != first; }) == given.at.end();
   return std::to_string(given.at.size()) + " given slices along axis " + std::string(1, "ijk"[given.axis]) +
-         (even ? ", every " + std::to_string(first) : ", unevenly") + ", from " + std::to_string(given.at.front()) + " to " +
-         std::to_string(given.at.back());
+         (even ? ", every " + std::to_string(first) : ", unevenly") + ", from " +
+         std::to_string(given.at.front()) + " to " + std::to_string(given.at.back());
 }
 
 void writeLabelSurfaces(const ReconstructSettings& s, const Image& sparse, const GivenSlices& given,
@@ -187,7 +198,8 @@ void writeLabelSurfaces(const ReconstructSettings& s, const Image& sparse, const
   std::string list;
   for (double v : values)
     if (v != 0) list += (list.empty() ? "" : ", ") + formatNumber(v);
-  SurfaceWriter writer(s, values.size() - size_t(std::count(values.begin(), values.end(), 0.0)), "labels " + list);
+  SurfaceWriter writer(s, values.size() - size_t(std::count(values.begin(), values.end(), 0.0)),
+                       "labels " + list);
   for (size_t rank = 0; rank < values.size(); ++rank) {
     if (values[rank] == 0) continue;
     const FloatGrid::Ptr field = labelLevelSet(scores, int(rank), place);
@@ -197,7 +209,8 @@ void writeLabelSurfaces(const ReconstructSettings& s, const Image& sparse, const
     structure.mesh = makeManifold(surfaceOf(*field)).mesh;
     if (extensionOf(s.output) == ".vdb") {
       const Vec3d spacing = lattice.spacing();
-      structure.grid = voxelise(structure.mesh, s.voxelSize > 0 ? s.voxelSize : std::min({spacing[0], spacing[1], spacing[2]}));
+      structure.grid = voxelise(
+          structure.mesh, s.voxelSize > 0 ? s.voxelSize : std::min({spacing[0], spacing[1], spacing[2]}));
       structure.grid->setGridClass(openvdb::GRID_LEVEL_SET);
     }
     writer.add(structure);
@@ -215,7 +228,9 @@ void reconstructLabels(const ReconstructSettings& s) {
     if (axis < 0) {
       axis = int(openvdb::math::MaxIndex(image.lattice.spacing()));
     }
-    if (image.lattice.size[axis] < 2) throw InputError(s.input + " has one slice along axis " + std::string(1, "ijk"[axis]) + "; a surface needs two or more");
+    if (image.lattice.size[axis] < 2)
+      throw InputError(s.input + " has one slice along axis " + std::string(1, "ijk"[axis]) +
+                       "; a surface needs two or more");
     labelsOf(image);
     image = expanded(image, axis, s.between);
     given = everySlice(axis, s.between + 1, image.lattice.size[axis]);
@@ -223,7 +238,8 @@ void reconstructLabels(const ReconstructSettings& s) {
     try {
       given = findGivenSlices(image, axis, s.every);
     } catch (const InputError& error) {
-      throw InputError(s.input + ": " + error.what() + "; --between N puts N slices between every two of a stack");
+      throw InputError(s.input + ": " + error.what() +
+                       "; --between N puts N slices between every two of a stack");
     }
   }
   notes.push_back(described(given));
@@ -247,7 +263,9 @@ InputName splitContourInput(const std::string& input) {
 }
 
 std::vector<ContourSet> chosenSets(const InputName& name, std::vector<ContourSet> sets) {
-  sets.erase(std::remove_if(sets.begin(), sets.end(), [](const ContourSet& set) { return set.planes.empty(); }), sets.end());
+  sets.erase(
+      std::remove_if(sets.begin(), sets.end(), [](const ContourSet& set) { return set.planes.empty(); }),
+      sets.end());
   if (name.grid.empty()) return sets;
   std::string list;
   for (const ContourSet& set : sets) {
@@ -257,16 +275,19 @@ std::vector<ContourSet> chosenSets(const InputName& name, std::vector<ContourSet
   throw InputError(name.path + " has no structure '" + name.grid + "'; there are " + list);
 }
 
-/// A dense label map of several structures: materials of a CSL file share walls, regions of a structure set may lie in each
-/// other.
+/// A dense label map of several structures: materials of a CSL file share walls, regions of a structure set
+/// may lie in each other.
 void writeContourLabels(const ReconstructSettings& s, const std::vector<ContourSet>& sets,
-                        const std::vector<ContourSurface>& surfaces, bool materials, const std::vector<std::string>& notes) {
+                        const std::vector<ContourSurface>& surfaces, bool materials,
+                        const std::vector<std::string>& notes) {
   double finest = std::numeric_limits<double>::infinity();
   std::vector<int> labels;
-  for (size_t i = 0; i < sets.size(); ++i) finest = std::min(finest, surfaces[i].voxelSize), labels.push_back(sets[i].label);
+  for (size_t i = 0; i < sets.size(); ++i)
+    finest = std::min(finest, surfaces[i].voxelSize), labels.push_back(sets[i].label);
   const ImageLattice on = s.like.empty() ? contourLattice(sets, s.voxelSize > 0 ? s.voxelSize : finest)
                                          : readImage(s.like, s.image).image.lattice;
-  const Image dense = contourLabels(surfaces, labels, on, materials ? SharedVoxel::deepest : SharedVoxel::smallest);
+  const Image dense =
+      contourLabels(surfaces, labels, on, materials ? SharedVoxel::deepest : SharedVoxel::smallest);
   writeImage(s.output, dense);
   if (!s.quiet) std::printf("%s\n", s.output.c_str());
   if (s.reports.empty()) return;
@@ -308,12 +329,14 @@ void reconstructContours(const ReconstructSettings& s, const InputName& name) {
 }
 
 void runReconstruct(const ReconstructSettings& s) {
-  if (axisOf(s.axis) < -1 || (s.axis != "auto" && (s.axis.size() != 1 || std::string("ijk").find(s.axis) == std::string::npos)))
+  if (axisOf(s.axis) < -1 ||
+      (s.axis != "auto" && (s.axis.size() != 1 || std::string("ijk").find(s.axis) == std::string::npos)))
     throw InputError("--axis " + s.axis + ": expected auto, i, j or k, the image's own axes");
   if (s.voxelSizeGiven->count()) checkPositive("--voxel-size", s.voxelSize);
   if (s.everyGiven->count()) checkRange("--every", s.every, 2, 10000);
   if (s.betweenGiven->count()) checkRange("--between", s.between, 1, 1000);
-  if (s.everyGiven->count() && s.betweenGiven->count()) throw InputError("--every and --between exclude each other");
+  if (s.everyGiven->count() && s.betweenGiven->count())
+    throw InputError("--every and --between exclude each other");
   checkOutput(OutputName(s.output).path(1));
   for (const std::string& report : s.reports) {
     checkExtension(report, {".json", ".csv"});
@@ -327,8 +350,10 @@ void runReconstruct(const ReconstructSettings& s) {
     if (isContourFile(contours.path)) return reconstructContours(s, contours);
   }
   if (!isImageInput(s.input))
-    throw InputError(s.input + " is neither a label map (.nii .nii.gz .nrrd .nhdr .mha .mhd, name.####.png|tif) nor contours (.csl, "
-                               "a DICOM RT structure set)");
+    throw InputError(
+        s.input +
+        " is neither a label map (.nii .nii.gz .nrrd .nhdr .mha .mhd, name.####.png|tif) nor contours (.csl, "
+        "a DICOM RT structure set)");
   checkInputExists(s.input);
   reconstructLabels(s);
 }
@@ -336,25 +361,36 @@ void runReconstruct(const ReconstructSettings& s) {
 }  // namespace
 
 void addReconstructCommand(CLI::App& program) {
-  CLI::App* command = program.add_subcommand("reconstruct", "A dense label map or closed surfaces from slices or contours");
+  CLI::App* command =
+      program.add_subcommand("reconstruct", "A dense label map or closed surfaces from slices or contours");
   const auto s = std::make_shared<ReconstructSettings>();
   command
-      ->add_option("INPUT", s->input,
-                   "Label map in which slices are empty, or a stack with --between: .nii .nii.gz .nrrd .nhdr .mha .mhd "
-                   "name.####.tif|png; contours: .csl, a DICOM RT structure set (file:NAME for one structure)")
+      ->add_option(
+          "INPUT", s->input,
+          "Label map in which slices are empty, or a stack with --between: .nii .nii.gz .nrrd .nhdr .mha "
+          ".mhd "
+          "name.####.tif|png; contours: .csl, a DICOM RT structure set (file:NAME for one structure)")
       ->required();
   command
       ->add_option("-o,--output", s->output,
-                   "Result: .nii .nii.gz .nrrd .mha (a dense label map); .obj .ply .stl (surfaces, #### stands for the label); "
+                   "Result: .nii .nii.gz .nrrd .mha (a dense label map); .obj .ply .stl (surfaces, #### "
+                   "stands for the label); "
                    ".vdb (a level set per label)")
       ->required()
       ->type_name("OUTPUT");
-  command->add_option("--axis", s->axis, "Array axis that the slices follow each other along (auto)")->type_name("auto|i|j|k");
-  s->everyGiven = command->add_option("--every", s->every, "Every n-th slice is given, also where it is empty (found)")->type_name("N");
+  command->add_option("--axis", s->axis, "Array axis that the slices follow each other along (auto)")
+      ->type_name("auto|i|j|k");
+  s->everyGiven =
+      command->add_option("--every", s->every, "Every n-th slice is given, also where it is empty (found)")
+          ->type_name("N");
   s->betweenGiven =
-      command->add_option("--between", s->between, "All slices are given; put N between every two of them")->type_name("N");
-  s->voxelSizeGiven = command->add_option("--voxel-size", s->voxelSize, "Edge of a voxel of surfaces, millimetres (found)")->type_name("H");
-  command->add_option("--like", s->like, "Put the dense label map on the voxels of this image")->type_name("IMAGE");
+      command->add_option("--between", s->between, "All slices are given; put N between every two of them")
+          ->type_name("N");
+  s->voxelSizeGiven =
+      command->add_option("--voxel-size", s->voxelSize, "Edge of a voxel of surfaces, millimetres (found)")
+          ->type_name("H");
+  command->add_option("--like", s->like, "Put the dense label map on the voxels of this image")
+      ->type_name("IMAGE");
   addSpacingOption(*command, s->image);
   command->add_option("--report", s->reports, "Volume, area and extents of every label")
       ->type_name("FILE.json|FILE.csv")

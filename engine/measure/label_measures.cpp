@@ -10,8 +10,9 @@ namespace slicemorph {
 namespace {
 
 constexpr int kDirections = 13;
-constexpr int kSteps[kDirections][3] = {{1, 0, 0},  {0, 1, 0},  {0, 0, 1},  {1, 1, 0},   {1, -1, 0}, {1, 0, 1},  {1, 0, -1},
-                                        {0, 1, 1},  {0, 1, -1}, {1, 1, 1},  {1, 1, -1}, {1, -1, 1}, {1, -1, -1}};
+constexpr int kSteps[kDirections][3] = {{1, 0, 0},  {0, 1, 0},  {0, 0, 1},  {1, 1, 0},  {1, -1, 0},
+                                        {1, 0, 1},  {1, 0, -1}, {0, 1, 1},  {0, 1, -1}, {1, 1, 1},
+                                        {1, 1, -1}, {1, -1, 1}, {1, -1, -1}};
 
 /// Share of all directions that lie nearest each of the 13, times the area that belongs to one of its lines.
 std::array<double, kDirections> lineAreas(const ImageLattice& lattice) {
@@ -20,14 +21,16 @@ std::array<double, kDirections> lineAreas(const ImageLattice& lattice) {
   std::array<double, kDirections> area{};
   const double voxel = std::abs(lattice.step[0].dot(lattice.step[1].cross(lattice.step[2])));
   for (int n = 0; n < kDirections; ++n)
-    direction[n] = kSteps[n][0] * lattice.step[0] + kSteps[n][1] * lattice.step[1] + kSteps[n][2] * lattice.step[2];
+    direction[n] =
+        kSteps[n][0] * lattice.step[0] + kSteps[n][1] * lattice.step[1] + kSteps[n][2] * lattice.step[2];
   for (int i = 0; i < kPoints; ++i) {  // spiral of even density on half a sphere
     const double z = (i + 0.5) / kPoints, turn = i * M_PI * (3 - std::sqrt(5.0)), r = std::sqrt(1 - z * z);
     const Vec3d p(r * std::cos(turn), r * std::sin(turn), z);
     int nearest = 0;
     double most = -1;
     for (int n = 0; n < kDirections; ++n)
-      if (const double c = std::abs(p.dot(direction[n])) / direction[n].length(); c > most) most = c, nearest = n;
+      if (const double c = std::abs(p.dot(direction[n])) / direction[n].length(); c > most)
+        most = c, nearest = n;
     area[size_t(nearest)] += 1.0 / kPoints;
   }
   for (int n = 0; n < kDirections; ++n) area[size_t(n)] *= voxel / direction[n].length();
@@ -56,7 +59,8 @@ Tallies tally(const ImageLattice& lattice, const Value& value) {
   tbb::parallel_for(0, n[2], [&](int k) {
     Tallies& slice = slices[size_t(k)];
     const auto at = [&](int x, int y, int z) {
-      return x < 0 || y < 0 || z < 0 || x >= n[0] || y >= n[1] || z >= n[2] ? std::int64_t(0) : value(lattice.index(x, y, z));
+      return x < 0 || y < 0 || z < 0 || x >= n[0] || y >= n[1] || z >= n[2] ? std::int64_t(0)
+                                                                            : value(lattice.index(x, y, z));
     };
     Tally* last = nullptr;
     std::int64_t lastLabel = 0;
@@ -71,7 +75,8 @@ Tallies tally(const ImageLattice& lattice, const Value& value) {
         // Each voxel looks both ways and counts its own changes.
         for (int d = 0; d < kDirections; ++d) {
           const int* s = kSteps[d];
-          last->changes[size_t(d)] += size_t(at(i + s[0], j + s[1], k + s[2]) != label) + size_t(at(i - s[0], j - s[1], k - s[2]) != label);
+          last->changes[size_t(d)] += size_t(at(i + s[0], j + s[1], k + s[2]) != label) +
+                                      size_t(at(i - s[0], j - s[1], k - s[2]) != label);
         }
       }
   });
@@ -104,7 +109,8 @@ std::vector<LabelMeasures> measured(const ImageLattice& lattice, const Tallies& 
 std::vector<LabelMeasures> measureLabels(const Image& labels) {
   return std::visit(
       [&](const auto& values) {
-        return measured(labels.lattice, tally(labels.lattice, [&](size_t i) { return std::int64_t(values[i]); }));
+        return measured(labels.lattice,
+                        tally(labels.lattice, [&](size_t i) { return std::int64_t(values[i]); }));
       },
       labels.values);
 }
@@ -113,7 +119,8 @@ LabelMeasures measureAbove(const Image& image, double iso) {
   return std::visit(
       [&](const auto& values) {
         const auto found =
-            measured(image.lattice, tally(image.lattice, [&](size_t i) { return std::int64_t(double(values[i]) > iso); }));
+            measured(image.lattice,
+                     tally(image.lattice, [&](size_t i) { return std::int64_t(double(values[i]) > iso); }));
         return found.empty() ? LabelMeasures() : found[0];
       },
       image.values);

@@ -34,8 +34,8 @@ class Places {
     }
   }
 
-  /// The places of image k along the stretch of a row that begins at voxel (i, j, k) and ends before the next node: the first
-  /// one and the way from each to the next.
+  /// The places of image k along the stretch of a row that begins at voxel (i, j, k) and ends before the next
+  /// node: the first one and the way from each to the next.
   struct Stretch {
     Vec3f at, step;
     int length;
@@ -43,10 +43,12 @@ class Places {
   Stretch stretch(size_t image, const openvdb::Coord& v) const {
     const openvdb::Vec3i& s = nodes_.step;
     const openvdb::Coord node(v[0] / s[0], v[1] / s[1], v[2] / s[2]);
-    const float fy = float(v[1] - node[1] * s[1]) / float(s[1]), fz = float(v[2] - node[2] * s[2]) / float(s[2]);
+    const float fy = float(v[1] - node[1] * s[1]) / float(s[1]),
+                fz = float(v[2] - node[2] * s[2]) / float(s[2]);
     const auto column = [&](int i) {
       const Vec3f low = at(image, i, node[1], node[2]) * (1 - fy) + at(image, i, node[1] + 1, node[2]) * fy;
-      const Vec3f high = at(image, i, node[1], node[2] + 1) * (1 - fy) + at(image, i, node[1] + 1, node[2] + 1) * fy;
+      const Vec3f high =
+          at(image, i, node[1], node[2] + 1) * (1 - fy) + at(image, i, node[1] + 1, node[2] + 1) * fy;
       return low * (1 - fz) + high * fz;
     };
     const Vec3f first = column(node[0]), step = (column(node[0] + 1) - first) / float(s[0]);
@@ -68,14 +70,17 @@ class Places {
   }
 
  private:
-  const Vec3f& at(size_t image, int i, int j, int k) const { return at_[nodes_.map.index(i, j, k) * images_ + image]; }
+  const Vec3f& at(size_t image, int i, int j, int k) const {
+    return at_[nodes_.map.index(i, j, k) * images_ + image];
+  }
 
   const ImageNodes& nodes_;
   size_t images_;
   std::vector<Vec3f> at_;  ///< per node and image, voxels
 };
 
-/// Trilinear values of an image; beyond its outermost voxel centres by half a voxel that of the nearest, further out `outside`.
+/// Trilinear values of an image; beyond its outermost voxel centres by half a voxel that of the nearest,
+/// further out `outside`.
 template <typename T>
 class Sampler {
  public:
@@ -111,7 +116,9 @@ class Sampler {
     double sum = 0;
     for (int c = 0; c < 8; ++c) {
       const double w = (c & 1 ? f[0] : 1 - f[0]) * (c & 2 ? f[1] : 1 - f[1]) * (c & 4 ? f[2] : 1 - f[2]);
-      if (w > 0) sum += w * double(values_[size_t(at[2] + (c >> 2)) * z_ + size_t(at[1] + (c >> 1 & 1)) * y_ + size_t(at[0] + (c & 1))]);
+      if (w > 0)
+        sum += w * double(values_[size_t(at[2] + (c >> 2)) * z_ + size_t(at[1] + (c >> 1 & 1)) * y_ +
+                                  size_t(at[0] + (c & 1))]);
     }
     return sum;
   }
@@ -128,14 +135,17 @@ ImageValues commonValues(const std::vector<const Image*>& images, size_t count) 
   for (const Image* image : images) {
     const size_t type = image->values.index();
     same &= type == images[0]->values.index();
-    whole &= type <= 3, wide |= type == 3 || type == 5, negative |= type == 1 || type == 3, large |= type == 2 || type == 3;
+    whole &= type <= 3, wide |= type == 3 || type == 5, negative |= type == 1 || type == 3,
+        large |= type == 2 || type == 3;
   }
   if (same) {
-    return std::visit([&](const auto& v) -> ImageValues { return std::decay_t<decltype(v)>(count); }, images[0]->values);
+    return std::visit([&](const auto& v) -> ImageValues { return std::decay_t<decltype(v)>(count); },
+                      images[0]->values);
   }
   if (!whole) return wide ? ImageValues(std::vector<double>(count)) : ImageValues(std::vector<float>(count));
   if (wide || (negative && large)) return std::vector<std::int32_t>(count);
-  return negative ? ImageValues(std::vector<std::int16_t>(count)) : ImageValues(std::vector<std::uint16_t>(count));
+  return negative ? ImageValues(std::vector<std::int16_t>(count))
+                  : ImageValues(std::vector<std::uint16_t>(count));
 }
 
 template <typename T>
@@ -188,7 +198,9 @@ class Straight {
   Vec3d at(int i, int j, int k) const { return origin_ + i * step_[0] + j * step_[1] + k * step_[2]; }
 
  private:
-  static double snapped(double v, double slack) { return std::abs(v - std::rint(v)) < slack ? std::rint(v) : v; }
+  static double snapped(double v, double slack) {
+    return std::abs(v - std::rint(v)) < slack ? std::rint(v) : v;
+  }
   Vec3d origin_, step_[3];
 };
 
@@ -216,8 +228,8 @@ double slopeAt(const Image& image, double iso) {
       image.values);
 }
 
-/// Keeps an in-between's surface where its shape has it: values inside stay above the blended iso value and those outside
-/// below, by the usual slope within a voxel of the surface.
+/// Keeps an in-between's surface where its shape has it: values inside stay above the blended iso value and
+/// those outside below, by the usual slope within a voxel of the surface.
 class KeptSurface {
  public:
   KeptSurface(const std::vector<CarriedImage>& images, const ImageLattice& on) {
@@ -251,19 +263,23 @@ class Depths {
     for (const CarriedImage& c : images) {
       voxels_.emplace_back(c.image->lattice);
       reach_ += c.weight * c.size * kReach * c.field->voxelSize();
-      for (int d = 0; d < 3; ++d) offset_.push_back((voxels_.back().inverse * (c.anchor - voxels_.back().origin))[d]);
+      for (int d = 0; d < 3; ++d)
+        offset_.push_back((voxels_.back().inverse * (c.anchor - voxels_.back().origin))[d]);
     }
     findCells();
   }
 
-  bool near(const openvdb::Coord& node) const { return !near_.empty() && near_[nodes_.map.index(node[0], node[1], node[2])]; }
+  bool near(const openvdb::Coord& node) const {
+    return !near_.empty() && near_[nodes_.map.index(node[0], node[1], node[2])];
+  }
 
   /// What one task works with.
   struct Scratch {
     std::vector<DistanceField::Sampler> samplers;
     std::vector<float> distance;
-    std::vector<Vec3f> place, first, step;  ///< world, relative to the fields' anchors; first and step: of a stretch
-    std::vector<Vec3f> voxel;               ///< result: where each image is to be looked up, in its own voxels
+    std::vector<Vec3f> place, first,
+        step;                  ///< world, relative to the fields' anchors; first and step: of a stretch
+    std::vector<Vec3f> voxel;  ///< result: where each image is to be looked up, in its own voxels
   };
   Scratch scratch() const {
     Scratch s;
@@ -278,13 +294,15 @@ class Depths {
     const int across = nodes_.step[0], offset = v[0] % across;
     for (size_t c = 0; c < images_.size(); ++c) {
       const openvdb::Coord node(v[0] - offset, v[1], v[2]);
-      const Vec3f low = placeOf(images_[c].shape, node), high = placeOf(images_[c].shape, node.offsetBy(across, 0, 0));
+      const Vec3f low = placeOf(images_[c].shape, node),
+                  high = placeOf(images_[c].shape, node.offsetBy(across, 0, 0));
       s.step[c] = (high - low) / float(across);
       s.first[c] = low + s.step[c] * float(offset);
     }
   }
 
-  /// Where each image is to be looked up for the n-th voxel of the stretch. Returns the in-between's distance.
+  /// Where each image is to be looked up for the n-th voxel of the stretch. Returns the in-between's
+  /// distance.
   float find(int n, Scratch& s) const {
     float blended = 0;
     bool away = true;
@@ -294,11 +312,13 @@ class Depths {
       blended += float(images_[c].weight * images_[c].size) * s.distance[c];
     }
     for (size_t c = 0; c < images_.size() && away; ++c)
-      away = (s.distance[c] < 0) == (blended < 0) && std::abs(s.distance[c]) > float(images_[c].field->voxelSize());
+      away = (s.distance[c] < 0) == (blended < 0) &&
+             std::abs(s.distance[c]) > float(images_[c].field->voxelSize());
     if (!(away && std::abs(blended) > float(reach_))) blended = match(s);
     for (size_t c = 0; c < images_.size(); ++c) {
       const Vec3d p = voxels_[c].inverse * Vec3d(s.place[c]);
-      s.voxel[c] = Vec3f(float(p[0] + offset_[3 * c]), float(p[1] + offset_[3 * c + 1]), float(p[2] + offset_[3 * c + 2]));
+      s.voxel[c] = Vec3f(float(p[0] + offset_[3 * c]), float(p[1] + offset_[3 * c + 1]),
+                         float(p[2] + offset_[3 * c + 2]));
     }
     return blended;
   }
@@ -320,7 +340,8 @@ class Depths {
       const CarriedImage& image = images_[c];
       const float target = blended / float(image.size);
       const bool otherSide = (s.distance[c] < 0) != (blended < 0);
-      const float wrong = otherSide ? std::min(std::abs(s.distance[c]) / float(image.field->voxelSize()), 1.f) : 0.f;
+      const float wrong =
+          otherSide ? std::min(std::abs(s.distance[c]) / float(image.field->voxelSize()), 1.f) : 0.f;
       const float share = std::max(fade, wrong);
       const float level = s.distance[c] + share * (target - s.distance[c]);
       if (share > 0) s.place[c] = moved(c, s.place[c], s.distance[c], level, s.samplers[c]);
@@ -328,17 +349,22 @@ class Depths {
     return blended;
   }
 
-  /// A place moved along the way to the surface to where its distance is `level`; a little way by the gradient there, a long
-  /// one by way of the nearest surface point. Where the wall is thinner than that, just inside.
-  Vec3f moved(size_t c, const Vec3f& place, float distance, float level, const DistanceField::Sampler& sampler) const {
+  /// A place moved along the way to the surface to where its distance is `level`; a little way by the
+  /// gradient there, a long one by way of the nearest surface point. Where the wall is thinner than that,
+  /// just inside.
+  Vec3f moved(size_t c, const Vec3f& place, float distance, float level,
+              const DistanceField::Sampler& sampler) const {
     const CarriedImage& image = images_[c];
     const float voxel = float(image.field->voxelSize()), way = level - distance;
     if (std::abs(way) < 0.05f * voxel) return place;
-    if (std::abs(way) < 1.5f * voxel) return place + Vec3f(image.field->gradient(image.anchor + Vec3d(place))) * way;
+    if (std::abs(way) < 1.5f * voxel)
+      return place + Vec3f(image.field->gradient(image.anchor + Vec3d(place))) * way;
     const Vec3d surface = image.field->closest(image.anchor + Vec3d(place));
     const Vec3f at(surface - image.anchor), outwards(image.field->gradient(surface));
     const Vec3f there = at + outwards * level;
-    return (sampler(there) < 0) == (level < 0) ? there : at + outwards * std::copysign(std::min(0.5f * voxel, std::abs(level)), level);
+    return (sampler(there) < 0) == (level < 0)
+               ? there
+               : at + outwards * std::copysign(std::min(0.5f * voxel, std::abs(level)), level);
   }
 
   Vec3f placeOf(size_t shape, const openvdb::Coord& v) const {
@@ -352,7 +378,9 @@ class Depths {
     Vec3f sum(0.f);
     for (int c = 0; c < 8; ++c) {
       const float w = (c & 1 ? f[0] : 1 - f[0]) * (c & 2 ? f[1] : 1 - f[1]) * (c & 4 ? f[2] : 1 - f[2]);
-      sum += w * map.at[map.index(node[0] + (c & 1), node[1] + (c >> 1 & 1), node[2] + (c >> 2)) * map.objects + shape];
+      sum +=
+          w * map.at[map.index(node[0] + (c & 1), node[1] + (c >> 1 & 1), node[2] + (c >> 2)) * map.objects +
+                     shape];
     }
     return sum;
   }
@@ -376,7 +404,8 @@ class Depths {
       for (int j = 0; j + 1 < map.size[1]; ++j)
         for (int i = 0; i + 1 < map.size[0]; ++i) {
           char any = 0;
-          for (int c = 0; c < 8; ++c) any |= nodeNear[map.index(o[0] + i + (c & 1), o[1] + j + (c >> 1 & 1), o[2] + k + (c >> 2))];
+          for (int c = 0; c < 8; ++c)
+            any |= nodeNear[map.index(o[0] + i + (c & 1), o[1] + j + (c >> 1 & 1), o[2] + k + (c >> 2))];
           near_[map.index(o[0] + i, o[1] + j, o[2] + k)] = any;
         }
   }
@@ -426,7 +455,8 @@ Image warpImages(const std::vector<CarriedImage>& images, const ImageNodes& node
           using T = typename std::decay_t<decltype(values)>::value_type;
           const Sampler<T> sampler(*lattices[c], values);
           sample.push_back([sampler](const Vec3f& p) { return sampler.at(p); });
-          addRow.push_back([&places, &on, &depths, &nodes, sampler, c, weight = images[c].weight](std::vector<double>& row, int j, int k) {
+          addRow.push_back([&places, &on, &depths, &nodes, sampler, c, weight = images[c].weight](
+                               std::vector<double>& row, int j, int k) {
             for (int i = 0; i < on.size[0];) {
               const Places::Stretch s = places.stretch(c, {i, j, k});
               const int end = std::min(i + s.length, on.size[0]);
@@ -434,7 +464,8 @@ Image warpImages(const std::vector<CarriedImage>& images, const ImageNodes& node
                 i = end;
                 continue;
               }
-              for (int n = 0; i < end; ++i, ++n) row[size_t(i)] += weight * sampler.at(s.at + s.step * float(n));
+              for (int n = 0; i < end; ++i, ++n)
+                row[size_t(i)] += weight * sampler.at(s.at + s.step * float(n));
             }
           });
         },
@@ -452,7 +483,8 @@ Image warpImages(const std::vector<CarriedImage>& images, const ImageNodes& node
         depths.begin({i, j, k}, *scratch);
         for (int v = i; v < end; ++v) {
           const float distance = depths.find(v - i, *scratch);
-          for (size_t c = 0; c < images.size(); ++c) row[size_t(v)] += images[c].weight * sample[c](scratch->voxel[c]);
+          for (size_t c = 0; c < images.size(); ++c)
+            row[size_t(v)] += images[c].weight * sample[c](scratch->voxel[c]);
           row[size_t(v)] = kept.at(row[size_t(v)], distance);
         }
       }
@@ -540,7 +572,8 @@ Image warpLabels(const std::vector<CarriedLabels>& labels, const ImageNodes& nod
               float most = labels[c].labels->depth(labels[c].labels->all(), p);
               for (size_t l = 0; l < candidates.size(); ++l) {
                 const LabelField::Label* field = fieldOf[c][size_t(candidates[l])];
-                const float depth = field ? labels[c].labels->depth(*field, p) : absent[size_t(candidates[l])];
+                const float depth =
+                    field ? labels[c].labels->depth(*field, p) : absent[size_t(candidates[l])];
                 if (!field) most = std::max(most, depth);
                 blended[l] += weight * depth;
               }

@@ -43,7 +43,8 @@ Solid solidOf(const FloatGrid& grid, int label) {
 
 bool before(const Solid& a, const Solid& b) {
   if (a.volume != b.volume) return a.volume < b.volume;
-  return std::lexicographical_compare(a.middle.asPointer(), a.middle.asPointer() + 3, b.middle.asPointer(), b.middle.asPointer() + 3);
+  return std::lexicographical_compare(a.middle.asPointer(), a.middle.asPointer() + 3, b.middle.asPointer(),
+                                      b.middle.asPointer() + 3);
 }
 
 template <typename Value>
@@ -119,7 +120,8 @@ double anchorOf(const std::vector<double>& heights, double step) {
   int most = 0;
   for (double anchor : heights) {
     int count = 0;
-    for (double h : heights) count += std::abs((h - anchor) / step - std::round((h - anchor) / step)) < kOnPlane;
+    for (double h : heights)
+      count += std::abs((h - anchor) / step - std::round((h - anchor) / step)) < kOnPlane;
     if (count > most) most = count, best = anchor;
   }
   return best;
@@ -127,23 +129,28 @@ double anchorOf(const std::vector<double>& heights, double step) {
 
 }  // namespace
 
-Image contourLabels(const std::vector<ContourSurface>& surfaces, const std::vector<int>& labels, const ImageLattice& on,
-                    SharedVoxel rule) {
+Image contourLabels(const std::vector<ContourSurface>& surfaces, const std::vector<int>& labels,
+                    const ImageLattice& on, SharedVoxel rule) {
   if (surfaces.size() != labels.size())
-    throw InputError(std::to_string(labels.size()) + " labels for " + std::to_string(surfaces.size()) + " surfaces; one each");
-  if (on.size[0] <= 0 || on.size[1] <= 0 || on.size[2] <= 0) throw InputError("the lattice of the labels has no voxels");
+    throw InputError(std::to_string(labels.size()) + " labels for " + std::to_string(surfaces.size()) +
+                     " surfaces; one each");
+  if (on.size[0] <= 0 || on.size[1] <= 0 || on.size[2] <= 0)
+    throw InputError("the lattice of the labels has no voxels");
   std::vector<Solid> solids;
   int most = 0;
   for (size_t i = 0; i < surfaces.size(); ++i) {
-    if (labels[i] < 1 || labels[i] > 65535) throw InputError("label " + std::to_string(labels[i]) + " is not in 1..65535");
+    if (labels[i] < 1 || labels[i] > 65535)
+      throw InputError("label " + std::to_string(labels[i]) + " is not in 1..65535");
     most = std::max(most, labels[i]);
     solids.push_back(solidOf(*surfaces[i].grid, labels[i]));
   }
   std::stable_sort(solids.begin(), solids.end(), before);
   Image image;
   image.lattice = on;
-  if (most < 256) image.values = paint<std::uint8_t>(solids, on, rule);
-  else image.values = paint<std::uint16_t>(solids, on, rule);
+  if (most < 256)
+    image.values = paint<std::uint8_t>(solids, on, rule);
+  else
+    image.values = paint<std::uint16_t>(solids, on, rule);
   return image;
 }
 
@@ -170,7 +177,8 @@ ImageLattice contourLattice(const std::vector<ContourSet>& sets, double voxelSiz
   }
   Vec3d low(1e300), high(-1e300);
   forPoints(sets, [&](const Vec3d& p) {
-    for (int a = 0; a < 3; ++a) low[a] = std::min(low[a], p.dot(directions[a])), high[a] = std::max(high[a], p.dot(directions[a]));
+    for (int a = 0; a < 3; ++a)
+      low[a] = std::min(low[a], p.dot(directions[a])), high[a] = std::max(high[a], p.dot(directions[a]));
   });
   ImageLattice lattice;
   lattice.origin = Vec3d(0.0);

@@ -28,7 +28,9 @@ T commonest(const ImageLattice& lattice, const std::vector<T>& values) {
   for (int k = 0; k < n[2]; ++k)
     for (int j : {0, n[1] - 1})
       for (int i = 0; i < n[0]; ++i) add(i, j, k);
-  return std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.second < b.second; })->first;
+  return std::max_element(counts.begin(), counts.end(),
+                          [](const auto& a, const auto& b) { return a.second < b.second; })
+      ->first;
 }
 
 template <typename GridType, typename T>
@@ -42,7 +44,8 @@ GridBase::Ptr filled(const ImageLattice& lattice, const std::vector<T>& values) 
   std::vector<std::unique_ptr<Leaf>> row(size_t(blocks[0]) * blocks[1]);
   for (int bk = 0; bk < blocks[2]; ++bk) {
     tbb::parallel_for(size_t(0), row.size(), [&](size_t b) {
-      const openvdb::Coord origin(int(b % size_t(blocks[0])) * kLeaf, int(b / size_t(blocks[0])) * kLeaf, bk * kLeaf);
+      const openvdb::Coord origin(int(b % size_t(blocks[0])) * kLeaf, int(b / size_t(blocks[0])) * kLeaf,
+                                  bk * kLeaf);
       auto leaf = std::make_unique<Leaf>(origin, background);
       const openvdb::Coord end = openvdb::Coord::minComponent(origin + openvdb::Coord(kLeaf), n);
       for (int k = origin[2]; k < end[2]; ++k)
@@ -60,15 +63,18 @@ GridBase::Ptr filled(const ImageLattice& lattice, const std::vector<T>& values) 
 }
 
 template <typename T>
-bool fill(const GridBase& grid, const ImageLattice& lattice, const openvdb::Coord& first, std::vector<T>& values) {
-  using Types = openvdb::TypeList<FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid, openvdb::Int64Grid, openvdb::BoolGrid>;
+bool fill(const GridBase& grid, const ImageLattice& lattice, const openvdb::Coord& first,
+          std::vector<T>& values) {
+  using Types = openvdb::TypeList<FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid, openvdb::Int64Grid,
+                                  openvdb::BoolGrid>;
   values.resize(lattice.count());
   return grid.apply<Types>([&](const auto& typed) {
     tbb::parallel_for(0, lattice.size[2], [&](int k) {
       const auto accessor = typed.getConstAccessor();
       size_t at = lattice.index(0, 0, k);
       for (int j = 0; j < lattice.size[1]; ++j)
-        for (int i = 0; i < lattice.size[0]; ++i) values[at++] = T(accessor.getValue(first + openvdb::Coord(i, j, k)));
+        for (int i = 0; i < lattice.size[0]; ++i)
+          values[at++] = T(accessor.getValue(first + openvdb::Coord(i, j, k)));
     });
   });
 }
@@ -118,7 +124,8 @@ GridBase::Ptr gridOf(const Image& image, const std::string& name, bool labels) {
 }
 
 Image imageOf(const GridBase& grid) {
-  if (!grid.transform().isLinear()) throw InputError("the grid '" + grid.getName() + "' has no linear transform and makes no image");
+  if (!grid.transform().isLinear())
+    throw InputError("the grid '" + grid.getName() + "' has no linear transform and makes no image");
   Image image;
   openvdb::Coord first(0);
   const auto size = grid.getMetadata<openvdb::Vec3IMetadata>("image_size");
@@ -138,8 +145,11 @@ Image imageOf(const GridBase& grid) {
   }
   image.lattice.origin = image.lattice.toWorld(first.asVec3d());
   image.values = valuesOfType(type ? type->value() : grid.valueType());
-  const bool known = std::visit([&](auto& values) { return fill(grid, image.lattice, first, values); }, image.values);
-  if (!known) throw InputError("the grid '" + grid.getName() + "' holds " + grid.valueType() + ", no numbers, and makes no image");
+  const bool known =
+      std::visit([&](auto& values) { return fill(grid, image.lattice, first, values); }, image.values);
+  if (!known)
+    throw InputError("the grid '" + grid.getName() + "' holds " + grid.valueType() +
+                     ", no numbers, and makes no image");
   return image;
 }
 

@@ -28,7 +28,8 @@ struct Block {
 
 /// `value(index)`: of a voxel, above `iso` inside.
 template <typename Value>
-FloatGrid::Ptr shapeOf(const ImageLattice& lattice, float iso, float outside, float inside, const Value& value) {
+FloatGrid::Ptr shapeOf(const ImageLattice& lattice, float iso, float outside, float inside,
+                       const Value& value) {
   auto grid = FloatGrid::create(outside);
   grid->setTransform(transformOf(lattice));
   grid->setGridClass(openvdb::GRID_FOG_VOLUME);
@@ -36,10 +37,12 @@ FloatGrid::Ptr shapeOf(const ImageLattice& lattice, float iso, float outside, fl
   std::vector<Block> layer(size_t(blocks[0]) * blocks[1]);
   for (int bk = 0; bk < blocks[2]; ++bk) {
     tbb::parallel_for(size_t(0), layer.size(), [&](size_t b) {
-      const openvdb::Coord origin(int(b % size_t(blocks[0])) * kLeaf, int(b / size_t(blocks[0])) * kLeaf, bk * kLeaf);
+      const openvdb::Coord origin(int(b % size_t(blocks[0])) * kLeaf, int(b / size_t(blocks[0])) * kLeaf,
+                                  bk * kLeaf);
       // With a voxel around, so that the surface between blocks lies where the values say.
       const openvdb::Coord low = origin - openvdb::Coord(1), high = origin + openvdb::Coord(kLeaf);
-      bool above = false, below = low[0] < 0 || low[1] < 0 || low[2] < 0 || high[0] >= n[0] || high[1] >= n[1] || high[2] >= n[2];
+      bool above = false, below = low[0] < 0 || low[1] < 0 || low[2] < 0 || high[0] >= n[0] ||
+                                  high[1] >= n[1] || high[2] >= n[2];
       for (int k = std::max(low[2], 0); k <= std::min(high[2], n[2] - 1); ++k)
         for (int j = std::max(low[1], 0); j <= std::min(high[1], n[1] - 1); ++j)
           for (int i = std::max(low[0], 0); i <= std::min(high[0], n[0] - 1); ++i)
@@ -53,7 +56,8 @@ FloatGrid::Ptr shapeOf(const ImageLattice& lattice, float iso, float outside, fl
             layer[b].leaf->setValueOn(Leaf::coordToOffset({i, j, k}), value(lattice.index(i, j, k)));
     });
     for (size_t b = 0; b < layer.size(); ++b) {
-      const openvdb::Coord origin(int(b % size_t(blocks[0])) * kLeaf, int(b / size_t(blocks[0])) * kLeaf, bk * kLeaf);
+      const openvdb::Coord origin(int(b % size_t(blocks[0])) * kLeaf, int(b / size_t(blocks[0])) * kLeaf,
+                                  bk * kLeaf);
       if (layer[b].leaf)
         grid->tree().addLeaf(layer[b].leaf.release());
       else if (layer[b].inside)
@@ -80,7 +84,9 @@ Range rangeOf(const std::vector<T>& values) {
         }
         return r;
       },
-      [](const Range& a, const Range& b) { return Range{std::min(a.low, b.low), std::max(a.high, b.high)}; });
+      [](const Range& a, const Range& b) {
+        return Range{std::min(a.low, b.low), std::max(a.high, b.high)};
+      });
 }
 
 }  // namespace
@@ -91,7 +97,8 @@ FloatGrid::Ptr shapeAbove(const Image& image, double iso) {
         const Range range = rangeOf(values);
         if (!(range.low < iso && iso < range.high)) {
           std::ostringstream why;
-          why << "the image has no surface at " << iso << ": its values run from " << range.low << " to " << range.high;
+          why << "the image has no surface at " << iso << ": its values run from " << range.low << " to "
+              << range.high;
           throw GeometryError(why.str());
         }
         return shapeOf(image.lattice, float(iso), float(range.low), float(range.high),
@@ -112,7 +119,8 @@ FloatGrid::Ptr shapeOfLabel(const Image& labels, std::int64_t label) {
   return std::visit(
       [&](const auto& values) {
         using T = typename std::decay_t<decltype(values)>::value_type;
-        return shapeOf(labels.lattice, 0.5f, 0, 1, [&](size_t i) { return values[i] == T(label) ? 1.f : 0.f; });
+        return shapeOf(labels.lattice, 0.5f, 0, 1,
+                       [&](size_t i) { return values[i] == T(label) ? 1.f : 0.f; });
       },
       labels.values);
 }
@@ -130,14 +138,17 @@ double otsuValue(const Image& image) {
         double total = 0, sum = 0;
         for (size_t b = 0; b < kBins; ++b) total += count[b], sum += count[b] * (double(b) + 0.5);
         double below = 0, sumBelow = 0, most = -1;
-        size_t first = 0, last = 0;  // between two far lumps many bins part them equally well: the middle one is taken
+        size_t first = 0,
+               last = 0;  // between two far lumps many bins part them equally well: the middle one is taken
         for (size_t b = 0; b + 1 < kBins; ++b) {
           below += count[b], sumBelow += count[b] * (double(b) + 0.5);
           if (below == 0 || below == total) continue;
           const double apart = sumBelow / below - (sum - sumBelow) / (total - below);
           const double between = below * (total - below) * apart * apart;
-          if (between > most * (1 + 1e-12)) most = between, first = last = b;
-          else if (between >= most * (1 - 1e-12)) last = b;
+          if (between > most * (1 + 1e-12))
+            most = between, first = last = b;
+          else if (between >= most * (1 - 1e-12))
+            last = b;
         }
         return range.low + (0.5 * double(first + last) + 1) / scale;
       },

@@ -77,7 +77,8 @@ LabelField::LabelField(const Image& image) : lattice_(image.lattice), spacing_(i
             for (int j = box.min()[1]; j <= box.max()[1]; ++j)
               for (int i = box.min()[0]; i <= box.max()[0]; ++i) {
                 if (values[lattice_.index(i, j, k)] != T(labels_[l].value)) continue;
-                auto& list = inBlock_[(size_t(k / kBlock) * blocks_[1] + j / kBlock) * blocks_[0] + i / kBlock];
+                auto& list =
+                    inBlock_[(size_t(k / kBlock) * blocks_[1] + j / kBlock) * blocks_[0] + i / kBlock];
                 if (list.empty() || list.back() != int(l)) list.push_back(int(l));
               }
         }
@@ -105,7 +106,8 @@ float LabelField::depth(const Label& label, const openvdb::Vec3f& voxel) const {
   const float* v = &label.distance[(size_t(at[2]) * size[1] + at[1]) * size[0] + at[0]];
   const size_t y = size_t(size[0]), z = y * size_t(size[1]);
   const auto line = [&](const float* p) { return p[0] + f[0] * (p[1] - p[0]); };
-  const float a = line(v) + f[1] * (line(v + y) - line(v)), b = line(v + z) + f[1] * (line(v + z + y) - line(v + z));
+  const float a = line(v) + f[1] * (line(v + y) - line(v)),
+              b = line(v + z) + f[1] * (line(v + z + y) - line(v + z));
   const float inside = a + f[2] * (b - a);
   return away > 0 ? std::min(inside, 0.f) - std::sqrt(away) : inside;
 }

@@ -47,28 +47,31 @@ std::string bytesOf(const std::string& path) {
   return bytes;
 }
 
-/// None where a file is no DICOM file. Throws IoError where it is a damaged one: every element is walked over, for GDCM
-/// aborts the program on files that were cut short.
+/// None where a file is no DICOM file. Throws IoError where it is a damaged one: every element is walked
+/// over, for GDCM aborts the program on files that were cut short.
 std::optional<Header> readHeader(const std::string& path) {
-  constexpr DicomTag kModality = 0x00080060, kDescription = 0x0008103e, kSeries = 0x0020000e, kOrientation = 0x00200037,
-                     kRows = 0x00280010, kColumns = 0x00280011, kFrames = 0x00280008, kSpacing = 0x00280030,
-                     kBits = 0x00280100, kPixels = 0x7fe00010;
+  constexpr DicomTag kModality = 0x00080060, kDescription = 0x0008103e, kSeries = 0x0020000e,
+                     kOrientation = 0x00200037, kRows = 0x00280010, kColumns = 0x00280011,
+                     kFrames = 0x00280008, kSpacing = 0x00280030, kBits = 0x00280100, kPixels = 0x7fe00010;
   const std::string bytes = bytesOf(path);
   const bool marked = bytes.size() >= 132 && bytes.compare(128, 4, "DICM") == 0;
   Header header;
   try {
     const DicomElements data = DicomElements::ofFile(bytes);
-    header.uid = data.text(kSeries), header.modality = data.text(kModality), header.description = data.text(kDescription);
+    header.uid = data.text(kSeries), header.modality = data.text(kModality),
+    header.description = data.text(kDescription);
     const int rows = data.number(kRows), columns = data.number(kColumns);
     header.image = rows > 0 && columns > 0;
-    header.shape = std::to_string(rows) + " x " + std::to_string(columns) + " " + rounded(data.text(kOrientation)) +
-                   rounded(data.text(kSpacing));
+    header.shape = std::to_string(rows) + " x " + std::to_string(columns) + " " +
+                   rounded(data.text(kOrientation)) + rounded(data.text(kSpacing));
     if (!header.image && !marked && header.uid.empty()) return std::nullopt;
     const size_t frames = size_t(std::max(1, std::atoi(data.text(kFrames).c_str())));
-    const size_t needed = size_t(std::max(rows, 0)) * size_t(std::max(columns, 0)) * size_t(std::max(data.number(kBits), 1)) / 8 * frames;
+    const size_t needed = size_t(std::max(rows, 0)) * size_t(std::max(columns, 0)) *
+                          size_t(std::max(data.number(kBits), 1)) / 8 * frames;
     if (header.image && !data.has(kPixels)) throw DicomDamage("it has no pixels");
     if (header.image && data.plainPixels() && data.size(kPixels) < needed)
-      throw DicomDamage("it has " + std::to_string(data.size(kPixels)) + " bytes of pixels, " + std::to_string(needed) + " are needed");
+      throw DicomDamage("it has " + std::to_string(data.size(kPixels)) + " bytes of pixels, " +
+                        std::to_string(needed) + " are needed");
   } catch (const DicomDamage& damage) {
     if (!marked) return std::nullopt;
     throw IoError(path + " is truncated or damaged: " + damage.what());
@@ -80,7 +83,8 @@ std::vector<std::string> filesOf(const std::string& folder) {
   std::error_code error;
   std::vector<std::string> files;
   for (const auto& entry : fs::directory_iterator(folder, error))
-    if (entry.is_regular_file(error) && entry.path().filename().string()[0] != '.' && entry.path().filename() != "DICOMDIR")
+    if (entry.is_regular_file(error) && entry.path().filename().string()[0] != '.' &&
+        entry.path().filename() != "DICOMDIR")
       files.push_back(entry.path().string());
   if (error) throw IoError(folder + " cannot be read: " + error.message());
   std::sort(files.begin(), files.end());
@@ -152,21 +156,24 @@ std::string millimetres(double value) {
 /// Orders slices along their normal and drops doubles.
 void order(const std::string& folder, std::vector<Slice>& slices, ImageFile& file) {
   const Vec3d normal = slices[0].axis[0].cross(slices[0].axis[1]).unit();
-  const bool positioned = std::all_of(slices.begin(), slices.end(), [](const Slice& s) { return s.positioned; });
+  const bool positioned =
+      std::all_of(slices.begin(), slices.end(), [](const Slice& s) { return s.positioned; });
   if (!positioned) {
-    std::sort(slices.begin(), slices.end(), [](const Slice& a, const Slice& b) { return a.instance < b.instance; });
+    std::sort(slices.begin(), slices.end(),
+              [](const Slice& a, const Slice& b) { return a.instance < b.instance; });
     for (size_t i = 0; i < slices.size(); ++i) {
       if (i > 0 && slices[i].instance == slices[i - 1].instance)
-        throw InputError(folder + ": its slices have no positions, and " + slices[i - 1].file + " and " + slices[i].file +
-                         " have the same instance number: their order is not known");
+        throw InputError(folder + ": its slices have no positions, and " + slices[i - 1].file + " and " +
+                         slices[i].file + " have the same instance number: their order is not known");
       slices[i].position = slices[0].position + normal * (double(i) * slices[0].spacing[2]);
     }
-    file.notes.push_back("its slices have no positions: ordered by instance number, " + millimetres(slices[0].spacing[2]) +
-                         " apart");
+    file.notes.push_back("its slices have no positions: ordered by instance number, " +
+                         millimetres(slices[0].spacing[2]) + " apart");
     return;
   }
   const auto along = [&](const Slice& s) { return s.position.dot(normal); };
-  std::stable_sort(slices.begin(), slices.end(), [&](const Slice& a, const Slice& b) { return along(a) < along(b); });
+  std::stable_sort(slices.begin(), slices.end(),
+                   [&](const Slice& a, const Slice& b) { return along(a) < along(b); });
   std::vector<Slice> kept;
   size_t doubled = 0;
   for (Slice& slice : slices) {
@@ -174,10 +181,13 @@ void order(const std::string& folder, std::vector<Slice>& slices, ImageFile& fil
     if (!same) {
       kept.push_back(std::move(slice));
     } else if (slice.values == kept.back().values) {
-      if (++doubled <= 3) file.notes.push_back(slice.file + " is a double of " + kept.back().file + ": left out");
+      if (++doubled <= 3)
+        file.notes.push_back(slice.file + " is a double of " + kept.back().file + ": left out");
     } else {
-      throw InputError(folder + ": " + kept.back().file + " and " + slice.file + " lie at the same place (" +
-                       millimetres(along(slice)) + " along the stack) but differ: two acquisitions are mixed; put each in a folder of its own");
+      throw InputError(
+          folder + ": " + kept.back().file + " and " + slice.file + " lie at the same place (" +
+          millimetres(along(slice)) +
+          " along the stack) but differ: two acquisitions are mixed; put each in a folder of its own");
     }
   }
   if (doubled > 3) file.notes.push_back("and " + std::to_string(doubled - 3) + " more doubled slices");
@@ -201,7 +211,8 @@ void unify(std::vector<Slice>& slices) {
                                 [&](const Slice& s) { return s.values.index() == slices[0].values.index(); });
   if (same) return;
   for (Slice& slice : slices)
-    slice.values = std::visit([](const auto& v) -> ImageValues { return std::vector<float>(v.begin(), v.end()); }, slice.values);
+    slice.values = std::visit(
+        [](const auto& v) -> ImageValues { return std::vector<float>(v.begin(), v.end()); }, slice.values);
 }
 
 }  // namespace
@@ -223,8 +234,8 @@ DicomFolder scanDicomFolder(const std::string& folder) {
     if (!header) {
       ++others;
     } else if (!header->image) {
-      found.notes.push_back(files[i] + " holds no image (" + (header->modality.empty() ? "no modality" : header->modality) +
-                            "): passed over");
+      found.notes.push_back(files[i] + " holds no image (" +
+                            (header->modality.empty() ? "no modality" : header->modality) + "): passed over");
     } else {
       DicomSeries& series = groups[header->uid + " " + header->shape];
       series.uid = header->uid, series.modality = header->modality, series.description = header->description;
@@ -237,9 +248,13 @@ DicomFolder scanDicomFolder(const std::string& folder) {
   return found;
 }
 
-DicomSeries chooseDicomSeries(const std::string& path, const std::string& wanted, std::vector<std::string>& notes) {
+DicomSeries chooseDicomSeries(const std::string& path, const std::string& wanted,
+                              std::vector<std::string>& notes) {
   const bool folder = fs::is_directory(path);
-  DicomFolder found = scanDicomFolder(folder ? path : fs::path(path).has_parent_path() ? fs::path(path).parent_path().string() : ".");
+  DicomFolder found =
+      scanDicomFolder(folder                             ? path
+                      : fs::path(path).has_parent_path() ? fs::path(path).parent_path().string()
+                                                         : ".");
   notes.insert(notes.end(), found.notes.begin(), found.notes.end());
   std::string list;
   for (size_t i = 0; i < found.series.size(); ++i) {

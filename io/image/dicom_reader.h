@@ -17,13 +17,15 @@ struct DicomFolder {
 };
 DicomFolder scanDicomFolder(const std::string& folder);
 
-/// Reads a series: slices ordered by their positions, values rescaled (CT: Hounsfield units), axes as its direction cosines
-/// say. A tilted gantry is straightened and uneven gaps are filled by resampling every slice from where it truly lies;
-/// notes tell of missing and doubled slices. Throws IoError naming the file, InputError where slices contradict each other.
+/// Reads a series: slices ordered by their positions, values rescaled (CT: Hounsfield units), axes as its
+/// direction cosines say. A tilted gantry is straightened and uneven gaps are filled by resampling every
+/// slice from where it truly lies; notes tell of missing and doubled slices. Throws IoError naming the file,
+/// InputError where slices contradict each other.
 ImageFile readDicomSeries(const std::string& folder, const DicomSeries& series);
 
-/// A folder, or `folder:N` with `series` N (from 1) or a UID; or one .dcm file, which stands for the series it belongs to.
-/// Throws InputError listing the series where there are several and none is chosen.
-DicomSeries chooseDicomSeries(const std::string& path, const std::string& series, std::vector<std::string>& notes);
+/// A folder, or `folder:N` with `series` N (from 1) or a UID; or one .dcm file, which stands for the series
+/// it belongs to. Throws InputError listing the series where there are several and none is chosen.
+DicomSeries chooseDicomSeries(const std::string& path, const std::string& series,
+                              std::vector<std::string>& notes);
 
 }  // namespace slicemorph

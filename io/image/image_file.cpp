@@ -5,6 +5,7 @@
 #include "io/image/itk_reader.h"
 #include "io/image/nifti_reader.h"
 #include "io/image/stack_reader.h"
+#include "io/mesh_reader.h"
 
 #include <algorithm>
 #include <cctype>
@@ -17,11 +18,14 @@ enum class Format { kNone, kNifti, kNrrd, kMetaImage, kDicom, kStack };
 
 Format formatOf(const std::string& path) {
   const std::string extension = extensionOf(path);
-  if (extension == ".nii" || (extension == ".gz" && extensionOf(std::filesystem::path(path).stem().string()) == ".nii"))
+  if (extension == ".nii" ||
+      (extension == ".gz" && extensionOf(std::filesystem::path(path).stem().string()) == ".nii"))
     return Format::kNifti;
   if (extension == ".nrrd" || extension == ".nhdr") return Format::kNrrd;
   if (extension == ".mha" || extension == ".mhd") return Format::kMetaImage;
   std::error_code ignored;
+  // A folder whose name says it is a shape is a mistake, not a series.
+  if (extension == ".vdb" || isMeshExtension(extension)) return Format::kNone;
   if (extension == ".dcm" || std::filesystem::is_directory(path, ignored)) return Format::kDicom;
   if (extension == ".tif" || extension == ".tiff") return Format::kStack;
   if ((extension == ".png" || extension == ".exr") && isSequenceInput(path)) return Format::kStack;
@@ -30,15 +34,18 @@ Format formatOf(const std::string& path) {
 
 int volumeOf(const InputName& name) {
   if (name.grid.empty()) return 0;
-  const bool digits = std::all_of(name.grid.begin(), name.grid.end(), [](unsigned char c) { return std::isdigit(c); });
+  const bool digits =
+      std::all_of(name.grid.begin(), name.grid.end(), [](unsigned char c) { return std::isdigit(c); });
   if (!digits || name.grid.size() > 9)
-    throw InputError(name.path + ":" + name.grid + ": '" + name.grid + "' is no volume of the file; give its number, from 0");
+    throw InputError(name.path + ":" + name.grid + ": '" + name.grid +
+                     "' is no volume of the file; give its number, from 0");
   return std::stoi(name.grid);
 }
 
 void noteVolumes(const InputName& name, ImageFile& file) {
   if (file.volumes > 1 && name.grid.empty())
-    file.notes.push_back("took volume 0 of " + std::to_string(file.volumes) + " (" + name.path + ":N takes another)");
+    file.notes.push_back("took volume 0 of " + std::to_string(file.volumes) + " (" + name.path +
+                         ":N takes another)");
 }
 
 std::vector<ImageFile> listSeries(const InputName& name) {
@@ -101,7 +108,9 @@ ImageFile readImage(const std::string& input, const ImageOptions& options) {
       file = readStack(name.path, options);
       break;
     case Format::kNone:
-      throw InputError(input + " is no image; use .nii .nii.gz .nrrd .nhdr .mha .mhd, a DICOM folder or name.####.tif|png|exr");
+      throw InputError(
+          input +
+          " is no image; use .nii .nii.gz .nrrd .nhdr .mha .mhd, a DICOM folder or name.####.tif|png|exr");
   }
   noteVolumes(name, file);
   return file;

@@ -11,29 +11,33 @@ namespace slicemorph {
 /// An image as read from a file: world space is LPS millimetres.
 struct ImageFile {
   Image image;
-  std::string name;                ///< as an input selects it
-  std::string format;              ///< "NIfTI", "NRRD", "MetaImage", "DICOM series", "image stack"
-  std::string about;               ///< what the file says of itself, for example modality and series; may be empty
-  int volumes = 1;                 ///< the file holds: times of a 4D file, or components of a voxel
+  std::string name;    ///< as an input selects it
+  std::string format;  ///< "NIfTI", "NRRD", "MetaImage", "DICOM series", "image stack"
+  std::string about;   ///< what the file says of itself, for example modality and series; may be empty
+  int volumes = 1;     ///< the file holds: times of a 4D file, or components of a voxel
   std::vector<std::string> notes;  ///< what was repaired, chosen or assumed, one sentence each
 };
 
 struct ImageOptions {
-  Vec3d spacing{0, 0, 0};  ///< millimetres between voxels along i, j, k, for image stacks, which hold none; zero: none given
+  Vec3d spacing{
+      0, 0,
+      0};  ///< millimetres between voxels along i, j, k, for image stacks, which hold none; zero: none given
 };
 
 /// Whether a name is that of an image: by extension, a folder, or a numbered stack `name.####.tif|png|exr`.
 bool isImageInput(const std::string& input);
 
-/// `file.nii.gz:3`: the file and which of its volumes (from 0), or `folder:2`: the folder and which of its series (from 1,
-/// or its UID). A file whose whole name exists is taken as that.
+/// `file.nii.gz:3`: the file and which of its volumes (from 0), or `folder:2`: the folder and which of its
+/// series (from 1, or its UID). A file whose whole name exists is taken as that.
 InputName splitImageInput(const std::string& input);
 
-/// Reads one image: .nii .nii.gz .nrrd .nhdr .mha .mhd .dcm, a folder of DICOM slices, an image stack, a .tif of several pages.
-/// Throws IoError (missing, damaged, truncated), InputError (which volume or series, spacing), naming the file.
+/// Reads one image: .nii .nii.gz .nrrd .nhdr .mha .mhd .dcm, a folder of DICOM slices, an image stack, a .tif
+/// of several pages. Throws IoError (missing, damaged, truncated), InputError (which volume or series,
+/// spacing), naming the file.
 ImageFile readImage(const std::string& input, const ImageOptions& options = {});
 
-/// For a listing: of a folder without a choice every series, else one image. A stack without spacing has no values.
+/// For a listing: of a folder without a choice every series, else one image. A stack without spacing has no
+/// values.
 std::vector<ImageFile> listImages(const std::string& input, const ImageOptions& options = {});
 
 }  // namespace slicemorph

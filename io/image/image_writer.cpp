@@ -34,7 +34,8 @@ class Packer {
  public:
   enum Wrapper { kZlib = 15, kGzip = 31 };
   Packer(AtomicFile& file, Wrapper wrapper) : file_(file), out_(1 << 18) {
-    if (deflateInit2(&stream_, kLevel, Z_DEFLATED, wrapper, 9, Z_DEFAULT_STRATEGY) != Z_OK) throw std::bad_alloc();
+    if (deflateInit2(&stream_, kLevel, Z_DEFLATED, wrapper, 9, Z_DEFAULT_STRATEGY) != Z_OK)
+      throw std::bad_alloc();
   }
   ~Packer() { deflateEnd(&stream_); }
 
@@ -77,9 +78,9 @@ struct TypeNames {
   const char *nrrd, *meta;
 };
 TypeNames namesOf(const ImageValues& values) {
-  constexpr TypeNames kNames[] = {{DT_UINT8, "uint8", "MET_UCHAR"}, {DT_INT16, "int16", "MET_SHORT"},
+  constexpr TypeNames kNames[] = {{DT_UINT8, "uint8", "MET_UCHAR"},    {DT_INT16, "int16", "MET_SHORT"},
                                   {DT_UINT16, "uint16", "MET_USHORT"}, {DT_INT32, "int32", "MET_INT"},
-                                  {DT_FLOAT32, "float", "MET_FLOAT"}, {DT_FLOAT64, "double", "MET_DOUBLE"}};
+                                  {DT_FLOAT32, "float", "MET_FLOAT"},  {DT_FLOAT64, "double", "MET_DOUBLE"}};
   static_assert(std::size(kNames) == std::variant_size_v<ImageValues>);
   return kNames[values.index()];
 }
@@ -114,8 +115,8 @@ nifti_1_header niftiHeader(const std::string& path, const Image& image) {
   h.dim[0] = 3, h.dim[4] = h.dim[5] = h.dim[6] = h.dim[7] = 1;
   for (int d = 0; d < 3; ++d) {
     if (lattice.size[d] > std::numeric_limits<short>::max())
-      throw InputError(path + ": NIfTI holds at most 32767 voxels along an axis, not " + std::to_string(lattice.size[d]) +
-                       "; use .nrrd or .mha");
+      throw InputError(path + ": NIfTI holds at most 32767 voxels along an axis, not " +
+                       std::to_string(lattice.size[d]) + "; use .nrrd or .mha");
     h.dim[d + 1] = short(lattice.size[d]);
   }
   h.datatype = namesOf(image.values).nifti;
@@ -142,7 +143,8 @@ nifti_1_header niftiHeader(const std::string& path, const Image& image) {
   const double mirrored = r.det() < 0 ? -1 : 1;
   h.pixdim[0] = float(mirrored);
   r.setCol(2, r.col(2) * mirrored);
-  const double lean = std::max({std::abs(r.col(0).dot(r.col(1))), std::abs(r.col(0).dot(r.col(2))), std::abs(r.col(1).dot(r.col(2)))});
+  const double lean = std::max(
+      {std::abs(r.col(0).dot(r.col(1))), std::abs(r.col(0).dot(r.col(2))), std::abs(r.col(1).dot(r.col(2)))});
   if (lean < 1e-5) {
     h.qform_code = NIFTI_XFORM_SCANNER_ANAT;
     float q[3];
@@ -156,21 +158,26 @@ nifti_1_header niftiHeader(const std::string& path, const Image& image) {
 std::string nrrdHeader(const Image& image) {
   const ImageLattice& l = image.lattice;
   std::string text = "NRRD0004\n# written by slicemorph\ntype: " + std::string(namesOf(image.values).nrrd) +
-                     "\ndimension: 3\nspace: left-posterior-superior\nsizes: " + std::to_string(l.size[0]) + " " +
-                     std::to_string(l.size[1]) + " " + std::to_string(l.size[2]) + "\nspace directions:";
+                     "\ndimension: 3\nspace: left-posterior-superior\nsizes: " + std::to_string(l.size[0]) +
+                     " " + std::to_string(l.size[1]) + " " + std::to_string(l.size[2]) +
+                     "\nspace directions:";
   for (const Vec3d& s : l.step) text += " (" + numbersText(s, ",") + ")";
-  return text + "\nkinds: domain domain domain\nendian: little\nencoding: gzip\nspace origin: (" + numbersText(l.origin, ",") +
-         ")\n\n";
+  return text + "\nkinds: domain domain domain\nendian: little\nencoding: gzip\nspace origin: (" +
+         numbersText(l.origin, ",") + ")\n\n";
 }
 
 std::string metaHeader(const Image& image) {
   const ImageLattice& l = image.lattice;
   const Vec3d spacing = l.spacing();
-  std::string text = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = True\nTransformMatrix =";
+  std::string text =
+      "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = "
+      "True\nTransformMatrix =";
   for (int d = 0; d < 3; ++d) text += " " + numbersText(l.step[d] / spacing[d], " ");
-  return text + "\nOffset = " + numbersText(l.origin, " ") + "\nCenterOfRotation = 0 0 0\nElementSpacing = " +
-         numbersText(spacing, " ") + "\nDimSize = " + std::to_string(l.size[0]) + " " + std::to_string(l.size[1]) + " " +
-         std::to_string(l.size[2]) + "\nElementType = " + namesOf(image.values).meta + "\nElementDataFile = LOCAL\n";
+  return text + "\nOffset = " + numbersText(l.origin, " ") +
+         "\nCenterOfRotation = 0 0 0\nElementSpacing = " + numbersText(spacing, " ") +
+         "\nDimSize = " + std::to_string(l.size[0]) + " " + std::to_string(l.size[1]) + " " +
+         std::to_string(l.size[2]) + "\nElementType = " + namesOf(image.values).meta +
+         "\nElementDataFile = LOCAL\n";
 }
 
 bool isNifti(const std::string& path) {
@@ -185,12 +192,14 @@ bool isImageOutput(const std::string& path) {
 }
 
 void writeImage(const std::string& path, const Image& image) {
-  if (!isImageOutput(path)) throw InputError(path + ": cannot write an image of this extension; use .nii .nii.gz .nrrd or .mha");
+  if (!isImageOutput(path))
+    throw InputError(path + ": cannot write an image of this extension; use .nii .nii.gz .nrrd or .mha");
   static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "values are written as they lie in memory");
   const std::string_view values = bytesOf(image.values);
   if (isNifti(path)) {
     const nifti_1_header header = niftiHeader(path, image);
-    const std::string head = std::string(reinterpret_cast<const char*>(&header), sizeof header) + std::string(4, '\0');
+    const std::string head =
+        std::string(reinterpret_cast<const char*>(&header), sizeof header) + std::string(4, '\0');
     AtomicFile file(path);
     if (extensionOf(path) == ".nii") {
       file.write(head);

@@ -9,8 +9,8 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -27,7 +27,9 @@ void describe(const std::string& path, const Io& io, int volume, ImageFile& file
   std::int64_t all = 1, volumes = io.GetNumberOfComponents();
   for (unsigned d = 0; d < dimensions; ++d) {
     const std::int64_t n = std::int64_t(io.GetDimensions(d));
-    if (n < 1 || n > most / all) throw IoError(path + ": its size along axis " + std::to_string(d) + ", " + std::to_string(n) + ", makes no sense");
+    if (n < 1 || n > most / all)
+      throw IoError(path + ": its size along axis " + std::to_string(d) + ", " + std::to_string(n) +
+                    ", makes no sense");
     all *= n;
     if (d < 3)
       file.image.lattice.size[int(d)] = int(n);
@@ -37,8 +39,8 @@ void describe(const std::string& path, const Io& io, int volume, ImageFile& file
   for (unsigned d = dimensions; d < 3; ++d) file.image.lattice.size[int(d)] = 1;
   file.volumes = int(std::min<std::int64_t>(volumes, 1 << 30));
   if (volume < 0 || volume >= file.volumes)
-    throw InputError(path + " has no volume " + std::to_string(volume) + "; it has " + std::to_string(file.volumes) +
-                     ", numbered from 0");
+    throw InputError(path + " has no volume " + std::to_string(volume) + "; it has " +
+                     std::to_string(file.volumes) + ", numbered from 0");
   ImageLattice& lattice = file.image.lattice;
   for (unsigned d = 0; d < std::min(dimensions, 3u); ++d) {
     lattice.origin[int(d)] = io.GetOrigin(d);
@@ -48,7 +50,8 @@ void describe(const std::string& path, const Io& io, int volume, ImageFile& file
   }
   if (dimensions < 3) lattice.step[2] = lattice.step[0].cross(lattice.step[1]).unit();
   const double flat = lattice.step[0].dot(lattice.step[1].cross(lattice.step[2]));
-  if (!std::isfinite(flat) || std::abs(flat) <= 1e-6 * lattice.spacing()[0] * lattice.spacing()[1] * lattice.spacing()[2])
+  if (!std::isfinite(flat) ||
+      std::abs(flat) <= 1e-6 * lattice.spacing()[0] * lattice.spacing()[1] * lattice.spacing()[2])
     throw IoError(path + ": its axes and spacing flatten space; they must be independent and not 0");
 }
 
@@ -73,7 +76,8 @@ void readHeader(const std::string& path, Io& io, const char* format) {
   itk::Object::GlobalWarningDisplayOff();
   io.SetFileName(path);
   try {
-    if (!io.CanReadFile(path.c_str())) throw IoError(path + " is no " + format + " file, or its header is damaged");
+    if (!io.CanReadFile(path.c_str()))
+      throw IoError(path + " is no " + format + " file, or its header is damaged");
     io.ReadImageInformation();
   } catch (const itk::ExceptionObject& error) {
     throw IoError(path + " cannot be read: " + reasonOf(error));
@@ -98,7 +102,8 @@ struct MetaHeader {
 
   bool is(const char* key) const {
     const auto at = value.find(key);
-    return at != value.end() && !at->second.empty() && (at->second[0] == 'T' || at->second[0] == 't' || at->second[0] == '1');
+    return at != value.end() && !at->second.empty() &&
+           (at->second[0] == 'T' || at->second[0] == 't' || at->second[0] == '1');
   }
 };
 
@@ -122,8 +127,8 @@ MetaHeader metaHeader(const std::string& path) {
   return header;
 }
 
-/// Unpacks a zlib stream from `from` to the end of a file; returns how much it gave, which is `bytes` where all is well, and
-/// how long the packed stream was.
+/// Unpacks a zlib stream from `from` to the end of a file; returns how much it gave, which is `bytes` where
+/// all is well, and how long the packed stream was.
 struct Unpacked {
   size_t bytes = 0, packed = 0;
   bool ended = false;
@@ -155,45 +160,50 @@ Unpacked unpack(const std::string& path, std::uint64_t from, char* to, size_t by
   return result;
 }
 
-void readMetaData(const std::string& path, const MetaHeader& header, RawType type, size_t count, Io& io, ImageFile& file,
-                  void* to) {
+void readMetaData(const std::string& path, const MetaHeader& header, RawType type, size_t count, Io& io,
+                  ImageFile& file, void* to) {
   const std::string name = header.value.at("ElementDataFile");
   const bool local = name == "LOCAL" || name == "Local" || name == "local";
   const std::string data = local ? path : (std::filesystem::path(path).parent_path() / name).string();
   const bool single = local || (name.find('%') == std::string::npos && name.rfind("LIST", 0) != 0);
   const size_t bytes = count * size_t(type.bytes);
-  if (single && !std::filesystem::exists(data)) throw IoError(path + ": its data file " + data + " does not exist");
+  if (single && !std::filesystem::exists(data))
+    throw IoError(path + ": its data file " + data + " does not exist");
   if (single) sizeOfInput(data);
   if (!header.is("CompressedData")) {
     const std::uint64_t from = local ? header.bytes : 0, there = single ? sizeOfInput(data) : 0;
     if (single && there < from + bytes)
-      throw IoError(path + " is truncated: " + data + " has " + std::to_string(there - std::min(from, there)) +
-                    " bytes of voxels, " + std::to_string(bytes) + " are needed");
+      throw IoError(path + " is truncated: " + data + " has " +
+                    std::to_string(there - std::min(from, there)) + " bytes of voxels, " +
+                    std::to_string(bytes) + " are needed");
     return readWhole(path, io, to);
   }
   if (!single) throw IoError(path + ": compressed data in several files cannot be read");
   const Unpacked got = unpack(data, local ? header.bytes : 0, static_cast<char*>(to), bytes);
   if (got.bytes < bytes)
-    throw IoError(path + " is truncated or damaged: its data unpack to " + std::to_string(got.bytes) + " bytes, " +
-                  std::to_string(bytes) + " are needed");
+    throw IoError(path + " is truncated or damaged: its data unpack to " + std::to_string(got.bytes) +
+                  " bytes, " + std::to_string(bytes) + " are needed");
   if (!got.ended) throw IoError(path + " is damaged: its compressed data do not end after the last voxel");
   const auto stated = header.value.find("CompressedDataSize");
   if (stated != header.value.end() && stated->second != std::to_string(got.packed))
     file.notes.push_back("its header states " + stated->second + " bytes of compressed data, there are " +
                          std::to_string(got.packed) + ": all were read");
-  if (header.is("BinaryDataByteOrderMSB") || header.is("ElementByteOrderMSB")) swapBytes(to, count, type.bytes);
+  if (header.is("BinaryDataByteOrderMSB") || header.is("ElementByteOrderMSB"))
+    swapBytes(to, count, type.bytes);
 }
 
 }  // namespace
 
 namespace {
 
-/// A copy of a detached NRRD header without its `space`, beside no data: for headers that name a space and give spacings,
-/// which the format forbids and which come all the same.
+/// A copy of a detached NRRD header without its `space`, beside no data: for headers that name a space and
+/// give spacings, which the format forbids and which come all the same.
 class HeaderWithoutSpace {
  public:
   explicit HeaderWithoutSpace(const std::string& path)
-      : path_((std::filesystem::temp_directory_path() / ("slicemorph-" + std::to_string(::getpid()) + ".nhdr")).string()) {
+      : path_(
+            (std::filesystem::temp_directory_path() / ("slicemorph-" + std::to_string(::getpid()) + ".nhdr"))
+                .string()) {
     std::ifstream in(path, std::ios::binary);
     std::ofstream out(path_, std::ios::binary);
     for (std::string line; std::getline(in, line) && !line.empty() && line != "\r";) {
@@ -232,7 +242,8 @@ class HeaderWithoutSpace {
 void placeWithoutSpace(const std::string& space, ImageFile& file) {
   const bool leftHanded = space.rfind("3D-left-handed", 0) == 0;
   if (leftHanded) file.image.lattice.step[2] = -file.image.lattice.step[2];
-  file.notes.push_back("its space '" + space + "' comes with spacings alone: voxels are placed by these, axes as left, back, " +
+  file.notes.push_back("its space '" + space +
+                       "' comes with spacings alone: voxels are placed by these, axes as left, back, " +
                        (leftHanded ? "down (a left-handed space; with up it would be mirrored)" : "up"));
 }
 

@@ -31,7 +31,9 @@ Affine affineOf(const mat44& m) {
   return {column(3), {column(0), column(1), column(2)}};
 }
 
-double millimetres(int unit) { return unit == NIFTI_UNITS_METER ? 1000 : unit == NIFTI_UNITS_MICRON ? 0.001 : 1; }
+double millimetres(int unit) {
+  return unit == NIFTI_UNITS_METER ? 1000 : unit == NIFTI_UNITS_MICRON ? 0.001 : 1;
+}
 
 void place(const std::string& path, const nifti_image& header, ImageFile& file) {
   Affine affine{};
@@ -48,35 +50,48 @@ void place(const std::string& path, const nifti_image& header, ImageFile& file) 
   }
   if (!found) {
     const Vec3d spacing(std::abs(header.dx), std::abs(header.dy), std::abs(header.dz));
-    if (header.sform_code > 0 || header.qform_code > 0 || !(spacing[0] > 0 && spacing[1] > 0 && spacing[2] > 0) ||
-        !std::isfinite(spacing.length()))
+    if (header.sform_code > 0 || header.qform_code > 0 ||
+        !(spacing[0] > 0 && spacing[1] > 0 && spacing[2] > 0) || !std::isfinite(spacing.length()))
       throw IoError(path + ": no valid affine: neither its sform (code " + std::to_string(header.sform_code) +
                     ") nor its qform (code " + std::to_string(header.qform_code) +
                     ") nor its voxel spacing places the voxels in space");
     affine = {Vec3d(0.0), {{-spacing[0], 0, 0}, {0, -spacing[1], 0}, {0, 0, spacing[2]}}};
     file.notes.push_back(
-        "it does not say where it lies (sform and qform codes are 0): taken from its voxel spacing, axes as right, front, up");
+        "it does not say where it lies (sform and qform codes are 0): taken from its voxel spacing, axes as "
+        "right, front, up");
   }
   const double unit = millimetres(header.xyz_units);
-  if (unit != 1) file.notes.push_back("lengths are not in millimetres: multiplied by " + std::to_string(unit));
+  if (unit != 1)
+    file.notes.push_back("lengths are not in millimetres: multiplied by " + std::to_string(unit));
   file.image.lattice.origin = affine.origin * unit;
   for (int d = 0; d < 3; ++d) file.image.lattice.step[d] = affine.step[d] * unit;
 }
 
 RawType rawTypeOf(const std::string& path, int datatype) {
   switch (datatype) {
-    case DT_UINT8: return {1, RawType::kUnsigned};
-    case DT_INT8: return {1, RawType::kSigned};
-    case DT_UINT16: return {2, RawType::kUnsigned};
-    case DT_INT16: return {2, RawType::kSigned};
-    case DT_UINT32: return {4, RawType::kUnsigned};
-    case DT_INT32: return {4, RawType::kSigned};
-    case DT_UINT64: return {8, RawType::kUnsigned};
-    case DT_INT64: return {8, RawType::kSigned};
-    case DT_FLOAT32: return {4, RawType::kFloat};
-    case DT_FLOAT64: return {8, RawType::kFloat};
+    case DT_UINT8:
+      return {1, RawType::kUnsigned};
+    case DT_INT8:
+      return {1, RawType::kSigned};
+    case DT_UINT16:
+      return {2, RawType::kUnsigned};
+    case DT_INT16:
+      return {2, RawType::kSigned};
+    case DT_UINT32:
+      return {4, RawType::kUnsigned};
+    case DT_INT32:
+      return {4, RawType::kSigned};
+    case DT_UINT64:
+      return {8, RawType::kUnsigned};
+    case DT_INT64:
+      return {8, RawType::kSigned};
+    case DT_FLOAT32:
+      return {4, RawType::kFloat};
+    case DT_FLOAT64:
+      return {8, RawType::kFloat};
   }
-  throw IoError(path + ": its voxels are " + nifti_datatype_string(datatype) + "; only plain numbers can be read");
+  throw IoError(path + ": its voxels are " + nifti_datatype_string(datatype) +
+                "; only plain numbers can be read");
 }
 
 void readVolume(const std::string& path, nifti_image& header, size_t volume, void* to, size_t bytes) {
@@ -86,7 +101,8 @@ void readVolume(const std::string& path, nifti_image& header, size_t volume, voi
   const bool there = znzseek(data, long(header.iname_offset + volume * bytes), SEEK_SET) >= 0;
   const size_t got = there ? nifti_read_buffer(data, to, bytes, &header) : 0;
   Xznzclose(const_cast<znzFile*>(&data));
-  if (got != bytes) throw IoError(path + " is truncated or damaged: volume " + std::to_string(volume) + " is not all there");
+  if (got != bytes)
+    throw IoError(path + " is truncated or damaged: volume " + std::to_string(volume) + " is not all there");
 }
 
 }  // namespace
@@ -108,8 +124,8 @@ ImageFile readNifti(const std::string& path, int volume) {
                                std::max(1, header->nv) * std::max(1, header->nw);
   file.volumes = int(std::min<std::int64_t>(volumes, 1 << 30));
   if (volume < 0 || volume >= file.volumes)
-    throw InputError(path + " has no volume " + std::to_string(volume) + "; it has " + std::to_string(file.volumes) +
-                     ", numbered from 0");
+    throw InputError(path + " has no volume " + std::to_string(volume) + "; it has " +
+                     std::to_string(file.volumes) + ", numbered from 0");
   file.image.lattice.size = size;
   place(path, *header, file);
   const RawType type = rawTypeOf(path, header->datatype);

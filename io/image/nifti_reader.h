@@ -4,8 +4,8 @@
 
 namespace slicemorph {
 
-/// Reads one volume (from 0) of a NIfTI file: the sform where it has a code, else the qform, else spacing alone; RAS made
-/// LPS. Throws IoError, and InputError where there is no such volume.
+/// Reads one volume (from 0) of a NIfTI file: the sform where it has a code, else the qform, else spacing
+/// alone; RAS made LPS. Throws IoError, and InputError where there is no such volume.
 ImageFile readNifti(const std::string& path, int volume);
 
 }  // namespace slicemorph

@@ -23,7 +23,13 @@ const char* slicemorphReadPicture(const char* path, int page, int values, Slicem
   const bool isFloat = type.is_floating_point();
   if (isFloat || type.basesize() > 2) type = TypeDesc::FLOAT;
   if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1) return fail("it has no pixels");
-  *picture = {spec.width, spec.height, spec.nchannels, int(type.basesize()), isFloat || type == TypeDesc::FLOAT ? 2 : int(type.is_signed()), pages, nullptr};
+  *picture = {spec.width,
+              spec.height,
+              spec.nchannels,
+              int(type.basesize()),
+              isFloat || type == TypeDesc::FLOAT ? 2 : int(type.is_signed()),
+              pages,
+              nullptr};
   if (!values) return nullptr;
   const size_t bytes = size_t(spec.width) * size_t(spec.height) * size_t(spec.nchannels) * type.basesize();
   picture->values = std::malloc(bytes);

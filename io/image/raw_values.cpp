@@ -40,14 +40,16 @@ bool fitsIn(double low, double high) {
 template <typename To, typename From>
 std::vector<To> scaled(const std::vector<From>& from, double slope, double intercept) {
   std::vector<To> to(from.size());
-  std::transform(from.begin(), from.end(), to.begin(), [&](From v) { return To(double(v) * slope + intercept); });
+  std::transform(from.begin(), from.end(), to.begin(),
+                 [&](From v) { return To(double(v) * slope + intercept); });
   return to;
 }
 
 }  // namespace
 
 ImageValues readValues(RawType type, size_t count, const std::function<void(void*)>& read) {
-  if (type.kind == RawType::kFloat) return type.bytes == 8 ? direct<double>(count, read) : direct<float>(count, read);
+  if (type.kind == RawType::kFloat)
+    return type.bytes == 8 ? direct<double>(count, read) : direct<float>(count, read);
   const bool negative = type.kind == RawType::kSigned;
   switch (type.bytes) {
     case 1:

@@ -21,7 +21,8 @@ namespace {
 SlicemorphReadPicture loadPlugin() {
   static const SlicemorphReadPicture function = [] {
     std::error_code ignored;
-    const auto beside = std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path() / "libslicemorph_pictures.so";
+    const auto beside =
+        std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path() / "libslicemorph_pictures.so";
     const char* told = std::getenv("SLICEMORPH_PICTURES");
     void* library = dlopen(told ? told : beside.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (!library) throw IoError(std::string("pictures cannot be read: ") + dlerror());
@@ -72,17 +73,20 @@ double luminance(const T* pixel, int channels) {
 }
 
 template <typename T>
-std::vector<T> readValuesOf(const std::vector<Page>& pages, SlicemorphReadPicture read, const SlicemorphPicture& like) {
+std::vector<T> readValuesOf(const std::vector<Page>& pages, SlicemorphReadPicture read,
+                            const SlicemorphPicture& like) {
   const size_t each = size_t(like.width) * size_t(like.height);
   std::vector<T> values(each * pages.size());
   tbb::parallel_for(size_t(0), pages.size(), [&](size_t k) {
     const Picture picture = readPage(read, pages[k], true);
     const SlicemorphPicture& p = picture.about;
-    if (p.width != like.width || p.height != like.height || p.bytes != like.bytes || p.kind != like.kind || p.channels != like.channels)
-      throw IoError(pages[k].file + " is " + std::to_string(p.width) + " x " + std::to_string(p.height) + " pixels of " +
-                    std::to_string(p.channels) + " x " + std::to_string(8 * p.bytes) + " bits; " + pages[0].file + " is " +
-                    std::to_string(like.width) + " x " + std::to_string(like.height) + " of " +
-                    std::to_string(like.channels) + " x " + std::to_string(8 * like.bytes));
+    if (p.width != like.width || p.height != like.height || p.bytes != like.bytes || p.kind != like.kind ||
+        p.channels != like.channels)
+      throw IoError(pages[k].file + " is " + std::to_string(p.width) + " x " + std::to_string(p.height) +
+                    " pixels of " + std::to_string(p.channels) + " x " + std::to_string(8 * p.bytes) +
+                    " bits; " + pages[0].file + " is " + std::to_string(like.width) + " x " +
+                    std::to_string(like.height) + " of " + std::to_string(like.channels) + " x " +
+                    std::to_string(8 * like.bytes));
     const T* from = static_cast<const T*>(p.values);
     for (size_t i = 0; i < each; ++i) {
       const double v = luminance(from + i * size_t(p.channels), p.channels);
@@ -103,8 +107,8 @@ void checkNumbers(const std::string& input, ImageFile& file) {
       missing += gap;
     }
   if (missing > 0)
-    throw IoError(input + ": " + std::to_string(missing) + " pictures are missing (the first is number " + first +
-                  "); without them the spacing would be wrong");
+    throw IoError(input + ": " + std::to_string(missing) + " pictures are missing (the first is number " +
+                  first + "); without them the spacing would be wrong");
 }
 
 }  // namespace
@@ -117,7 +121,9 @@ ImageFile readStack(const std::string& input, const ImageOptions& options, bool 
   const std::vector<Page> pages = pagesOf(input, read);
   const Vec3d& s = options.spacing;
   if (values && !(s[0] > 0 && s[1] > 0 && s[2] > 0))
-    throw InputError(input + ": pictures hold no spacing; give --spacing X,Y,Z in millimetres (pixel width, pixel height, gap between pictures)");
+    throw InputError(input +
+                     ": pictures hold no spacing; give --spacing X,Y,Z in millimetres (pixel width, pixel "
+                     "height, gap between pictures)");
   const SlicemorphPicture like = readPage(read, pages[0], false).about;
   ImageLattice& lattice = file.image.lattice;
   lattice.size = openvdb::Coord(like.width, like.height, int(pages.size()));

@@ -49,7 +49,8 @@ double usualGap(const std::vector<double>& along) {
 }
 
 /// Notes on gaps; returns whether all are alike.
-bool checkGaps(const SliceStackInput& stack, const Places& places, double gap, std::vector<std::string>& notes) {
+bool checkGaps(const SliceStackInput& stack, const Places& places, double gap,
+               std::vector<std::string>& notes) {
   size_t missing = 0, uneven = 0;
   std::string where;
   for (size_t i = 1; i < places.along.size(); ++i) {
@@ -58,14 +59,15 @@ bool checkGaps(const SliceStackInput& stack, const Places& places, double gap, s
     const double whole = std::rint(ratio);
     if (whole >= 2 && std::abs(ratio - whole) <= 5 * kEven) {
       missing += size_t(whole) - 1;
-      if (where.empty()) where = stack.names[i - 1] + " and " + stack.names[i] + ", " + written(ratio * gap) + " mm apart";
+      if (where.empty())
+        where = stack.names[i - 1] + " and " + stack.names[i] + ", " + written(ratio * gap) + " mm apart";
     } else {
       ++uneven;
     }
   }
   if (missing > 0)
-    notes.push_back(std::to_string(missing) + (missing == 1 ? " slice is" : " slices are") + " missing (first between " + where +
-                    "): interpolated from the neighbours");
+    notes.push_back(std::to_string(missing) + (missing == 1 ? " slice is" : " slices are") +
+                    " missing (first between " + where + "): interpolated from the neighbours");
   if (uneven > 0) {
     const auto [low, high] = [&] {
       double least = INFINITY, most = 0;
@@ -75,8 +77,8 @@ bool checkGaps(const SliceStackInput& stack, const Places& places, double gap, s
       }
       return std::pair(least, most);
     }();
-    notes.push_back("its slices are unevenly spaced (" + written(low) + " to " + written(high) + " mm): resampled every " +
-                    written(gap) + " mm from where they truly lie");
+    notes.push_back("its slices are unevenly spaced (" + written(low) + " to " + written(high) +
+                    " mm): resampled every " + written(gap) + " mm from where they truly lie");
   }
   return missing + uneven == 0;
 }
@@ -100,12 +102,15 @@ class MovedSlice {
     const int x0 = int(std::floor(x + kStraight)), y0 = int(std::floor(y + kStraight));
     const double fx = std::max(0.0, x - x0), fy = std::max(0.0, y - y0);
     const auto value = [&](int a, int b) {
-      return a >= 0 && b >= 0 && a < width_ && b < height_ ? double(values[size_t(b) * size_t(width_) + size_t(a)]) : double(outside);
+      return a >= 0 && b >= 0 && a < width_ && b < height_
+                 ? double(values[size_t(b) * size_t(width_) + size_t(a)])
+                 : double(outside);
     };
     if (fx < kStraight && fy < kStraight) return value(x0, y0);
     const double low = fx < kStraight ? value(x0, y0) : (1 - fx) * value(x0, y0) + fx * value(x0 + 1, y0);
     if (fy < kStraight) return low;
-    const double high = fx < kStraight ? value(x0, y0 + 1) : (1 - fx) * value(x0, y0 + 1) + fx * value(x0 + 1, y0 + 1);
+    const double high =
+        fx < kStraight ? value(x0, y0 + 1) : (1 - fx) * value(x0, y0 + 1) + fx * value(x0 + 1, y0 + 1);
     return (1 - fy) * low + fy * high;
   }
 
@@ -115,8 +120,8 @@ class MovedSlice {
 };
 
 template <typename T>
-std::vector<T> resampled(const SliceStackInput& stack, const Places& places, const ImageLattice& lattice, double gap,
-                         openvdb::Vec2i first) {
+std::vector<T> resampled(const SliceStackInput& stack, const Places& places, const ImageLattice& lattice,
+                         double gap, openvdb::Vec2i first) {
   const T outside = smallestOf<T>(stack.values);
   std::vector<T> result(lattice.count());
   const auto& along = places.along;
@@ -177,8 +182,11 @@ void straighten(SliceStackInput stack, ImageFile& file) {
   if (even) gap = places.along.back() / double(count - 1);
   lattice.step[2] = places.normal * gap;
   if (even && straight) {
-    std::visit([&](const auto& v) { file.image.values = joined<typename std::decay_t<decltype(v)>::value_type>(stack); },
-               stack.values[0]);
+    std::visit(
+        [&](const auto& v) {
+          file.image.values = joined<typename std::decay_t<decltype(v)>::value_type>(stack);
+        },
+        stack.values[0]);
     return;
   }
   openvdb::Vec2i first(0, 0);
@@ -189,8 +197,10 @@ void straighten(SliceStackInput stack, ImageFile& file) {
     }
     lattice.origin += double(first[0]) * stack.step[0] + double(first[1]) * stack.step[1];
     const openvdb::Vec2d lean = places.shift.back();
-    const double tilt = std::atan2((lean[0] * stack.step[0] + lean[1] * stack.step[1]).length(), places.along.back());
-    file.notes.push_back("its slices lean by " + written(tilt * 180 / M_PI) + " degrees (gantry tilt): straightened");
+    const double tilt =
+        std::atan2((lean[0] * stack.step[0] + lean[1] * stack.step[1]).length(), places.along.back());
+    file.notes.push_back("its slices lean by " + written(tilt * 180 / M_PI) +
+                         " degrees (gantry tilt): straightened");
   }
   lattice.size[2] = even ? int(count) : int(std::lround(std::floor(places.along.back() / gap + kEven))) + 1;
   std::visit(
