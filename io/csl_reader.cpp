@@ -1,14 +1,12 @@
 #include "io/csl_reader.h"
 
 #include "engine/errors.h"
+#include "io/whole_file.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <set>
-#include <sstream>
 
 namespace slicemorph {
 
@@ -33,14 +31,7 @@ struct StoredPlane {
 class Parser {
  public:
   explicit Parser(const std::string& path) : path_(path) {
-    std::error_code error;
-    if (std::filesystem::is_directory(path, error)) throw IoError(path + " is a folder");
-    std::ifstream file(path, std::ios::binary);
-    if (!file) throw IoError(path + ": cannot be opened");
-    std::stringstream all;
-    all << file.rdbuf();
-    text_ = all.str();
-    if (text_.empty()) throw IoError(path + " is empty");
+    text_ = readWholeFile(path);
     if (text_.compare(0, 4, "CSLC") != 0) throw IoError(path + " is no CSL file: it does not begin with CSLC");
     at_ = 4;
   }

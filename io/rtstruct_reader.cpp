@@ -2,6 +2,7 @@
 
 #include "engine/errors.h"
 #include "io/dicom_elements.h"
+#include "io/whole_file.h"
 
 #include <algorithm>
 #include <cctype>
@@ -11,7 +12,6 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <sstream>
 
 namespace slicemorph {
 
@@ -158,16 +158,6 @@ class RegionReader {
   std::vector<std::string>& notes_;
 };
 
-std::string bytesOf(const std::string& path) {
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) throw IoError(path + " is a folder");
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw IoError(path + ": cannot be opened");
-  std::stringstream all;
-  all << file.rdbuf();
-  return all.str();
-}
-
 std::vector<ContourSet> regionsOf(const std::string& path, const DicomElements& all) {
   std::vector<ContourSet> sets;
   for (const DicomElements& item : all.items(kRegions)) {
@@ -221,7 +211,7 @@ bool isRtStructureSet(const std::string& path) {
 }
 
 ContourFile readRtStructureSet(const std::string& path) {
-  const std::string bytes = bytesOf(path);
+  const std::string bytes = readWholeFile(path);
   try {
     return contoursOf(path, DicomElements::ofFile(bytes));
   } catch (const DicomDamage& damage) {

@@ -77,8 +77,7 @@ void convertToImage(const ConvertSettings& s) {
   } else if (extensionOf(splitInput(s.input).path) == ".vdb") {
     writeImage(s.output, onAskedLattice(imageOfGrid(s), s));
   } else {
-    LoadOptions load = s.load;
-    const LoadedObject loaded = loadObject(s.input, load);
+    const LoadedObject loaded = loadObject(s.input, s.load);
     printNotes(s.input + ": ", loaded.notes, s.quiet);
     Image mask = maskOf(*loaded.object.levelSet);
     writeImage(s.output,

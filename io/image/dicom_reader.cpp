@@ -3,6 +3,7 @@
 #include "io/dicom_elements.h"
 #include "io/image/itk_values.h"
 #include "io/image/straighten.h"
+#include "io/whole_file.h"
 
 #include <gdcmTrace.h>
 #include <itkGDCMImageIO.h>
@@ -13,7 +14,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <optional>
 
@@ -40,20 +40,13 @@ std::string rounded(const std::string& numbers) {
   return result;
 }
 
-std::string bytesOf(const std::string& path) {
-  std::string bytes(sizeOfInput(path), '\0');
-  std::ifstream file(path, std::ios::binary);
-  if (!file.read(bytes.data(), std::streamsize(bytes.size()))) throw IoError(path + " cannot be read");
-  return bytes;
-}
-
 /// None where a file is no DICOM file. Throws IoError where it is a damaged one: every element is walked
 /// over, for GDCM aborts the program on files that were cut short.
 std::optional<Header> readHeader(const std::string& path) {
   constexpr DicomTag kModality = 0x00080060, kDescription = 0x0008103e, kSeries = 0x0020000e,
                      kOrientation = 0x00200037, kRows = 0x00280010, kColumns = 0x00280011,
                      kFrames = 0x00280008, kSpacing = 0x00280030, kBits = 0x00280100, kPixels = 0x7fe00010;
-  const std::string bytes = bytesOf(path);
+  const std::string bytes = readWholeFile(path);
   const bool marked = bytes.size() >= 132 && bytes.compare(128, 4, "DICM") == 0;
   Header header;
   try {
