@@ -1,10 +1,10 @@
 #include "tools/convert_command.h"
 
 #include "engine/errors.h"
-#include "engine/rebuild/warp_image.h"
 #include "engine/volume/image_grid.h"
 #include "engine/volume/image_shape.h"
 #include "engine/volume/level_set.h"
+#include "engine/volume/resample_image.h"
 #include "io/grid_choice.h"
 #include "io/image/image_writer.h"
 #include "io/output.h"

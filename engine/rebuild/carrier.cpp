@@ -3,6 +3,8 @@
 #include "engine/blend/node_places.h"
 #include "engine/errors.h"
 #include "engine/rebuild/warp_image.h"
+#include "engine/rebuild/warp_labels.h"
+#include "engine/volume/resample_image.h"
 
 #include <openvdb/tools/Morphology.h>
 #include <openvdb/tree/LeafManager.h>

@@ -183,6 +183,40 @@ Vec3d DistanceField::gradient(const Vec3d& world) const {
   return length > 0 ? g / length : Vec3d(0, 0, 1);
 }
 
+inline const float* BandBlocks::cell(const openvdb::Vec3s& p, openvdb::Vec3s& between) const {
+  const int x = floorOf(p[0]), y = floorOf(p[1]), z = floorOf(p[2]);
+  const int i = x >> 3, j = y >> 3, k = z >> 3;
+  if (i < 0 || j < 0 || k < 0 || i >= size_[0] || j >= size_[1] || k >= size_[2]) return nullptr;
+  const int block = block_[(size_t(i) * size_[1] + j) * size_[2] + k];
+  if (block < 0) return nullptr;
+  between = {p[0] - float(x), p[1] - float(y), p[2] - float(z)};
+  return &values_[size_t(block) * kBlock + size_t(((z & 7) * kSide + (y & 7)) * kSide + (x & 7))];
+}
+
+inline float BandBlocks::operator()(const openvdb::Vec3s& p, float unknown) const {
+  openvdb::Vec3s w;
+  const float* v = cell(p, w);
+  if (!v) return unknown;
+  constexpr int dx = 1, dy = kSide, dz = kSide * kSide;
+  const float a = v[0] + w[2] * (v[dz] - v[0]), b = v[dy] + w[2] * (v[dy + dz] - v[dy]);
+  const float c = v[dx] + w[2] * (v[dx + dz] - v[dx]), d = v[dx + dy] + w[2] * (v[dx + dy + dz] - v[dx + dy]);
+  const float near = a + w[1] * (b - a), far = c + w[1] * (d - c);
+  return near + w[0] * (far - near);
+}
+
+inline openvdb::Vec3s BandBlocks::gradient(const openvdb::Vec3s& p) const {
+  openvdb::Vec3s w;
+  const float* v = cell(p, w);
+  if (!v) return openvdb::Vec3s(0.f);
+  constexpr int dx = 1, dy = kSide, dz = kSide * kSide;
+  const float za = v[dz] - v[0], zb = v[dy + dz] - v[dy];
+  const float zc = v[dx + dz] - v[dx], zd = v[dx + dy + dz] - v[dx + dy];
+  const float a = v[0] + w[2] * za, b = v[dy] + w[2] * zb, c = v[dx] + w[2] * zc, d = v[dx + dy] + w[2] * zd;
+  const auto between = [](float low, float high, float f) { return low + f * (high - low); };
+  return {between(c, d, w[1]) - between(a, b, w[1]), between(b - a, d - c, w[0]),
+          between(between(za, zb, w[1]), between(zc, zd, w[1]), w[0])};
+}
+
 DistanceField::Sampler::Sampler(const DistanceField& field)
     : field_(&field), voxelSize_(float(field.voxelSize_)), coarseScale_(float(1 / field.spacing_)),
       fineScale_(float(1 / field.voxelSize_)), coarseOrigin_((field.anchor_ - field.origin_) / field.spacing_),
@@ -198,6 +232,15 @@ float DistanceField::Sampler::operator()(const openvdb::Vec3s& p) const {
   if (depth > 2.7f) return std::copysign(std::max(std::abs(coarse), 2.2f * h), fine);
   const float w = (depth - 1.8f) / 0.9f;
   return fine + w * w * (3 - 2 * w) * (std::copysign(std::max(std::abs(coarse), 1.6f * h), fine) - fine);
+}
+
+openvdb::Vec3s DistanceField::Sampler::gradient(const openvdb::Vec3s& p) const {
+  const openvdb::Vec3s at = p * fineScale_ + fineOrigin_;
+  openvdb::Vec3s g(0.f);
+  if (std::abs(field_->band_(at, std::numeric_limits<float>::max())) < 1.8f * voxelSize_)
+    g = field_->band_.gradient(at);
+  const float length = g.length();
+  return length > 0 ? g / length : openvdb::Vec3s(field_->gradient(field_->anchor_ + Vec3d(p)));
 }
 
 BandBlocks::BandBlocks(const FloatGrid& levelSet) {
@@ -218,27 +261,12 @@ BandBlocks::BandBlocks(const FloatGrid& levelSet) {
       block_[(size_t(cell[0] >> 3) * size_[1] + (cell[1] >> 3)) * size_[2] + (cell[2] >> 3)] = int(i);
       const float* own = leaves[i]->buffer().data();
       float* v = &values_[i * kBlock];
-      for (int x = 0; x < kSide; ++x)
+      for (int z = 0; z < kSide; ++z)
         for (int y = 0; y < kSide; ++y)
-          for (int z = 0; z < kSide; ++z)
+          for (int x = 0; x < kSide; ++x)
             *v++ = x < 8 && y < 8 && z < 8 ? own[(x * 8 + y) * 8 + z] : accessor.getValue(at.offsetBy(x, y, z));
     }
   });
-}
-
-float BandBlocks::operator()(const openvdb::Vec3s& p, float unknown) const {
-  const int x = floorOf(p[0]), y = floorOf(p[1]), z = floorOf(p[2]);
-  const int i = x >> 3, j = y >> 3, k = z >> 3;
-  if (i < 0 || j < 0 || k < 0 || i >= size_[0] || j >= size_[1] || k >= size_[2]) return unknown;
-  const int block = block_[(size_t(i) * size_[1] + j) * size_[2] + k];
-  if (block < 0) return unknown;
-  const float* v = &values_[size_t(block) * kBlock + size_t(((x & 7) * kSide + (y & 7)) * kSide + (z & 7))];
-  constexpr int dx = kSide * kSide, dy = kSide;
-  const float wx = p[0] - float(x), wy = p[1] - float(y), wz = p[2] - float(z);
-  const float a = v[0] + wz * (v[1] - v[0]), b = v[dy] + wz * (v[dy + 1] - v[dy]);
-  const float c = v[dx] + wz * (v[dx + 1] - v[dx]), d = v[dx + dy] + wz * (v[dx + dy + 1] - v[dx + dy]);
-  const float near = a + wy * (b - a), far = c + wy * (d - c);
-  return near + wx * (far - near);
 }
 
 void DistanceField::sampleSurface(int count) {

@@ -25,11 +25,16 @@ class BandBlocks {
   explicit BandBlocks(const FloatGrid& levelSet);
   /// Trilinear value at an index-space point relative to origin(); beyond all blocks `unknown`.
   float operator()(const openvdb::Vec3s& index, float unknown) const;
+  /// Gradient of the same, per voxel; zero beyond all blocks.
+  openvdb::Vec3s gradient(const openvdb::Vec3s& index) const;
   /// Index-space point that the places count from.
   const openvdb::Coord& origin() const { return origin_; }
 
  private:
   static constexpr int kSide = 9, kBlock = kSide * kSide * kSide;
+  /// Values around a point, and how far it lies between them; null beyond all blocks.
+  const float* cell(const openvdb::Vec3s& index, openvdb::Vec3s& between) const;
+
   openvdb::Coord origin_, size_;  ///< of the table, in voxels and in leaves
   std::vector<int> block_;        ///< per leaf of the table; -1: none
   std::vector<float> values_;
@@ -76,6 +81,8 @@ class DistanceField {
     float operator()(const openvdb::Vec3s& p) const;
     /// From the coarse grid alone.
     float coarse(const openvdb::Vec3s& p) const { return field_->coarseAt(p * coarseScale_ + coarseOrigin_); }
+    /// Unit gradient: of the level set's own values in its band, beyond it of the coarse grid.
+    openvdb::Vec3s gradient(const openvdb::Vec3s& p) const;
 
    private:
     const DistanceField* field_;

@@ -1,0 +1,86 @@
+#include "engine/volume/resample_image.h"
+
+#include "engine/volume/image_grid.h"
+#include "engine/volume/image_sampler.h"
+
+#include <tbb/parallel_for.h>
+
+namespace slicemorph {
+namespace {
+
+bool sameLattice(const ImageLattice& a, const ImageLattice& b) {
+  if (a.size != b.size) return false;
+  const double voxel = std::min({a.spacing()[0], a.spacing()[1], a.spacing()[2]});
+  for (int c = 0; c < 8; ++c) {
+    const Vec3d v((c & 1) * (a.size[0] - 1), (c >> 1 & 1) * (a.size[1] - 1), (c >> 2) * (a.size[2] - 1));
+    if ((a.toWorld(v) - b.toWorld(v)).length() > 1e-4 * voxel) return false;
+  }
+  return true;
+}
+
+/// Places of one lattice's voxels in another's, straight.
+class Straight {
+ public:
+  Straight(const ImageLattice& from, const ImageLattice& to) {
+    const WorldToVoxel voxel(to);
+    origin_ = voxel(from.origin);
+    for (int d = 0; d < 3; ++d) {
+      step_[d] = voxel.inverse * from.step[d];
+      // Voxels that coincide do so exactly.
+      for (int e = 0; e < 3; ++e) {
+        step_[d][e] = snapped(step_[d][e], 1e-7);
+        origin_[e] = snapped(origin_[e], 1e-4);
+      }
+    }
+  }
+  Vec3d at(int i, int j, int k) const { return origin_ + i * step_[0] + j * step_[1] + k * step_[2]; }
+
+ private:
+  static double snapped(double v, double slack) {
+    return std::abs(v - std::rint(v)) < slack ? std::rint(v) : v;
+  }
+  Vec3d origin_, step_[3];
+};
+
+}  // namespace
+
+Image resampledTo(const Image& image, const ImageLattice& on) {
+  if (sameLattice(image.lattice, on)) return {on, image.values};
+  const Straight straight(on, image.lattice);
+  return std::visit(
+      [&](const auto& values) {
+        using T = typename std::decay_t<decltype(values)>::value_type;
+        const ImageSampler<T> sampler(image.lattice, values);
+        std::vector<T> out(on.count());
+        tbb::parallel_for(0, on.size[2], [&](int k) {
+          for (int j = 0; j < on.size[1]; ++j)
+            for (int i = 0; i < on.size[0]; ++i)
+              out[on.index(i, j, k)] = storedValue<T>(double(sampler(openvdb::Vec3s(straight.at(i, j, k)))));
+        });
+        return Image{on, std::move(out)};
+      },
+      image.values);
+}
+
+Image nearestTo(const Image& labels, const ImageLattice& on) {
+  if (sameLattice(labels.lattice, on)) return {on, labels.values};
+  const Straight straight(on, labels.lattice);
+  return std::visit(
+      [&](const auto& values) {
+        using T = typename std::decay_t<decltype(values)>::value_type;
+        std::vector<T> out(on.count(), T(0));
+        const openvdb::Coord n = labels.lattice.size;
+        tbb::parallel_for(0, on.size[2], [&](int k) {
+          for (int j = 0; j < on.size[1]; ++j)
+            for (int i = 0; i < on.size[0]; ++i) {
+              const openvdb::Coord v = openvdb::Coord::floor(straight.at(i, j, k) + Vec3d(0.5));
+              if (v[0] >= 0 && v[1] >= 0 && v[2] >= 0 && v[0] < n[0] && v[1] < n[1] && v[2] < n[2])
+                out[on.index(i, j, k)] = values[labels.lattice.index(v[0], v[1], v[2])];
+            }
+        });
+        return Image{on, std::move(out)};
+      },
+      labels.values);
+}
+
+}  // namespace slicemorph
