@@ -15,6 +15,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import time
 
 sys.path.append("/usr/lib/python3/dist-packages")
 import numpy as np
@@ -425,9 +426,10 @@ for case in CASES:
     if ONLY and not any(name in case.__name__ for name in ONLY):
         continue
     folder = tempfile.mkdtemp(prefix="fog_test.")
+    start = time.time()
     try:
         case(folder)
-        print("ok      " + case.__name__, flush=True)
+        print("ok      %s (%.0f s)" % (case.__name__, time.time() - start), flush=True)
     except Skip as reason:
         print("skipped %s: %s" % (case.__name__, reason), flush=True)
     except Exception as error:

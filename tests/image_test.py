@@ -13,6 +13,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 import zlib
 
 sys.path.append("/usr/lib/python3/dist-packages")
@@ -712,9 +713,10 @@ def main():
             continue
         folder = tempfile.mkdtemp(prefix="slicemorph_image_")
         os.chdir(folder)
+        start = time.time()
         try:
             case()
-            print("ok   ", name[5:], flush=True)
+            print("ok    %s (%.0f s)" % (name[5:], time.time() - start), flush=True)
         except Skip as why:
             print("skip ", name[5:] + ":", why, flush=True)
         except Exception as error:
