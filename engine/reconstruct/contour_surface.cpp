@@ -13,6 +13,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <numeric>
 
 namespace slicemorph {
 
@@ -25,16 +27,23 @@ constexpr double kDefaultNodes = 4e7;     // a default voxel size makes no more
 constexpr size_t kWholeBoxNodes = 60000;  // a lattice below that is solved whole
 
 // How strongly the contours, and the planes' distances around them, hold against the bending of one node.
-// Measured on tori and slanted tubes: stronger plane weights make tori rounder (0.08 % of the tube's radius at 3, 0.33 %
-// at 0.3) and slanted tubes more wavy (5.2 % and 3.9 %).
+// Measured on tori and slanted tubes: stronger plane weights make tori rounder (0.08 % of the tube's radius
+// at 3, 0.33 % at 0.3) and slanted tubes more wavy (5.2 % and 3.9 %).
 constexpr double kContourWeight = 30;
 constexpr double kPlaneWeight = 1;
 constexpr double kCapWeight = 0.3;
-constexpr int kWholeSteps = 400, kBandSteps = 40;  // of the solver; the first guess of a band is already close
-constexpr double kBandNodes = 5;      // half width of the band of nodes that is solved on fine levels
-constexpr double kProfileGaps = 2;    // how far from a contour its plane's profile bends, in gaps
-constexpr double kLeastSlope = 0.3;   // of a surface that runs along a plane
+constexpr int kWholeSteps = 400,
+              kBandSteps = 40;  // of the solver; the first guess of a band is already close
+constexpr double kHeardPlanes =
+    5;  // planes so many times farther than the nearest have no say in the first guess
+constexpr double kLeastHeight = 1e-3;  // voxels: on a plane
+constexpr double kBandNodes = 5;       // half width of the band of nodes that is solved on fine levels
+constexpr double kLeastVerdict = 1;    // nodes: nearer to the contours, their data hold
+constexpr int kContourReach = 3;       // nodes around a contour that are solved wherever the surface is
+constexpr double kProfileGaps = 2;     // how far from a contour its plane's profile bends, in gaps
+constexpr double kLeastSlope = 0.3;    // of a surface that runs along a plane
 constexpr int kMeetingSweeps = 10;
+constexpr int kVerdictRounds = 3;  // of solving again around pixels where the surface contradicts their plane
 
 NodeBox finestBox(const PlaneSet& planes, double h, int levels) {
   const double coarse = h * (1 << levels), margin = planes.gap + 3.5 * coarse;
@@ -54,22 +63,40 @@ NodeBox coarser(const NodeBox& box, int level) {
   return out;
 }
 
-/// The planes' distances weighted by how near the planes are, closed beyond the last ones.
-double firstGuess(const PlaneSet& planes, const Vec3d& p) {
+/// Of the places in a row, `half` to both sides of `middle`, the planes that any of them asks for its first
+/// guess.
+std::vector<int> planesAlong(const PlaneSet& planes, const Vec3d& middle, const Vec3d& half) {
+  std::vector<double> closest(planes.sections.size());
+  double least = 1e300;
+  for (size_t i = 0; i < closest.size(); ++i) {
+    const PlaneContours& frame = planes.sections[i].frame;
+    const double height = std::abs(frame.height(middle)), change = std::abs(half.dot(frame.normal));
+    closest[i] = height - change;
+    least = std::min(least, height + change);
+  }
+  least = std::max(least, kLeastHeight * planes.step);
+  std::vector<int> out;
+  for (int i = 0; i < int(closest.size()); ++i)
+    if (closest[i] <= kHeardPlanes * least) out.push_back(i);
+  return out;
+}
+
+/// The distances of the planes, of which `among` has all near ones, weighted by how near they are; closed
+/// beyond the last ones.
+double firstGuess(const PlaneSet& planes, const std::vector<int>& among, const Vec3d& p) {
   int nearest = 0;
   double least = 1e300;
-  for (int i = 0; i < int(planes.sections.size()); ++i) {
+  for (int i : among) {
     const double height = std::abs(planes.sections[i].frame.height(p));
     if (height < least) least = height, nearest = i;
   }
-  least = std::max(least, 1e-3 * planes.step);
+  least = std::max(least, kLeastHeight * planes.step);
   double sum = 0, weights = 0;
-  for (int i = 0; i < int(planes.sections.size()); ++i) {
+  for (int i : among) {
     const PlaneContours& frame = planes.sections[i].frame;
     const double height = std::max(std::abs(frame.height(p)), least);
-    if (height > 5 * least) continue;
-    const double weight = std::pow(least / height, 3);
-    const double far = 4 * planes.gap + height;
+    if (height > kHeardPlanes * least) continue;
+    const double share = least / height, weight = share * share * share, far = 4 * planes.gap + height;
     sum += weight * std::clamp(planes.images[i].at(frame.toPlane(p)), -far, far);
     weights += weight;
   }
@@ -86,7 +113,8 @@ double firstGuess(const PlaneSet& planes, const Vec3d& p) {
 /// Makes the surface, level by level.
 class Reconstruction {
  public:
-  Reconstruction(const PlaneSet& planes, double h, Progress* progress) : planes_(planes), progress_(progress) {
+  Reconstruction(const PlaneSet& planes, double h, Progress* progress)
+      : planes_(planes), progress_(progress) {
     while (h * (2 << top_) <= planes.gap) ++top_;
     finest_ = finestBox(planes, h, top_);
     slopes_.resize(planes.sections.size());
@@ -101,10 +129,11 @@ class Reconstruction {
       box_ = box, values_ = std::move(values);
       if (level < top_) measureSlopes();
       const std::vector<std::uint32_t> active = activeNodes();
-      const std::vector<PlateDatum> data = dataOf(level);
+      std::vector<PlateDatum> data = dataOf(level);
       PlateSettings settings;
       settings.iterations = box.count() <= kWholeBoxNodes ? kWholeSteps : kBandSteps;
       solvePlate(box, active, data, settings, values_);
+      keepVerdicts(level, settings, data);
     }
     meetContours();
   }
@@ -122,9 +151,15 @@ class Reconstruction {
   std::vector<float> guess(const NodeBox& box) const {
     std::vector<float> values(box.count());
     tbb::parallel_for(0, box.size[2], [&](int k) {
+      constexpr int kTogether = 16;
       for (int j = 0; j < box.size[1]; ++j)
-        for (int i = 0; i < box.size[0]; ++i)
-          values[box.index(i, j, k)] = float(firstGuess(planes_, box.place({i, j, k})));
+        for (int first = 0; first < box.size[0]; first += kTogether) {
+          const int end = std::min(first + kTogether, box.size[0]);
+          const Vec3d from = box.place({first, j, k}), to = box.place({end - 1, j, k});
+          const std::vector<int> among = planesAlong(planes_, 0.5 * (from + to), 0.5 * (to - from));
+          for (int i = first; i < end; ++i)
+            values[box.index(i, j, k)] = float(firstGuess(planes_, among, box.place({i, j, k})));
+        }
     });
     return values;
   }
@@ -144,8 +179,8 @@ class Reconstruction {
     return values;
   }
 
-  /// How much of the surface's steepness lies in the plane, at each edge: where the surface meets the plane at an
-  /// angle, the distance in the plane is larger than the distance to the surface.
+  /// How much of the surface's steepness lies in the plane, at each edge: where the surface meets the plane
+  /// at an angle, the distance in the plane is larger than the distance to the surface.
   void measureSlopes() {
     tbb::parallel_for(size_t(0), slopes_.size(), [&](size_t i) {
       const PlaneSection& s = planes_.sections[i];
@@ -154,7 +189,8 @@ class Reconstruction {
         const Vec3d g = gradientAt(box_, values_, cellPlace(box_, middle));
         const double whole = g.length(), across = g.dot(s.frame.normal);
         if (whole > 1e-6)
-          slopes_[i][e] = float(std::clamp(std::sqrt(std::max(0.0, 1 - across * across / (whole * whole))), kLeastSlope, 1.0));
+          slopes_[i][e] = float(
+              std::clamp(std::sqrt(std::max(0.0, 1 - across * across / (whole * whole))), kLeastSlope, 1.0));
       }
     });
   }
@@ -169,23 +205,85 @@ class Reconstruction {
           on[n] = std::abs(values_[n]) < band;
       });
       for (size_t i = 0; i < planes_.sections.size(); ++i)
-        for (const PlaneSection::Edge& e : planes_.sections[i].edges) markAround(planes_.world(int(i), e.a), on);
+        for (const PlaneSection::Edge& e : planes_.sections[i].edges)
+          markAround(planes_.world(int(i), e.a), kContourReach, on);
     }
-    std::vector<std::uint32_t> active;
-    for (int k = 2; k < box_.size[2] - 2; ++k)
+    return marked(on);
+  }
+  /// Those of the marked nodes that may be solved for.
+  std::vector<std::uint32_t> marked(const std::vector<char>& on) const {
+    std::vector<std::vector<std::uint32_t>> slabs(box_.size[2]);
+    tbb::parallel_for(2, box_.size[2] - 2, [&](int k) {
       for (int j = 2; j < box_.size[1] - 2; ++j)
-        for (int i = 2; i < box_.size[0] - 2; ++i)
-          if (on[box_.index(i, j, k)]) active.push_back(std::uint32_t(box_.index(i, j, k)));
+        for (size_t n = box_.index(2, j, k), end = n + box_.size[0] - 4; n < end; ++n)
+          if (on[n]) slabs[k].push_back(std::uint32_t(n));
+    });
+    std::vector<std::uint32_t> active;
+    for (const auto& slab : slabs) active.insert(active.end(), slab.begin(), slab.end());
     return active;
   }
-  void markAround(const Vec3d& p, std::vector<char>& on) const {
-    constexpr int kReach = 3;
+  void markAround(const Vec3d& p, int reach, std::vector<char>& on) const {
     const Coord c = box_.coordOf(cellPlace(box_, p).cell);
-    for (int k = c[2] - kReach + 1; k <= c[2] + kReach; ++k)
-      for (int j = c[1] - kReach + 1; j <= c[1] + kReach; ++j)
-        for (int i = c[0] - kReach + 1; i <= c[0] + kReach; ++i)
+    for (int k = c[2] - reach + 1; k <= c[2] + reach; ++k)
+      for (int j = c[1] - reach + 1; j <= c[1] + reach; ++j)
+        for (int i = c[0] - reach + 1; i <= c[0] + reach; ++i)
           if (i >= 0 && j >= 0 && k >= 0 && i < box_.size[0] && j < box_.size[1] && k < box_.size[2])
             on[box_.index(i, j, k)] = 1;
+  }
+
+  /// Far from the contours a plane still says what is inside and what outside, where no datum holds the
+  /// surface: it is solved again around the pixels that it contradicts, until there are none.
+  void keepVerdicts(int level, const PlateSettings& settings, std::vector<PlateDatum>& data) {
+    std::vector<char> on(box_.count(), 1);
+    for (int round = 0; round < kVerdictRounds; ++round) {
+      const std::vector<Vec3d> broken = addBrokenPixels(1 << level, on, data);
+      if (broken.empty()) return;
+      std::fill(on.begin(), on.end(), 0);
+      for (const Vec3d& p : broken) markAround(p, int(kBandNodes), on);
+      solvePlate(box_, marked(on), data, settings, values_);
+    }
+  }
+  /// The pixels of a plane that cover what it cuts out of the box of all contours, also where it has none
+  /// itself.
+  openvdb::CoordBBox pixelsInBox(const PlaneContours& frame, double pixel) const {
+    openvdb::CoordBBox range;
+    for (int c = 0; c < 8; ++c) {
+      Vec3d corner;
+      for (int a = 0; a < 3; ++a) corner[a] = (c >> a & 1 ? planes_.box.max() : planes_.box.min())[a];
+      const Vec2d q = frame.toPlane(corner) / pixel;
+      range.expand(Coord::floor(Vec3d(q[0], q[1], 0)));
+    }
+    return range;
+  }
+  /// Adds the verdict of every pixel next to nodes `on` that is off its contours and has the wrong
+  /// sign.
+  std::vector<Vec3d> addBrokenPixels(int stride, const std::vector<char>& on,
+                                     std::vector<PlateDatum>& data) const {
+    std::vector<std::vector<std::pair<Vec3d, double>>> parts(planes_.sections.size());
+    const openvdb::BBoxd near(planes_.box.min() - Vec3d(box_.step), planes_.box.max() + Vec3d(box_.step));
+    tbb::parallel_for(size_t(0), parts.size(), [&](size_t plane) {
+      const PlaneImage& image = planes_.images[plane];
+      const double pixel = stride * planes_.step;
+      const openvdb::CoordBBox range = pixelsInBox(planes_.sections[plane].frame, pixel);
+      for (int j = range.min()[1]; j <= range.max()[1]; ++j)
+        for (int i = range.min()[0]; i <= range.max()[0]; ++i) {
+          const Vec2d q = pixel * Vec2d(i, j);
+          const Vec3d p = planes_.world(int(plane), q);
+          const CellPlace place = cellPlace(box_, p);
+          if (!on[place.cell] || !near.isInside(p)) continue;
+          const double value = valueAt(box_, values_, place), d = image.at(q);
+          if ((value < 0) == (d < 0) || std::abs(d) <= kLeastVerdict * box_.step) continue;
+          const double target = bounded(int(plane), p, std::min(std::abs(d), kBandNodes * box_.step));
+          parts[plane].emplace_back(p, std::copysign(target, d));
+        }
+    });
+    std::vector<Vec3d> broken;
+    for (const auto& part : parts)
+      for (const auto& [p, target] : part) {
+        broken.push_back(p);
+        data.push_back({cellPlace(box_, p), float(target), float(kPlaneWeight)});
+      }
+    return broken;
   }
 
   std::vector<PlateDatum> dataOf(int level) const {
@@ -232,7 +330,8 @@ class Reconstruction {
       if (j == plane || planes_.images[j].distance.empty()) continue;
       const PlaneContours& frame = planes_.sections[j].frame;
       const double height = std::abs(frame.height(p));
-      if (height < distance) distance = std::min(distance, std::hypot(height, planes_.images[j].at(frame.toPlane(p))));
+      if (height < distance)
+        distance = std::min(distance, std::hypot(height, planes_.images[j].at(frame.toPlane(p))));
     }
     return distance;
   }
@@ -255,7 +354,8 @@ class Reconstruction {
     std::vector<CellPlace> places;
     for (size_t i = 0; i < planes_.sections.size(); ++i)
       for (const PlaneSection::Edge& e : planes_.sections[i].edges)
-        for (const Vec2d& p : {e.a, 0.5 * (e.a + e.b)}) places.push_back(cellPlace(box_, planes_.world(int(i), p)));
+        for (const Vec2d& p : {e.a, 0.5 * (e.a + e.b)})
+          places.push_back(cellPlace(box_, planes_.world(int(i), p)));
     std::vector<float> change(box_.count(), 0), weights(box_.count(), 0);
     for (int sweep = 0; sweep < kMeetingSweeps; ++sweep) {
       std::vector<std::uint32_t> touched;
@@ -284,81 +384,133 @@ class Reconstruction {
   std::vector<std::vector<float>> slopes_;  // by plane and edge
 };
 
+/// Nodes of one row of a lattice that lie on the same side of the surface.
+struct Run {
+  size_t begin = 0, end = 0;
+  bool inside = false;
+};
+
+/// Runs of nodes on the same side, joined with those of the rows next to them.
+class Sides {
+ public:
+  Sides(const NodeBox& box, const std::vector<float>& values)
+      : box_(box), first_(size_t(box.size[1]) * box.size[2] + 1) {
+    std::vector<std::vector<Run>> slabs(box.size[2]);
+    tbb::parallel_for(0, box.size[2], [&](int k) {
+      for (int j = 0; j < box.size[1]; ++j) {
+        const size_t begin = box.index(0, j, k), end = begin + box.size[0], before = slabs[k].size();
+        for (size_t n = begin; n < end; ++n) {
+          const bool inside = values[n] < 0;
+          if (n == begin || inside != slabs[k].back().inside) slabs[k].push_back({n, n, inside});
+          slabs[k].back().end = n + 1;
+        }
+        first_[size_t(k) * box.size[1] + j + 1] = slabs[k].size() - before;
+      }
+    });
+    for (size_t row = 1; row < first_.size(); ++row) first_[row] += first_[row - 1];
+    for (const std::vector<Run>& slab : slabs) runs_.insert(runs_.end(), slab.begin(), slab.end());
+    root_.resize(runs_.size());
+    std::iota(root_.begin(), root_.end(), 0u);
+    for (size_t row = 0; row + 1 < first_.size(); ++row) {
+      if (row % box.size[1]) joinRows(row, row - 1);
+      if (row >= size_t(box.size[1])) joinRows(row, row - box.size[1]);
+    }
+  }
+
+  const std::vector<Run>& runs() const { return runs_; }
+  std::uint32_t sideOf(size_t node) {
+    const size_t row = node / box_.size[0];
+    const auto after =
+        std::upper_bound(runs_.begin() + long(first_[row]), runs_.begin() + long(first_[row + 1]), node,
+                         [](size_t n, const Run& run) { return n < run.begin; });
+    return find(std::uint32_t(after - runs_.begin() - 1));
+  }
+  std::uint32_t find(std::uint32_t run) {
+    while (root_[run] != run) run = root_[run] = root_[root_[run]];
+    return run;
+  }
+
+ private:
+  void joinRows(size_t a, size_t b) {
+    const size_t shift = (a - b) * box_.size[0];
+    for (size_t i = first_[a], j = first_[b]; i < first_[a + 1] && j < first_[b + 1];) {
+      if (runs_[i].inside == runs_[j].inside) root_[find(std::uint32_t(i))] = find(std::uint32_t(j));
+      if (runs_[i].end < runs_[j].end + shift)
+        ++i;
+      else
+        ++j;
+    }
+  }
+
+  const NodeBox& box_;
+  std::vector<Run> runs_;
+  std::vector<size_t> first_;  // run of each row
+  std::vector<std::uint32_t> root_;
+};
+
 /// Turns the sign of pieces (of the inside, and of the outside) that no contour touches; returns how many.
 int dropStrays(const PlaneSet& planes, const NodeBox& box, std::vector<float>& values) {
   const std::array<std::uint32_t, 8> corners = cornerOffsets(box);
-  std::vector<char> seen(box.count(), 0);
-  std::vector<std::uint32_t> stack;
-  const std::ptrdiff_t step[6] = {1, -1, box.size[0], -box.size[0], std::ptrdiff_t(box.size[0]) * box.size[1],
-                                  -std::ptrdiff_t(box.size[0]) * box.size[1]};
-  const auto visit = [&](std::uint32_t n) {
-    if (!seen[n]) seen[n] = 1, stack.push_back(n);
-  };
-  const auto spread = [&](std::vector<std::uint32_t>* members) {
-    while (!stack.empty()) {
-      const std::uint32_t n = stack.back();
-      stack.pop_back();
-      if (members) members->push_back(n);
-      const Coord c = box.coordOf(n);
-      for (int d = 0; d < 6; ++d) {
-        const int a = d / 2, to = c[a] + (d % 2 ? -1 : 1);
-        if (to < 0 || to >= box.size[a]) continue;
-        if ((values[n + step[d]] < 0) == (values[n] < 0)) visit(std::uint32_t(n + step[d]));
-      }
-    }
-  };
-  visit(0);
+  Sides sides(box, values);
+  std::vector<char> touched(sides.runs().size(), 0);
+  touched[sides.sideOf(0)] = 1;
   for (size_t i = 0; i < planes.sections.size(); ++i)
     for (const PlaneSection::Edge& e : planes.sections[i].edges) {
       const std::uint32_t cell = cellPlace(box, planes.world(int(i), 0.5 * (e.a + e.b))).cell;
-      for (std::uint32_t c : corners) visit(cell + c);
+      for (std::uint32_t c : corners) touched[sides.sideOf(cell + c)] = 1;
     }
-  spread(nullptr);
   int strays = 0;
-  std::vector<std::uint32_t> members;
-  for (std::uint32_t n = 0; n < seen.size(); ++n) {
-    if (seen[n]) continue;
-    members.clear();
-    visit(n);
-    spread(&members);
-    for (std::uint32_t m : members) values[m] = -values[m];
-    ++strays;
+  for (std::uint32_t r = 0; r < touched.size(); ++r) {
+    const std::uint32_t side = sides.find(r);
+    if (touched[side]) continue;
+    strays += side == r;
+    for (size_t n = sides.runs()[r].begin; n < sides.runs()[r].end; ++n) values[n] = -values[n];
   }
   return strays;
 }
 
-/// Next to a change of sign the surface is near, whatever the values: where a detail that the coarser levels did not
-/// see meets values that they left, these may be large.
+/// Next to a change of sign the surface is near, whatever the values: where a detail that the coarser levels
+/// did not see meets values that they left, these may be large.
 void limitAtSurface(const NodeBox& box, std::vector<float>& values) {
   const float most = float(2 * box.step);
   const std::ptrdiff_t step[3] = {1, box.size[0], std::ptrdiff_t(box.size[0]) * box.size[1]};
-  for (int k = 1; k < box.size[2] - 1; ++k)
+  std::vector<std::vector<size_t>> large(box.size[2]);
+  tbb::parallel_for(1, box.size[2] - 1, [&](int k) {
     for (int j = 1; j < box.size[1] - 1; ++j)
-      for (int i = 1; i < box.size[0] - 1; ++i) {
-        float& v = values[box.index(i, j, k)];
-        if (std::abs(v) <= most) continue;
+      for (size_t n = box.index(1, j, k), end = n + box.size[0] - 2; n < end; ++n) {
+        const float* v = &values[n];
+        if (std::abs(*v) <= most) continue;
         for (std::ptrdiff_t s : step)
-          if (((&v)[s] < 0) != (v < 0) || ((&v)[-s] < 0) != (v < 0)) v = std::copysign(most, v);
+          if ((v[s] < 0) != (*v < 0) || (v[-s] < 0) != (*v < 0)) {
+            large[k].push_back(n);
+            break;
+          }
       }
+  });
+  for (const std::vector<size_t>& slab : large)
+    for (size_t n : slab) values[n] = std::copysign(most, values[n]);
 }
 
 /// The level set of the lattice's values.
 FloatGrid::Ptr levelSetOf(const NodeBox& box, const std::vector<float>& values) {
   const Coord shift = Coord::round(box.origin / box.step), high = shift + box.size - Coord(1);
-  const Coord low(shift[0] >> 3, shift[1] >> 3, shift[2] >> 3), count = Coord(high[0] >> 3, high[1] >> 3, high[2] >> 3) - low + Coord(1);
+  const Coord low(shift[0] >> 3, shift[1] >> 3, shift[2] >> 3),
+      count = Coord(high[0] >> 3, high[1] >> 3, high[2] >> 3) - low + Coord(1);
   const float near = float(6 * box.step);
   const auto overNodes = [&](const Coord& origin, const auto& action) {
     for (int x = 0; x < 8; ++x)
       for (int y = 0; y < 8; ++y)
         for (int z = 0; z < 8; ++z) {
           const Coord c = origin - shift + Coord(x, y, z);
-          if (c[0] >= 0 && c[1] >= 0 && c[2] >= 0 && c[0] < box.size[0] && c[1] < box.size[1] && c[2] < box.size[2])
+          if (c[0] >= 0 && c[1] >= 0 && c[2] >= 0 && c[0] < box.size[0] && c[1] < box.size[1] &&
+              c[2] < box.size[2])
             action(size_t((x * 8 + y) * 8 + z), values[box.index(c[0], c[1], c[2])]);
         }
   };
   std::vector<char> wanted(size_t(count[0]) * count[1] * count[2], 0);
   const auto originOf = [&](size_t b) {
-    const Coord c = low + Coord(int(b % count[0]), int(b / count[0] % count[1]), int(b / count[0] / count[1]));
+    const Coord c =
+        low + Coord(int(b % count[0]), int(b / count[0] % count[1]), int(b / count[0] / count[1]));
     return Coord(c[0] << 3, c[1] << 3, c[2] << 3);
   };
   tbb::parallel_for(size_t(0), wanted.size(), [&](size_t b) {
@@ -393,6 +545,68 @@ void requireSize(const ContourSet& set, const PlaneSet& planes, double h) {
                      std::to_string(h * std::cbrt(nodes / kMostNodes)) + " is possible");
 }
 
+/// Removes the closed shells that enclose less than a voxel, bubbles and drops of a single node that
+/// distances made anew leave next to the surface, where the rest comes as near to every contour.
+class Specks {
+ public:
+  Specks(const Mesh& mesh, double voxelSize) : mesh_(mesh), voxel_(voxelSize), shell_(mesh.points.size()) {
+    std::iota(shell_.begin(), shell_.end(), 0u);
+    for (const openvdb::Vec3I& t : mesh.triangles)
+      for (int k = 1; k < 3; ++k) shell_[shellOf(t[k])] = shellOf(t[0]);
+    std::map<std::uint32_t, double> volumes;
+    for (const openvdb::Vec3I& t : mesh.triangles) {
+      const std::uint32_t shell = shellOf(t[0]);
+      const Vec3d o(mesh.points[shell]), a = Vec3d(mesh.points[t[0]]) - o;
+      const Vec3d b = Vec3d(mesh.points[t[1]]) - o, c = Vec3d(mesh.points[t[2]]) - o;
+      volumes[shell] += a.dot(b.cross(c)) / 6;
+    }
+    for (const auto& [shell, volume] : volumes)
+      if (std::abs(volume) < std::pow(voxelSize, 3)) specks_[shell];
+    for (std::uint32_t p = 0; p < mesh.points.size(); ++p)
+      if (const auto speck = specks_.find(shellOf(p)); speck != specks_.end())
+        speck->second.expand(Vec3d(mesh.points[p]));
+  }
+
+  Mesh without(const ContourSet& set) {
+    if (specks_.empty()) return mesh_;
+    for (const PlaneContours& plane : set.planes)
+      for (const auto& loop : plane.loops)
+        for (const Vec2d& p : loop) keepFor(plane.toWorld(p));
+    Mesh out;
+    std::vector<std::uint32_t> index(mesh_.points.size());
+    for (std::uint32_t p = 0; p < mesh_.points.size(); ++p) {
+      if (specks_.count(shellOf(p))) continue;
+      index[p] = std::uint32_t(out.points.size());
+      out.points.push_back(mesh_.points[p]);
+    }
+    for (const openvdb::Vec3I& t : mesh_.triangles)
+      if (!specks_.count(shellOf(t[0]))) out.triangles.emplace_back(index[t[0]], index[t[1]], index[t[2]]);
+    return out;
+  }
+
+ private:
+  std::uint32_t shellOf(std::uint32_t p) {
+    while (shell_[p] != p) p = shell_[p] = shell_[shell_[p]];
+    return p;
+  }
+  /// A contour's point keeps the specks around it where nothing else is within a voxel.
+  void keepFor(const Vec3d& p) {
+    std::vector<std::uint32_t> around;
+    for (const auto& [shell, box] : specks_)
+      if (openvdb::BBoxd(box.min() - Vec3d(voxel_), box.max() + Vec3d(voxel_)).isInside(p))
+        around.push_back(shell);
+    if (around.empty()) return;
+    for (std::uint32_t q = 0; q < mesh_.points.size(); ++q)
+      if ((Vec3d(mesh_.points[q]) - p).lengthSqr() < voxel_ * voxel_ && !specks_.count(shellOf(q))) return;
+    for (std::uint32_t shell : around) specks_.erase(shell);
+  }
+
+  const Mesh& mesh_;
+  double voxel_;
+  std::vector<std::uint32_t> shell_;  // by point: another of the same shell, in the end the first
+  std::map<std::uint32_t, openvdb::BBoxd> specks_;  // boxes by shell
+};
+
 }  // namespace
 
 double contourVoxelSize(const ContourSet& set) {
@@ -400,7 +614,8 @@ double contourVoxelSize(const ContourSet& set) {
   return defaultVoxelSize(cleanPlanes(set, notes));
 }
 
-ContourSurface contourSurface(const ContourSet& set, const ContourSurfaceOptions& options, Progress* progress) {
+ContourSurface contourSurface(const ContourSet& set, const ContourSurfaceOptions& options,
+                              Progress* progress) {
   ContourSurface out;
   PlaneSet planes = cleanPlanes(set, out.notes);
   out.voxelSize = options.voxelSize != 0 ? options.voxelSize : defaultVoxelSize(planes);
@@ -412,7 +627,8 @@ ContourSurface contourSurface(const ContourSet& set, const ContourSurfaceOptions
   const NodeBox& box = reconstruction.box();
   std::vector<float>& values = reconstruction.values();
   if (const int strays = dropStrays(planes, box, values))
-    out.notes.push_back(set.name + ": " + std::to_string(strays) + " pieces that no contour touches left out");
+    out.notes.push_back(set.name + ": " + std::to_string(strays) +
+                        " pieces that no contour touches left out");
   for (size_t i = 0; i < planes.sections.size(); ++i)
     for (const PlaneSection::Edge& e : planes.sections[i].edges) {
       const CellPlace place = cellPlace(box, planes.world(int(i), e.a));
@@ -425,7 +641,8 @@ ContourSurface contourSurface(const ContourSet& set, const ContourSurfaceOptions
 }
 
 Mesh contourMesh(const ContourSet& set, const ContourSurface& surface) {
-  Mesh mesh = makeManifold(surfaceOf(*surface.grid)).mesh;
+  const Mesh whole = makeManifold(surfaceOf(*surface.grid)).mesh;
+  Mesh mesh = Specks(whole, surface.voxelSize).without(set);
   meetContours(set, surface.voxelSize, mesh);
   return mesh;
 }

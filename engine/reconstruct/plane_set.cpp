@@ -17,8 +17,9 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 /// A next plane farther than so many gaps that is parallel, says nothing about what lies
 /// between: two lumps, not one body.
 constexpr double kBridgedGaps = 3;
-constexpr double kParallel = 0.99;    // cosine
-constexpr double kLeastSlant = 1e-3;  // cosine: two planes that meet at less are never met along each other's normal
+constexpr double kParallel = 0.99;  // cosine
+constexpr double kLeastSlant =
+    1e-3;  // cosine: two planes that meet at less are never met along each other's normal
 /// Points of different planes closer than this share of the extent are the same.
 constexpr double kSamePoint = 1e-7;
 constexpr size_t kProbes = 4000;  // contour points that are asked for the gap
@@ -76,6 +77,27 @@ void findOutermost(PlaneSet& planes) {
       }
 }
 
+/// How far each of a plane's corners is from another plane along the normal is linear over the plane: what
+/// holds at the corners holds between them.
+void findBridged(PlaneSet& planes) {
+  planes.bridged.assign(planes.sections.size() * 2, 0);
+  const double most = kBridgedGaps * planes.gap;
+  tbb::parallel_for(size_t(0), planes.sections.size(), [&](size_t i) {
+    const PlaneImage& image = planes.images[i];
+    if (image.distance.empty()) return;
+    for (int side : {-1, 1})
+      for (size_t j = 0; j < planes.sections.size() && !planes.bridged[2 * i + (side > 0)]; ++j) {
+        bool next = j != i;
+        for (int corner = 0; corner < 4 && next; ++corner) {
+          const Vec2d q = image.place(corner & 1 ? image.width - 1 : 0, corner & 2 ? image.height - 1 : 0);
+          const double t = planes.crossing(int(i), int(j), planes.world(int(i), q), side);
+          next = t > 0 && t <= most;
+        }
+        planes.bridged[2 * i + (side > 0)] = next;
+      }
+  });
+}
+
 std::string millimetres(double v) {
   char text[32];
   std::snprintf(text, sizeof text, "%.4g mm", v);
@@ -97,14 +119,18 @@ void noteGaps(const std::string& name, const PlaneSet& planes, std::vector<std::
     const char* what;
     int count, missing;
     std::string where;
-  } kinds[3] = {{"bridged", 0, 0, ""}, {"too wide to bridge, the object is closed on both sides", 0, 0, ""}, {"uneven", 0, 0, ""}};
+  } kinds[3] = {{"bridged", 0, 0, ""},
+                {"too wide to bridge, the object is closed on both sides", 0, 0, ""},
+                {"uneven", 0, 0, ""}};
   for (size_t i = 1; i < heights.size(); ++i) {
     const double low = heights[i - 1].first, high = heights[i].first, gaps = (high - low) / planes.gap;
-    if (gaps < 1e-3 || (!heights[i - 1].second && !heights[i].second) || std::abs(gaps - 1) <= kUneven) continue;
+    if (gaps < 1e-3 || (!heights[i - 1].second && !heights[i].second) || std::abs(gaps - 1) <= kUneven)
+      continue;
     Kind& kind = kinds[gaps > kBridgedGaps ? 1 : gaps > 1.5 ? 0 : 2];
     kind.missing += int(std::round(gaps)) - 1;
     if (++kind.count <= kNamed)
-      kind.where += (kind.count > 1 ? ", " : "") + millimetres(high - low) + " from " + millimetres(low) + " to " + millimetres(high);
+      kind.where += (kind.count > 1 ? ", " : "") + millimetres(high - low) + " from " + millimetres(low) +
+                    " to " + millimetres(high);
   }
   for (const Kind& kind : kinds) {
     if (kind.count == 0) continue;
@@ -118,25 +144,30 @@ void noteGaps(const std::string& name, const PlaneSet& planes, std::vector<std::
 
 }  // namespace
 
+double PlaneSet::crossing(int plane, int other, const Vec3d& p, int side) const {
+  const double slant = side * sections[other].frame.normal.dot(sections[plane].frame.normal);
+  if (std::abs(slant) < kLeastSlant) return -1;
+  const double t = -sections[other].frame.height(p) / slant;
+  return t > kSamePoint * box.extents().length() ? t : -1;
+}
+
 NextPlane PlaneSet::nextPlane(int plane, const Vec3d& p, int side) const {
-  const Vec3d direction = side * sections[plane].frame.normal;
-  const double least = kSamePoint * box.extents().length();
   NextPlane next{kInfinite, -1};
   for (int j = 0; j < int(sections.size()); ++j) {
     if (j == plane) continue;
-    const double slant = sections[j].frame.normal.dot(direction);
-    if (std::abs(slant) < kLeastSlant) continue;
-    const double t = -sections[j].frame.height(p) / slant;
-    if (t > least && t < next.distance) next = {t, j};
+    const double t = crossing(plane, j, p, side);
+    if (t > 0 && t < next.distance) next = {t, j};
   }
   return next;
 }
 
 bool PlaneSet::endsAt(int plane, const Vec3d& p, int side) const {
+  if (bridged[2 * plane + (side > 0)]) return false;
   const NextPlane next = nextPlane(plane, p, side);
   if (next.distance <= kBridgedGaps * gap) return false;
   if (outermost[2 * plane + (side > 0)]) return true;
-  return next.plane >= 0 && std::abs(sections[next.plane].frame.normal.dot(sections[plane].frame.normal)) > kParallel;
+  return next.plane >= 0 &&
+         std::abs(sections[next.plane].frame.normal.dot(sections[plane].frame.normal)) > kParallel;
 }
 
 double PlaneSet::capHeight(int plane, const Vec3d& p, int side) const {
@@ -152,7 +183,8 @@ PlaneSet cleanPlanes(const ContourSet& set, std::vector<std::string>& notes) {
     const std::string where = set.name + ", plane " + std::to_string(i + 1);
     planes.sections.push_back(sectionOf(set.planes[i], tolerance, where, notes));
     filled += !planes.sections.back().edges.empty();
-    for (const PlaneSection::Edge& e : planes.sections.back().edges) planes.box.expand(planes.world(int(i), e.a));
+    for (const PlaneSection::Edge& e : planes.sections.back().edges)
+      planes.box.expand(planes.world(int(i), e.a));
   }
   if (filled == 0) throw GeometryError(set.name + ": no contour encloses anything");
   if (filled == 1) throw GeometryError(set.name + ": contours on one plane only; a body needs two or more");
@@ -177,6 +209,7 @@ void makeImages(PlaneSet& planes, double step) {
     planes.sections[i].edges = shortened(planes.sections[i].edges, step);
     planes.images[i] = distanceImage(planes.sections[i], step, planes.gap + 6 * step);
   });
+  findBridged(planes);
 }
 
 }  // namespace slicemorph

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace slicemorph {
 
@@ -16,18 +17,13 @@ constexpr float kCentre = 42, kFace = -12, kEdge = 2, kBeyond = 1;  // of the bi
 
 class PlateSystem {
  public:
-  PlateSystem(const NodeBox& box, const std::vector<std::uint32_t>& active, const std::vector<PlateDatum>& data)
-      : active_(active), data_(data), corners_(cornerOffsets(box)), rows_(data.size()) {
-    const std::ptrdiff_t step[3] = {1, box.size[0], std::ptrdiff_t(box.size[0]) * box.size[1]};
-    for (int a = 0; a < 3; ++a) {
-      const std::ptrdiff_t next = step[(a + 1) % 3];
-      for (int s : {-1, 1}) {
-        face_.push_back(s * step[a]);
-        beyond_.push_back(2 * s * step[a]);
-        for (int t : {-1, 1}) edge_.push_back(s * step[a] + t * next);
-      }
-    }
-    listIncidence(box.count());
+  PlateSystem(const NodeBox& box, const std::vector<std::uint32_t>& active,
+              const std::vector<PlateDatum>& data)
+      : active_(active),
+        corners_(cornerOffsets(box)),
+        y_(box.size[0]),
+        z_(std::ptrdiff_t(box.size[0]) * box.size[1]) {
+    listIncidence(box.count(), data);
   }
 
   const std::vector<float>& diagonal() const { return diagonal_; }
@@ -62,16 +58,23 @@ class PlateSystem {
     });
   }
   float bending(const float* v) const {
-    float face = 0, edge = 0, beyond = 0;
-    for (std::ptrdiff_t o : face_) face += v[o];
-    for (std::ptrdiff_t o : edge_) edge += v[o];
-    for (std::ptrdiff_t o : beyond_) beyond += v[o];
+    const std::ptrdiff_t y = y_, z = z_;
+    const float face = v[-1] + v[1] + v[-y] + v[y] + v[-z] + v[z];
+    const float edge = (v[-y - 1] + v[-y + 1] + v[y - 1] + v[y + 1]) +
+                       (v[-z - 1] + v[-z + 1] + v[z - 1] + v[z + 1]) +
+                       (v[-z - y] + v[-z + y] + v[z - y] + v[z + y]);
+    const float beyond = v[-2] + v[2] + v[-2 * y] + v[2 * y] + v[-2 * z] + v[2 * z];
     return kCentre * *v + kFace * face + kEdge * edge + kBeyond * beyond;
   }
-  void listIncidence(size_t nodes) {
+  void listIncidence(size_t nodes, const std::vector<PlateDatum>& data) {
     constexpr std::uint32_t kHeld = ~std::uint32_t(0);
     std::vector<std::uint32_t> slot(nodes, kHeld);
     for (size_t n = 0; n < active_.size(); ++n) slot[active_[n]] = std::uint32_t(n);
+    std::copy_if(data.begin(), data.end(), std::back_inserter(data_), [&](const PlateDatum& d) {
+      return std::any_of(corners_.begin(), corners_.end(),
+                         [&](std::uint32_t c) { return slot[d.place.cell + c] != kHeld; });
+    });
+    rows_.resize(data_.size());
     first_.assign(active_.size() + 1, 0);
     const auto visit = [&](const auto& action) {
       for (size_t r = 0; r < data_.size(); ++r)
@@ -93,9 +96,9 @@ class PlateSystem {
   }
 
   const std::vector<std::uint32_t>& active_;
-  const std::vector<PlateDatum>& data_;
+  std::vector<PlateDatum> data_;  // those that an active node has to do with
   std::array<std::uint32_t, 8> corners_;
-  std::vector<std::ptrdiff_t> face_, edge_, beyond_;
+  std::ptrdiff_t y_, z_;  // to the next node along these axes
   std::vector<float> rows_, diagonal_;
   std::vector<std::uint32_t> first_, entries_;  // datum * 8 + corner, by node
 };
@@ -130,7 +133,8 @@ CellPlace cellPlace(const NodeBox& box, const Vec3d& world) {
     base[a] = std::min(int(clamped), box.size[a] - 2);
     share[a] = clamped - base[a];
   }
-  return {std::uint32_t(box.index(base[0], base[1], base[2])), float(share[0]), float(share[1]), float(share[2])};
+  return {std::uint32_t(box.index(base[0], base[1], base[2])), float(share[0]), float(share[1]),
+          float(share[2])};
 }
 
 std::array<std::uint32_t, 8> cornerOffsets(const NodeBox& box) {
@@ -151,20 +155,24 @@ Vec3d gradientAt(const NodeBox& box, const std::vector<float>& values, const Cel
   Vec3d sum(0.0);
   for (int c = 0; c < 8; ++c) {
     const double f = values[place.cell + corners[c]];
-    const double u = c & 1 ? place.u : 1 - place.u, v = c & 2 ? place.v : 1 - place.v, w = c & 4 ? place.w : 1 - place.w;
+    const double u = c & 1 ? place.u : 1 - place.u, v = c & 2 ? place.v : 1 - place.v,
+                 w = c & 4 ? place.w : 1 - place.w;
     sum += f * Vec3d((c & 1 ? 1 : -1) * v * w, (c & 2 ? 1 : -1) * u * w, (c & 4 ? 1 : -1) * u * v);
   }
   return sum / box.step;
 }
 
-int solvePlate(const NodeBox& box, const std::vector<std::uint32_t>& active, const std::vector<PlateDatum>& data,
-               const PlateSettings& settings, std::vector<float>& values) {
+int solvePlate(const NodeBox& box, const std::vector<std::uint32_t>& active,
+               const std::vector<PlateDatum>& data, const PlateSettings& settings,
+               std::vector<float>& values) {
   PlateSystem system(box, active, data);
   const std::vector<float>& diagonal = system.diagonal();
   const size_t n = active.size();
   std::vector<float> r(n), product(n), direction(values.size(), 0.0f);
   system.residual(values, r);
-  const auto steepness = [&] { return sumOver(n, [&](size_t i) { return double(r[i]) * r[i] / diagonal[i]; }); };
+  const auto steepness = [&] {
+    return sumOver(n, [&](size_t i) { return double(r[i]) * r[i] / diagonal[i]; });
+  };
   double rz = steepness();
   const double enough = rz * settings.tolerance * settings.tolerance;
   forEach(n, [&](size_t i) { direction[active[i]] = r[i] / diagonal[i]; });
