@@ -1,6 +1,7 @@
 #include "engine/errors.h"
 #include "engine/reconstruct/label_level_set.h"
 #include "engine/reconstruct/label_slices.h"
+#include "engine/reconstruct/regions.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -64,9 +65,8 @@ int scene(int i, int j, int k) {
 
 TEST(Reconstruct, TiltedTubeMovesWithoutOverlap) {
   // Radius 5, 12 to the side per gap of 8: sections do not meet.
-  const Image dense = fillIn(80, 33, 8, [](int i, int j, int k) {
-    return distance(i, j, 15 + 1.5 * k, 40) <= 5.2 ? 7 : 0;
-  });
+  const Image dense =
+      fillIn(80, 33, 8, [](int i, int j, int k) { return distance(i, j, 15 + 1.5 * k, 40) <= 5.2 ? 7 : 0; });
   for (int k = 0; k < 33; ++k) {
     const Section s = sectionOf(dense, 7, k);
     EXPECT_NEAR(s.area, M_PI * 5.2 * 5.2, 2 * M_PI * 5.2 * 0.5) << k;  // half a pixel all round
@@ -76,14 +76,42 @@ TEST(Reconstruct, TiltedTubeMovesWithoutOverlap) {
 }
 
 TEST(Reconstruct, ConeAndBall) {
-  const Image cone = fillIn(64, 33, 8, [](int i, int j, int k) { return distance(i, j, 32, 32) <= 5 + 0.6 * k; });
-  for (int k = 0; k < 33; ++k) EXPECT_NEAR(std::sqrt(sectionOf(cone, 1, k).area / M_PI), 5 + 0.6 * k, 0.6) << k;
+  const Image cone =
+      fillIn(64, 33, 8, [](int i, int j, int k) { return distance(i, j, 32, 32) <= 5 + 0.6 * k; });
+  for (int k = 0; k < 33; ++k)
+    EXPECT_NEAR(std::sqrt(sectionOf(cone, 1, k).area / M_PI), 5 + 0.6 * k, 0.6) << k;
   const Image ball = fillIn(64, 65, 8, [](int i, int j, int k) {
     return (i - 32) * (i - 32) + (j - 32) * (j - 32) + (k - 32) * (k - 32) <= 22 * 22 ? 1 : 0;
   });
   double volume = 0;
   for (int k = 0; k < 65; ++k) volume += sectionOf(ball, 1, k).area;
   EXPECT_NEAR(volume / (4.0 / 3 * M_PI * 22 * 22 * 22), 1, 0.05);
+}
+
+TEST(Reconstruct, WideGap) {
+  // More slices than are labelled together.
+  const Image cone =
+      fillIn(64, 41, 20, [](int i, int j, int k) { return distance(i, j, 32, 32) <= 8 + 0.4 * k ? 1 : 0; });
+  for (int k = 0; k < 41; ++k)
+    EXPECT_NEAR(std::sqrt(sectionOf(cone, 1, k).area / M_PI), 8 + 0.4 * k, 0.6) << k;
+}
+
+TEST(Reconstruct, RegionsAreJoinedBelow) {
+  // Two arms that meet at the bottom, a pixel that touches one by its corner, and one by itself.
+  const char* const rows[] = {"#..#..#", "#..#...", "#..##..", "###..#.", ".##...."};
+  LabelScore score;
+  score.box = {3, 2, 10, 7};
+  for (const char* row : rows)
+    for (int x = 0; x < 7; ++x) score.values.push_back(row[x] == '#' ? 0.5f + 0.1f * float(x) : -0.5f);
+  const LabelRegions found = findRegions(score);
+  ASSERT_EQ(found.regions.size(), 2u);
+  EXPECT_EQ(found.regions[0].count, 13u);
+  EXPECT_EQ(found.regions[1].count, 1u);
+  EXPECT_FLOAT_EQ(found.regions[0].depth, 1.0f);
+  EXPECT_FLOAT_EQ(found.regions[1].x, 9);
+  for (int y = 0; y < 5; ++y)
+    for (int x = 0; x < 7; ++x)
+      EXPECT_EQ(found.at(3 + x, 2 + y), rows[y][x] != '#' ? -1 : y == 0 && x == 6 ? 1 : 0) << x << ' ' << y;
 }
 
 TEST(Reconstruct, BranchesJoin) {
@@ -99,15 +127,18 @@ TEST(Reconstruct, BranchesJoin) {
 }
 
 TEST(Reconstruct, LabelEndsBetweenSlices) {
-  const Image end = fillIn(48, 17, 8, [](int i, int j, int k) { return k <= 8 && distance(i, j, 24, 24) <= 6; });
+  const Image end =
+      fillIn(48, 17, 8, [](int i, int j, int k) { return k <= 8 && distance(i, j, 24, 24) <= 6; });
   EXPECT_GT(sectionOf(end, 1, 9).area, 0);
   EXPECT_EQ(sectionOf(end, 1, 16).area, 0);
   for (int k = 9; k < 17; ++k) EXPECT_LE(sectionOf(end, 1, k).area, sectionOf(end, 1, k - 1).area) << k;
 }
 
 TEST(Reconstruct, ThinThingsJumpAndStay) {
-  const Image line = fillIn(64, 17, 8, [](int i, int j, int k) { return i == 10 + 2 * k && j > 10 && j < 50 ? 1 : 0; });
-  const Image dot = fillIn(64, 17, 8, [](int i, int j, int k) { return i == 10 + 2 * k && j == 60 - 3 * k ? 1 : 0; });
+  const Image line =
+      fillIn(64, 17, 8, [](int i, int j, int k) { return i == 10 + 2 * k && j > 10 && j < 50 ? 1 : 0; });
+  const Image dot =
+      fillIn(64, 17, 8, [](int i, int j, int k) { return i == 10 + 2 * k && j == 60 - 3 * k ? 1 : 0; });
   for (int k = 0; k < 17; ++k) {
     EXPECT_NEAR(sectionOf(line, 1, k).area, 39, 4) << k;
     EXPECT_NEAR(sectionOf(line, 1, k).x, 10 + 2 * k, 1) << k;
@@ -136,8 +167,8 @@ TEST(Reconstruct, MirroredInputMirrorsOutput) {
   size_t differ = 0, drawn = 0;
   for (int k = 0; k < 25; ++k)
     for (int j = 0; j < 72; ++j)
-      for (int i = 0; i < 72; ++i) differ += at(turned, i, j, 24 - k) != at(dense, i, j, k),
-          drawn += at(dense, i, j, k) != 0;
+      for (int i = 0; i < 72; ++i)
+        differ += at(turned, i, j, 24 - k) != at(dense, i, j, k), drawn += at(dense, i, j, k) != 0;
   EXPECT_LE(differ, drawn / 1000);  // roundings of half pixels go one way
 }
 
@@ -159,12 +190,15 @@ TEST(Reconstruct, FindsGivenSlices) {
   // An empty slice in the rhythm is given.
   const auto gap = [&](int i, int j, int k) { return k == 12 ? 0 : ball(i, j, k); };
   EXPECT_EQ(findGivenSlices(paint(32, 32, 25, gap, 4)).at, found.at);
-  const auto uneven = [&](int i, int j, int k) { return k == 4 || k == 7 || k == 9 || k == 20 ? ball(i, j, k) : 0; };
+  const auto uneven = [&](int i, int j, int k) {
+    return k == 4 || k == 7 || k == 9 || k == 20 ? ball(i, j, k) : 0;
+  };
   EXPECT_EQ(findGivenSlices(paint(32, 32, 25, uneven)).at, (std::vector<int>{4, 7, 9, 20}));
   EXPECT_THROW(findGivenSlices(paint(32, 32, 25, ball)), InputError);
   EXPECT_THROW(findGivenSlices(paint(32, 32, 25, ball), 2), InputError);
   EXPECT_THROW(findGivenSlices(paint(32, 32, 25, [](int, int, int) { return 0; })), InputError);
-  EXPECT_THROW(findGivenSlices(paint(32, 32, 25, [](int i, int j, int k) { return k == 8 && i > j; }), 2), InputError);
+  EXPECT_THROW(findGivenSlices(paint(32, 32, 25, [](int i, int j, int k) { return k == 8 && i > j; }), 2),
+               InputError);
   Image fraction = paint(8, 8, 8, [](int, int, int) { return 0; });
   fraction.values = std::vector<float>(512, 0.5f);
   EXPECT_THROW(findGivenSlices(fraction), InputError);
@@ -183,7 +217,8 @@ TEST(Reconstruct, LevelSetPassesThroughTheContours) {
       for (int i = 1; i < 63; ++i) {
         const Vec3d node = grid->transform().worldToIndex(Vec3d(i, j, k));
         ASSERT_NEAR(node[2], std::round(node[2]), 1e-6);
-        ASSERT_EQ(values.getValue(openvdb::Coord::round(node)) < 0, tube(i, j, k) == 1) << i << " " << j << " " << k;
+        ASSERT_EQ(values.getValue(openvdb::Coord::round(node)) < 0, tube(i, j, k) == 1)
+            << i << " " << j << " " << k;
       }
   // Closed within half a gap.
   for (double z : {-5.0, 37.0}) {

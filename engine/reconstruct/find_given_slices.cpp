@@ -1,6 +1,7 @@
 #include "engine/errors.h"
 #include "engine/reconstruct/label_slices.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -10,6 +11,12 @@ namespace {
 
 using Flags = std::vector<char>;
 
+void checkWhole(double value, int i, int j, int k) {
+  if (std::floor(value) == value && std::abs(value) < 2147483648.0) return;
+  throw InputError("labels must be whole numbers, got " + std::to_string(value) + " at voxel (" +
+                   std::to_string(i) + ", " + std::to_string(j) + ", " + std::to_string(k) + ")");
+}
+
 /// Per axis, which slices hold a label.
 std::vector<Flags> labelledSlices(const Image& image) {
   const openvdb::Coord& n = image.lattice.size;
@@ -17,18 +24,19 @@ std::vector<Flags> labelledSlices(const Image& image) {
   for (int d = 0; d < 3; ++d) found.emplace_back(size_t(n[d]), 0);
   std::visit(
       [&](const auto& values) {
-        size_t at = 0;
+        using T = typename std::decay_t<decltype(values)>::value_type;
+        const T* row = values.data();
         for (int k = 0; k < n[2]; ++k)
-          for (int j = 0; j < n[1]; ++j)
-            for (int i = 0; i < n[0]; ++i, ++at) {
-              if (values[at] == 0) continue;
-              if (std::floor(double(values[at])) != double(values[at]) ||
-                  !(std::abs(double(values[at])) < 2147483648.0))
-                throw InputError("labels must be whole numbers, got " + std::to_string(double(values[at])) +
-                    " at voxel (" +
-                                 std::to_string(i) + ", " + std::to_string(j) + ", " + std::to_string(k) + ")");
-              found[0][size_t(i)] = found[1][size_t(j)] = found[2][size_t(k)] = 1;
-            }
+          for (int j = 0; j < n[1]; ++j, row += n[0]) {
+            if constexpr (std::is_floating_point_v<T>)
+              for (int i = 0; i < n[0]; ++i) checkWhole(double(row[i]), i, j, k);
+            const T* end = row + n[0];
+            const T* first = std::find_if(row, end, [](T v) { return v != 0; });
+            if (first == end) continue;
+            found[1][size_t(j)] = found[2][size_t(k)] = 1;
+            char* column = found[0].data() + (first - row);
+            for (const T* value = first; value < end; ++value, ++column) *column |= char(*value != 0);
+          }
       },
       image.values);
   return found;
@@ -45,7 +53,7 @@ std::vector<int> indices(const Flags& flags) {
 int rhythmOf(const std::vector<int>& at) {
   int step = 0;
   for (size_t i = 1; i < at.size(); ++i)
-    for (int a = at[i] - at[0], b = step; ; a = step) {
+    for (int a = at[i] - at[0], b = step;; a = step) {
       while (b) std::swap(a, b), b %= a;
       step = a;
       break;
@@ -63,8 +71,9 @@ std::vector<int> regular(const std::vector<int>& at, int every) {
 
 GivenSlices findGivenSlices(const Image& labels, int axis, int every) {
   if (axis < -1 || axis > 2) throw InputError("axis must be 0, 1 or 2, got " + std::to_string(axis));
-  if (every < 0 || every == 1) throw InputError("the step from one given slice to the next must be 2 or more, got " +
-      std::to_string(every));
+  if (every < 0 || every == 1)
+    throw InputError("the step from one given slice to the next must be 2 or more, got " +
+                     std::to_string(every));
   const std::vector<Flags> flags = labelledSlices(labels);
   if (indices(flags[0]).empty()) throw InputError("nothing is labelled in the map");
   GivenSlices best;
@@ -89,7 +98,8 @@ GivenSlices findGivenSlices(const Image& labels, int axis, int every) {
     const int empty = at.back() - at.front() + 1 - int(at.size());
     if (empty > missing) missing = empty, best = {d, at};
   }
-  if (single) throw InputError("only one slice is labelled; at least two are needed to interpolate between them");
+  if (single)
+    throw InputError("only one slice is labelled; at least two are needed to interpolate between them");
   if (!missing) throw InputError("no slice is missing between the labelled ones: the map is dense already");
   return best;
 }

@@ -29,7 +29,7 @@ SliceLayout layoutOf(const ImageLattice& lattice, int axis) {
 /// Labels of one given slice as they first appear, and every pixel's place among them.
 struct Census {
   std::vector<int> values, pixel;
-  std::vector<size_t> count, first;
+  std::vector<size_t> count;
   std::vector<PixelBox> box;
 };
 
@@ -38,20 +38,18 @@ Census takeCensus(const std::vector<T>& values, const SliceLayout& layout, int s
   Census census;
   std::unordered_map<int, int> seen;
   census.pixel.resize(size_t(layout.width) * size_t(layout.height));
-  int last = 0, entry = -1;
+  size_t at = 0;
   for (int y = 0; y < layout.height; ++y)
-    for (int x = 0; x < layout.width; ++x) {
-      const int v = int(values[size_t(slice) * layout.slice + size_t(y) * layout.y + size_t(x) * layout.x]);
-      const size_t at = size_t(y) * size_t(layout.width) + size_t(x);
-      if (entry < 0 || v != last) {
-        const auto found = seen.emplace(v, int(census.values.size()));
-        if (found.second) census.values.push_back(v), census.count.push_back(0), census.first.push_back(at),
-            census.box.emplace_back();
-        last = v, entry = found.first->second;
-      }
-      census.pixel[at] = entry;
-      ++census.count[size_t(entry)];
-      census.box[size_t(entry)].add(x, y);
+    for (int x = 0, end = 0; x < layout.width; x = end) {
+      const T* row = &values[size_t(slice) * layout.slice + size_t(y) * layout.y];
+      const T v = row[size_t(x) * layout.x];
+      for (end = x + 1; end < layout.width && row[size_t(end) * layout.x] == v;) ++end;
+      const auto found = seen.emplace(int(v), int(census.values.size()));
+      if (found.second) census.values.push_back(int(v)), census.count.push_back(0), census.box.emplace_back();
+      const size_t entry = size_t(found.first->second), count = size_t(end - x);
+      std::fill_n(census.pixel.begin() + std::ptrdiff_t(at), count, int(entry));
+      census.count[entry] += count, at += count;
+      census.box[entry] = hull(census.box[entry], {x, y, end, y + 1});
     }
   return census;
 }
@@ -75,7 +73,8 @@ std::vector<int> rankValues(const std::vector<Census>& slices) {
   return ranked;
 }
 
-constexpr float kSoft = 0.35f;    ///< of a pixel, goes to its neighbours: pixels make stairs of a smooth contour
+constexpr float kSoft =
+    0.35f;  ///< of a pixel, goes to its neighbours: pixels make stairs of a smooth contour
 constexpr float kLeast = 1e-3f;  ///< pixel: softening moves no pixel across the contour
 
 /// Running mean (quarter, half, quarter) along x and y, `sx` and `sy` of it; keeps signs.
@@ -94,33 +93,37 @@ void soften(std::vector<float>& v, const PixelBox& box, float sx, float sy, floa
 }
 
 ScorePlane scorePlane(const Census& census, const std::unordered_map<int, int>& rank, const ScoreStack& stack,
-    float far) {
+                      float far) {
   ScorePlane plane;
   const float least = std::min(stack.pixel[0], stack.pixel[1]), sx = least / stack.pixel[0],
-      sy = least / stack.pixel[1];
+              sy = least / stack.pixel[1];
   for (size_t e = 0; e < census.values.size(); ++e) {
     const PixelBox box = intersection(census.box[e].grown(1), stack.domain);
     std::vector<std::uint8_t> mask(box.count());
-    for (int y = box.y0; y < box.y1; ++y)
-      for (int x = box.x0; x < box.x1; ++x)
-        mask[box.index(x, y)] = census.pixel[stack.domain.index(x, y)] == int(e);
+    for (int y = box.y0; y < box.y1; ++y) {
+      const int* pixel = &census.pixel[stack.domain.index(box.x0, y)];
+      std::uint8_t* to = &mask[box.index(box.x0, y)];
+      for (int x = 0; x < box.width(); ++x) to[x] = pixel[x] == int(e);
+    }
     std::vector<float> values = maskDistance(mask, box, stack.pixel[0], stack.pixel[1], far);
     soften(values, box, kSoft * sx * sx, kSoft * sy * sy, kLeast * least);
     plane.labels.push_back({rank.at(census.values[e]), box, std::move(values)});
   }
   std::sort(plane.labels.begin(), plane.labels.end(),
-      [](const LabelScore& a, const LabelScore& b) { return a.label < b.label; });
+            [](const LabelScore& a, const LabelScore& b) { return a.label < b.label; });
   return plane;
 }
 
 void checkGiven(const Image& labels, const GivenSlices& given) {
-  if (given.axis < 0 || given.axis > 2) throw InputError("axis must be 0, 1 or 2, got " + std::to_string(given.axis));
-  if (given.at.size() < 2) throw InputError("at least two given slices are needed, got " +
-      std::to_string(given.at.size()));
+  if (given.axis < 0 || given.axis > 2)
+    throw InputError("axis must be 0, 1 or 2, got " + std::to_string(given.axis));
+  if (given.at.size() < 2)
+    throw InputError("at least two given slices are needed, got " + std::to_string(given.at.size()));
   for (size_t i = 0; i < given.at.size(); ++i)
-    if (given.at[i] < 0 || given.at[i] >= labels.lattice.size[given.axis] || (i && given.at[i] <= given.at[i - 1]))
-      throw InputError("given slices must ascend within 0 to " + std::to_string(labels.lattice.size[given.axis] - 1) +
-          ", got " +
+    if (given.at[i] < 0 || given.at[i] >= labels.lattice.size[given.axis] ||
+        (i && given.at[i] <= given.at[i - 1]))
+      throw InputError("given slices must ascend within 0 to " +
+                       std::to_string(labels.lattice.size[given.axis] - 1) + ", got " +
                        std::to_string(given.at[i]));
 }
 
@@ -132,12 +135,16 @@ RankedSlices rankSlices(const Image& labels, const GivenSlices& given) {
   const Vec3d spacing = labels.lattice.spacing();
   RankedSlices result;
   ScoreStack& stack = result.stack;
-  stack.pixel[0] = float(spacing[given.axis == 0 ? 1 : 0]), stack.pixel[1] = float(spacing[given.axis == 2 ? 1 : 2]);
+  stack.pixel[0] = float(spacing[given.axis == 0 ? 1 : 0]),
+  stack.pixel[1] = float(spacing[given.axis == 2 ? 1 : 2]);
   stack.domain = {0, 0, layout.width, layout.height};
   std::vector<Census> census(given.at.size());
-  std::visit([&](const auto& values) {
-    tbb::parallel_for(size_t(0), census.size(), [&](size_t k) { census[k] = takeCensus(values, layout, given.at[k]); });
-  }, labels.values);
+  std::visit(
+      [&](const auto& values) {
+        tbb::parallel_for(size_t(0), census.size(),
+                          [&](size_t k) { census[k] = takeCensus(values, layout, given.at[k]); });
+      },
+      labels.values);
   const std::vector<int> ranked = rankValues(census);
   std::unordered_map<int, int> rank;
   for (size_t i = 0; i < ranked.size(); ++i) rank[ranked[i]] = int(i), result.values.push_back(ranked[i]);
@@ -158,26 +165,35 @@ Image interpolateLabels(const Image& labels, const GivenSlices& given) {
   const SliceLayout layout = layoutOf(labels.lattice, given.axis);
   const double spacing = labels.lattice.spacing()[given.axis];
   Image dense = labels;
-  std::visit([&](auto& out) {
-    using T = typename std::decay_t<decltype(out)>::value_type;
-    std::vector<T> paint;
-    for (double v : values) paint.push_back(T(v));
-    tbb::parallel_for(size_t(0), given.at.size() - 1, [&](size_t g) {
-      const int first = given.at[g] + 1, count = given.at[g + 1] - first;
-      std::vector<std::vector<int>> won;
-      won.resize(size_t(count));
-      tbb::parallel_for(0, count, [&](int k) {
-        won[size_t(k)] = scores.labelsAt((first + k) * spacing, scores.stack().domain);
-      });
-      T* corner = out.data() + size_t(first) * layout.slice;
-      // A gap's slices together: where they are the image's fastest axis, they share cache lines.
-      for (int y = 0, i = 0; y < layout.height; ++y)
-        for (int x = 0; x < layout.width; ++x, ++i) {
-          T* pixel = corner + size_t(y) * layout.y + size_t(x) * layout.x;
-          for (size_t k = 0; k < size_t(count); ++k) pixel[k * layout.slice] = paint[size_t(won[k][size_t(i)])];
-        }
-    });
-  }, dense.values);
+  std::visit(
+      [&](auto& out) {
+        using T = typename std::decay_t<decltype(out)>::value_type;
+        std::vector<T> paint;
+        for (double v : values) paint.push_back(T(v));
+        tbb::parallel_for(size_t(0), given.at.size() - 1, [&](size_t g) {
+          const int first = given.at[g] + 1, count = given.at[g + 1] - first;
+          std::vector<double> positions;
+          for (int k = 0; k < count; ++k) positions.push_back((first + k) * spacing);
+          const std::vector<int> won = scores.labelsBetween(positions);
+          T* corner = out.data() + size_t(first) * layout.slice;
+          const size_t w = size_t(layout.width), h = size_t(layout.height);
+          const auto put = [to = corner, won = won.data(), paint = paint.data(), w, h, layout](
+                               size_t k, size_t x, size_t y) {
+            to[k * layout.slice + y * layout.y + x * layout.x] = paint[won[(k * h + y) * w + x]];
+          };
+          // The image's fastest axis is the innermost.
+          if (layout.slice == 1) {
+            for (size_t y = 0; y < h; ++y)
+              for (size_t x = 0; x < w; ++x)
+                for (size_t k = 0; k < size_t(count); ++k) put(k, x, y);
+          } else {
+            for (size_t k = 0; k < size_t(count); ++k)
+              for (size_t y = 0; y < h; ++y)
+                for (size_t x = 0; x < w; ++x) put(k, x, y);
+          }
+        });
+      },
+      dense.values);
   return dense;
 }
 

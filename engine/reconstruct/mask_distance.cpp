@@ -16,13 +16,16 @@ struct Envelope {
   explicit Envelope(int width) : apex(size_t(width)), from(size_t(width) + 1), height(size_t(width)) {}
 };
 
-/// Distance of one row's pixels where `keep` says so to the nearest pixel; `rows`: rows to it within each column.
-void rowDistance(const int* rows, const std::uint8_t* mask, std::uint8_t keep, int width, float stepX, float stepY,
-                 float sign, float far, Envelope& e, float* out) {
+/// Distance of one row's pixels where `keep` says so to the nearest pixel; `rows`: rows to it within each
+/// column.
+void rowDistance(const int* rows, const std::uint8_t* mask, std::uint8_t keep, int width, float stepX,
+                 float stepY, float sign, float far, Envelope& e, float* out) {
   int top = -1;
   const float inverse = 1 / (2 * stepX * stepX);
   for (int x = 0; x < width; ++x) {
     if (rows[x] >= kNone) continue;
+    // Between two pixels of the other side it is nobody's nearest.
+    if (x > 0 && x + 1 < width && rows[x - 1] + rows[x] + rows[x + 1] == 0) continue;
     const float h = float(rows[x]) * stepY, lifted = h * h + stepX * stepX * float(x) * float(x);
     float start = -1e30f;
     while (top >= 0) {
@@ -51,7 +54,7 @@ void rowDistance(const int* rows, const std::uint8_t* mask, std::uint8_t keep, i
 
 /// Rows from every pixel to the nearest one of its column whose mask is `value`.
 void columnRows(const std::vector<std::uint8_t>& mask, const PixelBox& box, std::uint8_t value,
-    std::vector<int>& rows) {
+                std::vector<int>& rows) {
   const size_t w = size_t(box.width()), h = size_t(box.height());
   for (size_t x = 0; x < w; ++x) rows[x] = mask[x] == value ? 0 : kNone;
   for (size_t y = 1; y < h; ++y)
@@ -68,8 +71,8 @@ void columnRows(const std::vector<std::uint8_t>& mask, const PixelBox& box, std:
 
 }  // namespace
 
-std::vector<float> maskDistance(const std::vector<std::uint8_t>& mask, const PixelBox& box, float stepX, float stepY,
-                                float far) {
+std::vector<float> maskDistance(const std::vector<std::uint8_t>& mask, const PixelBox& box, float stepX,
+                                float stepY, float far) {
   std::vector<float> out(box.count());
   std::vector<int> rows(box.count());
   Envelope envelope(box.width());
@@ -79,7 +82,7 @@ std::vector<float> maskDistance(const std::vector<std::uint8_t>& mask, const Pix
     for (int y = 0; y < box.height(); ++y) {
       const size_t row = size_t(y) * size_t(box.width());
       rowDistance(&rows[row], &mask[row], side, box.width(), stepX, stepY, side ? 1.0f : -1.0f, far, envelope,
-          &out[row]);
+                  &out[row]);
     }
   }
   return out;

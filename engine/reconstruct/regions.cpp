@@ -8,30 +8,59 @@ namespace slicemorph {
 
 namespace {
 
-/// How far a region may go sideways per unit along the stack before another beginning is likelier: two gaps (63
-/// degrees).
+/// How far a region may go sideways per unit along the stack before another beginning is likelier: two gaps
+/// (63 degrees).
 constexpr float kSteepest = 2;
 
 float radiusOf(const Region& r, const ScoreStack& stack) {
   return std::sqrt(float(r.count) * stack.pixel[0] * stack.pixel[1] / 3.14159265f);
 }
 
-/// Marks the regions of `a` and `b` that meet when a's pixels are carried `way` times the motion; stops once all do.
-void markMeeting(const LabelScore& a, const LabelScore& b, const LabelRegions& ra, const LabelRegions& rb,
-                 const SliceMotion& motion, float way, std::vector<char>& meetsA, std::vector<char>& meetsB) {
-  const auto missing = [](const std::vector<char>& meets) { return size_t(std::count(meets.begin(), meets.end(), 0)); };
-  size_t left = missing(meetsA) + missing(meetsB);
-  for (int y = a.box.y0; y < a.box.y1 && left; ++y)
-    for (int x = a.box.x0; x < a.box.x1 && left; ++x) {
-      const int i = ra.map[a.box.index(x, y)];
-      if (i < 0) continue;
-      const SliceMotion::Vector v = motion.at(float(x), float(y));
-      const int bx = int(std::floor(float(x) + way * v.x + .5f)), by = int(std::floor(float(y) + way * v.y + .5f));
-      const int j = b.box.contains(bx, by) ? rb.map[b.box.index(bx, by)] : -1;
-      if (j < 0 || (meetsA[size_t(i)] && meetsB[size_t(j)])) continue;
-      left -= size_t(!meetsA[size_t(i)]) + size_t(!meetsB[size_t(j)]);
-      meetsA[size_t(i)] = meetsB[size_t(j)] = 1;
+/// Marks the regions of `a` and `b` that meet when a's pixels are carried `way` times the motion.
+void markMeeting(const LabelRegions& a, const LabelRegions& b, const SliceMotion& motion, float way,
+                 std::vector<char>& meetsA, std::vector<char>& meetsB) {
+  for (const RegionRun& run : a.runs)
+    for (int x = run.x0; x < run.x1 && !meetsA[size_t(run.region)]; ++x) {
+      const SliceMotion::Vector v = motion.at(float(x), float(run.y));
+      const int j =
+          b.at(int(std::floor(float(x) + way * v.x + .5f)), int(std::floor(float(run.y) + way * v.y + .5f)));
+      if (j >= 0) meetsA[size_t(run.region)] = meetsB[size_t(j)] = 1;
     }
+}
+
+/// Runs of pixels inside, each of them its own region.
+std::vector<RegionRun> findRuns(const LabelScore& score) {
+  const PixelBox& box = score.box;
+  std::vector<RegionRun> runs;
+  for (int y = box.y0; y < box.y1; ++y) {
+    const float* row = &score.values[box.index(box.x0, y)];
+    for (int x = 0, w = box.width(); x < w; ++x) {
+      if (row[x] <= 0) continue;
+      const int x0 = x;
+      while (x < w && row[x] > 0) ++x;
+      runs.push_back({y, box.x0 + x0, box.x0 + x, int(runs.size())});
+    }
+  }
+  return runs;
+}
+
+int rootOf(std::vector<RegionRun>& runs, int run) {
+  while (runs[size_t(run)].region != run)
+    run = runs[size_t(run)].region = runs[size_t(runs[size_t(run)].region)].region;
+  return run;
+}
+
+/// Makes runs that touch those of the row above one region, which is its first run.
+void joinRuns(std::vector<RegionRun>& runs) {
+  size_t above = 0;
+  for (size_t i = 0; i < runs.size(); ++i) {
+    while (runs[above].y < runs[i].y - 1 || (runs[above].y < runs[i].y && runs[above].x1 < runs[i].x0))
+      ++above;
+    for (size_t k = above; runs[k].y < runs[i].y && runs[k].x0 <= runs[i].x1; ++k) {
+      const int p = rootOf(runs, int(k)), q = rootOf(runs, int(i));
+      runs[size_t(std::max(p, q))].region = std::min(p, q);
+    }
+  }
 }
 
 struct Candidate {
@@ -42,40 +71,46 @@ struct Candidate {
 
 }  // namespace
 
+int LabelRegions::at(int x, int y) const {
+  const auto after = std::upper_bound(
+      runs.begin(), runs.end(), RegionRun{y, x, 0, 0},
+      [](const RegionRun& p, const RegionRun& q) { return p.y != q.y ? p.y < q.y : p.x0 < q.x0; });
+  if (after == runs.begin()) return -1;
+  const RegionRun& run = after[-1];
+  return run.y == y && x < run.x1 ? run.region : -1;
+}
+
 LabelRegions findRegions(const LabelScore& score) {
-  const PixelBox& box = score.box;
   LabelRegions result;
-  result.map.assign(box.count(), -1);
-  std::vector<std::pair<int, int>> front;
-  for (int y = box.y0; y < box.y1; ++y)
-    for (int x = box.x0; x < box.x1; ++x) {
-      if (score.values[box.index(x, y)] <= 0 || result.map[box.index(x, y)] >= 0) continue;
-      const int id = int(result.regions.size());
-      Region r;
-      double sx = 0, sy = 0;
-      front.assign(1, {x, y}), result.map[box.index(x, y)] = id;
-      while (!front.empty()) {
-        const auto [px, py] = front.back();
-        front.pop_back();
-        r.box.add(px, py), ++r.count, sx += px, sy += py;
-        r.depth = std::max(r.depth, score.values[box.index(px, py)]);
-        for (int qy = std::max(py - 1, box.y0); qy < std::min(py + 2, box.y1); ++qy)
-          for (int qx = std::max(px - 1, box.x0); qx < std::min(px + 2, box.x1); ++qx) {
-            const size_t q = box.index(qx, qy);
-            if (score.values[q] > 0 && result.map[q] < 0) result.map[q] = id, front.emplace_back(qx, qy);
-          }
-      }
-      r.x = float(sx / double(r.count)), r.y = float(sy / double(r.count));
-      result.regions.push_back(r);
+  result.runs = findRuns(score);
+  joinRuns(result.runs);
+  std::vector<double> sumX, sumY;
+  for (size_t i = 0; i < result.runs.size(); ++i) {
+    RegionRun& run = result.runs[i];
+    if (run.region == int(i)) {
+      run.region = int(result.regions.size());
+      result.regions.emplace_back(), sumX.push_back(0), sumY.push_back(0);
+    } else {
+      run.region = result.runs[size_t(run.region)].region;  // a run further up, which has its number already
     }
+    const size_t id = size_t(run.region), count = size_t(run.x1 - run.x0);
+    Region& r = result.regions[id];
+    r.box = hull(r.box, {run.x0, run.y, run.x1, run.y + 1}), r.count += count;
+    sumX[id] += 0.5 * double(count) * (run.x0 + run.x1 - 1), sumY[id] += double(count) * run.y;
+    const float* row = &score.values[score.box.index(run.x0, run.y)];
+    r.depth = std::max(r.depth, *std::max_element(row, row + count));
+  }
+  for (size_t id = 0; id < result.regions.size(); ++id) {
+    Region& r = result.regions[id];
+    r.x = float(sumX[id] / double(r.count)), r.y = float(sumY[id] / double(r.count));
+  }
   return result;
 }
 
-std::vector<RegionPair> pairRegions(const LabelScore& a, const LabelScore& b, const LabelRegions& ra,
-    const LabelRegions& rb,
-                                    const SliceMotion& motion, const ScoreStack& stack, float gap) {
+std::vector<RegionPair> pairRegions(const LabelRegions& ra, const LabelRegions& rb, const SliceMotion& motion,
+                                    const ScoreStack& stack, float gap) {
   std::vector<char> tiedA(ra.regions.size(), 0), tiedB(rb.regions.size(), 0);
-  markMeeting(a, b, ra, rb, motion, 1, tiedA, tiedB), markMeeting(b, a, rb, ra, motion, -1, tiedB, tiedA);
+  markMeeting(ra, rb, motion, 1, tiedA, tiedB), markMeeting(rb, ra, motion, -1, tiedB, tiedA);
   bool any = std::count(tiedA.begin(), tiedA.end(), 1) > 0;
   std::vector<Candidate> candidates;
   for (size_t i = 0; i < tiedA.size(); ++i)
@@ -87,7 +122,7 @@ std::vector<RegionPair> pairRegions(const LabelScore& a, const LabelScore& b, co
       candidates.push_back({d + std::abs(rp - rq), int(i), int(j), d <= kSteepest * gap + rp + rq});
     }
   std::stable_sort(candidates.begin(), candidates.end(),
-      [](const Candidate& p, const Candidate& q) { return p.cost < q.cost; });
+                   [](const Candidate& p, const Candidate& q) { return p.cost < q.cost; });
   std::vector<RegionPair> pairs;
   for (const Candidate& c : candidates) {
     if (tiedA[size_t(c.a)] || tiedB[size_t(c.b)] || (!c.trusted && any)) continue;
@@ -96,15 +131,17 @@ std::vector<RegionPair> pairRegions(const LabelScore& a, const LabelScore& b, co
   return pairs;
 }
 
-LabelScore regionScore(const LabelScore& score, const LabelRegions& regions, int region, const ScoreStack& stack) {
+LabelScore regionScore(const LabelScore& score, const LabelRegions& regions, int region,
+                       const ScoreStack& stack) {
   LabelScore own;
   own.label = score.label;
   own.box = intersection(regions.regions[size_t(region)].box.grown(1), score.box);
   std::vector<std::uint8_t> mask(own.box.count());
-  for (int y = own.box.y0; y < own.box.y1; ++y)
-    for (int x = own.box.x0; x < own.box.x1; ++x)
-      mask[own.box.index(x, y)] = regions.map[score.box.index(x, y)] == region;
-  own.values = maskDistance(mask, own.box, stack.pixel[0], stack.pixel[1], regions.regions[size_t(region)].depth);
+  for (const RegionRun& run : regions.runs)
+    if (run.region == region)
+      std::fill_n(mask.begin() + std::ptrdiff_t(own.box.index(run.x0, run.y)), run.x1 - run.x0, 1);
+  own.values =
+      maskDistance(mask, own.box, stack.pixel[0], stack.pixel[1], regions.regions[size_t(region)].depth);
   for (int y = own.box.y0; y < own.box.y1; ++y)
     for (int x = own.box.x0; x < own.box.x1; ++x) {
       float& v = own.values[own.box.index(x, y)];

@@ -7,14 +7,19 @@ namespace slicemorph {
 
 namespace {
 
-constexpr float kNodePixels = 4;  ///< from node to node: finer than what moves together, coarse enough to be quick
-constexpr float kWidest = 4;      ///< nodes: the widest window, and no wider than a gap; it halves from level to level
-constexpr int kLevels = 4, kRounds = 3;
-/// Weight of standing still, against one label's border along every node of the window: a border that only one label
-/// has, or that fits badly, moves little, and blending the distances does the rest.
+constexpr float kNodePixels =
+    4;  ///< from node to node: finer than what moves together, coarse enough to be quick
+constexpr float kWidest =
+    4;  ///< nodes: the widest window, and no wider than a gap; it halves from level to level
+constexpr int kLevels = 3, kRounds = 3;
+/// Weight of standing still, against one label's border along every node of the window: a border that only
+/// one label has, or that fits badly, moves little, and blending the distances does the rest.
 constexpr float kRest = 4;
 /// ... and against borders known to a pixel only, where the gap is but a few: times (pixel / gap)^2.
 constexpr float kRough = 20;
+/// A node this many times out of a window's reach of a contour is none of its own any more: later reaches are
+/// less.
+constexpr float kAside = 1.5f;
 
 /// Normal equations of one node: A (xx, xy, yy) and right side (x, y), world units.
 using Normal = std::array<float, 5>;
@@ -42,22 +47,40 @@ void boxBlur(std::vector<Normal>& values, int nx, int ny, int r, bool alongX) {
   }
 }
 
+/// One label on both planes, and the nodes that its contour is near.
 struct Pair {
   ScoreField a, b;
+  std::vector<int> nodes;
 };
 
-/// Adds what one label says about a node's displacement.
-void addLabel(const Pair& pair, const float* pixel, float ax, float ay, float bx, float by, float reach, Normal& n) {
-  const float sa = pair.a.at(ax, ay), sb = pair.b.at(bx, by);
-  if (std::min(std::abs(sa), std::abs(sb)) > reach) return;
+/// Adds what one label says about a node's displacement, and tells how far it is from the contour there.
+float addLabel(const Pair& pair, const float* pixel, float ax, float ay, float bx, float by, float reach,
+               Normal& n) {
+  const float sa = pair.a.at(ax, ay), sb = pair.b.at(bx, by), nearest = std::min(std::abs(sa), std::abs(sb));
+  if (nearest > reach) return nearest;
   const float ca = std::min(std::max(sa, -reach), reach), cb = std::min(std::max(sb, -reach), reach);
   // Central differences over a pixel
-  const float gx = 0.5f / pixel[0] * (pair.a.at(ax + .5f, ay) - pair.a.at(ax - .5f, ay) +
-      pair.b.at(bx + .5f, by) - pair.b.at(bx - .5f, by));
-  const float gy = 0.5f / pixel[1] * (pair.a.at(ax, ay + .5f) - pair.a.at(ax, ay - .5f) +
-      pair.b.at(bx, by + .5f) - pair.b.at(bx, by - .5f));
+  const float gx =
+      0.5f / pixel[0] *
+      (pair.a.at(ax + .5f, ay) - pair.a.at(ax - .5f, ay) + pair.b.at(bx + .5f, by) - pair.b.at(bx - .5f, by));
+  const float gy =
+      0.5f / pixel[1] *
+      (pair.a.at(ax, ay + .5f) - pair.a.at(ax, ay - .5f) + pair.b.at(bx, by + .5f) - pair.b.at(bx, by - .5f));
   const float r = cb - ca;
   n[0] += gx * gx, n[1] += gx * gy, n[2] += gy * gy, n[3] -= gx * r, n[4] -= gy * r;
+  return nearest;
+}
+
+/// All nodes of the label's box, and `margin` nodes around.
+void findNodes(Pair& pair, const SliceMotion& motion, int margin) {
+  const PixelBox box = hull(pair.a.box, pair.b.box);
+  const auto nodeAt = [&](int p, int d) { return int((float(p) - motion.origin[d]) / motion.spacing[d]); };
+  const int i0 = std::max(0, nodeAt(box.x0, 0) - margin),
+            i1 = std::min(motion.nx, nodeAt(box.x1, 0) + 2 + margin);
+  const int j0 = std::max(0, nodeAt(box.y0, 1) - margin),
+            j1 = std::min(motion.ny, nodeAt(box.y1, 1) + 2 + margin);
+  for (int j = j0; j < j1; ++j)
+    for (int i = i0; i < i1; ++i) pair.nodes.push_back(j * motion.nx + i);
 }
 
 }  // namespace
@@ -67,16 +90,18 @@ SliceMotion findMotion(const ScoreStack& stack, size_t a) {
   std::vector<Pair> pairs;
   PixelBox busy;
   for (size_t i = 0, j = 0; i < pa.labels.size() && j < pb.labels.size();) {
-    if (pa.labels[i].label < pb.labels[j].label) ++i;
-    else if (pb.labels[j].label < pa.labels[i].label) ++j;
+    if (pa.labels[i].label < pb.labels[j].label)
+      ++i;
+    else if (pb.labels[j].label < pa.labels[i].label)
+      ++j;
     else {
       const PixelBox both = hull(pa.labels[i].box, pb.labels[j].box);
-      pairs.push_back({ScoreField(pa.labels[i], stack), ScoreField(pb.labels[j], stack)});
+      pairs.push_back({ScoreField(pa.labels[i], stack), ScoreField(pb.labels[j], stack), {}});
       busy = hull(busy, both), ++i, ++j;
     }
   }
   SliceMotion motion;
-  if (pairs.empty() ) return motion;
+  if (pairs.empty()) return motion;
   const float gap = float(pb.position - pa.position);
   const float step = kNodePixels * std::max(stack.pixel[0], stack.pixel[1]);
   busy = busy.grown(1);
@@ -88,6 +113,7 @@ SliceMotion findMotion(const ScoreStack& stack, size_t a) {
   motion.x.assign(nodes, 0), motion.y.assign(nodes, 0);
   std::vector<Normal> normal(nodes);
   float sigma = std::min(gap, kWidest * step);
+  for (Pair& pair : pairs) findNodes(pair, motion, int(sigma / step) + 1);
   for (int level = 0; level < kLevels; ++level, sigma *= 0.5f) {
     const int r = std::max(1, int(sigma / step + .5f));
     const float reach = sigma, rough = std::max(stack.pixel[0], stack.pixel[1]) / gap;
@@ -95,22 +121,18 @@ SliceMotion findMotion(const ScoreStack& stack, size_t a) {
     const float rest = kRest * (level < 2 ? 1 : 2) + kRough * rough * rough;
     for (int it = 0; it < kRounds; ++it) {
       std::fill(normal.begin(), normal.end(), Normal{});
-      for (const Pair& pair : pairs) {
-        const int margin = int(reach / step) + 1;
-        const PixelBox box = hull(pair.a.box, pair.b.box);
-        const auto nodeAt = [&](int p, int d) { return int((float(p) - motion.origin[d]) / motion.spacing[d]); };
-        const int i0 = std::max(0, nodeAt(box.x0, 0) - margin),
-            i1 = std::min(motion.nx, nodeAt(box.x1, 0) + 2 + margin);
-        const int j0 = std::max(0, nodeAt(box.y0, 1) - margin),
-            j1 = std::min(motion.ny, nodeAt(box.y1, 1) + 2 + margin);
-        for (int j = j0; j < j1; ++j)
-          for (int i = i0; i < i1; ++i) {
-            const size_t k = size_t(j) * size_t(motion.nx) + size_t(i);
-            const float px = motion.origin[0] + float(i) * motion.spacing[0], py = motion.origin[1] +
-                float(j) * motion.spacing[1];
-            const float vx = motion.x[k], vy = motion.y[k];
-            addLabel(pair, stack.pixel, px - .5f * vx, py - .5f * vy, px + .5f * vx, py + .5f * vy, reach, normal[k]);
-          }
+      for (Pair& pair : pairs) {
+        size_t kept = 0;
+        for (const int node : pair.nodes) {
+          const size_t k = size_t(node);
+          const float px = motion.origin[0] + float(node % motion.nx) * motion.spacing[0];
+          const float py = motion.origin[1] + float(node / motion.nx) * motion.spacing[1];
+          const float vx = .5f * motion.x[k], vy = .5f * motion.y[k];
+          if (addLabel(pair, stack.pixel, px - vx, py - vy, px + vx, py + vy, reach, normal[k]) <=
+              kAside * reach)
+            pair.nodes[kept++] = node;
+        }
+        pair.nodes.resize(kept);
       }
       for (int pass = 0; pass < 2; ++pass)
         for (bool alongX : {true, false}) boxBlur(normal, motion.nx, motion.ny, r, alongX);
