@@ -23,6 +23,7 @@ Turn chooseTurn(const Fields& pair, const MorphOptions& options, Progress& progr
   const Turn* best = nullptr;
   double most = -1e30;
   for (const Turn& turn : turns) {
+    if (1 - priceOf(turn.angle) <= most) continue;  // no overlap is above 1
     const Frames frames = frameObjects(pair, {Mat3d::identity(), turn.rotation}, options);
     const double value = quickAgreement(pair, frames, options, progress).after - priceOf(turn.angle);
     if (value > most) most = value, best = &turn;
@@ -74,6 +75,8 @@ Frames chooseFrames(const Fields& fields, const MorphOptions& options, Progress&
   Frames best = straightFrames(fields, quick, progress);
   if (options.align == Align::kNone) return best;
   Agreement least = quickAgreement(fields, best, quick, progress);
+  // No overlap is above 1 and no price below 0: what cannot win is not tried.
+  const auto mayWin = [&] { return 0.5 * (2 - least.before - least.after) + turnPrice(best) > kPrice; };
   const auto consider = [&](const std::optional<Frames>& frames, const char* name, bool wanted = false) {
     if (!frames) return;
     const Agreement a = quickAgreement(fields, *frames, quick, progress);
@@ -85,9 +88,9 @@ Frames chooseFrames(const Fields& fields, const MorphOptions& options, Progress&
     if (wins) best = *frames, least = a;
     best.notes.push_back(text);
   };
-  consider(twistedFrames(fields, best), "twist");
+  if (mayWin()) consider(twistedFrames(fields, best), "twist");
   const bool wanted = options.spine == SpineKind::kCurved;
-  if (!wanted && (options.spine == SpineKind::kStraight || options.axis.length() > 0)) return best;
+  if (!wanted && (options.spine == SpineKind::kStraight || options.axis.length() > 0 || !mayWin())) return best;
   if (const std::optional<LaidFrames> own = framesAlongSpines(fields)) {
     if (own->bowed || wanted) consider(own->steady, "curved spine", wanted);
     consider(own->twisted, own->bowed ? "curved spine with twist" : "own spine with twist");

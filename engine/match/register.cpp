@@ -292,8 +292,9 @@ class Registrar {
     now_.notes.push_back("limbs: " + found + " found, " + std::to_string(matches) + " matched, " +
                          std::to_string(grown) + " to grow out of the body");
     if (all.empty()) return {now_};
-    const std::vector<Vec3d> still = stillPoints(limbs);
     const double without = tried(now_).overlap;
+    if (1 + (grown > 0 ? kGrownBonus : 0) <= without + kWorthTrying) return {now_};  // no overlap is above 1
+    const std::vector<Vec3d> still = stillPoints(limbs);
     double most = without + kNoDoubt;
     std::vector<State> candidates{now_};
     std::vector<std::string> notes;
