@@ -197,11 +197,12 @@ def velocity_of_a_moving_sphere(d):
         array, _ = dense(vdb.read(path, "vel"))
         moving = array[np.abs(array).sum(-1) > 0]
         assert len(moving) and np.abs(moving - speed).max() < 0.01 * np.linalg.norm(speed), (path, np.abs(moving - speed).max())
-    run("morph", a, b, "-o", d + "/f.####.vdb", "--frames", 5, "--velocity", "v", "--velocity-unit", "frame", "--quiet")
+    run("morph", a, b, "-o", d + "/f.####.vdb", "--frames", 5, "--velocity", "v", "--velocity-unit", "frame",
+        "--spine", "straight", "--quiet")
     array, _ = dense(vdb.read(d + "/f.0003.vdb", "v"))
     moving = array[np.abs(array).sum(-1) > 0]
     assert np.abs(moving - to / 4).max() < 0.01 * np.linalg.norm(to / 4)
-    run("morph", a, b, "-o", d + "/n.####.vdb", "--frames", 2, "--velocity", "none", "--quiet")
+    run("morph", a, b, "-o", d + "/n.####.vdb", "--frames", 2, "--velocity", "none", "--spine", "straight", "--quiet")
     assert list(names(d + "/n.0001.vdb")) == ["surface"]
 
 

@@ -8,6 +8,7 @@ those cases, with a message, where it does not. Places are LPS millimetres; niba
 """
 import gzip
 import json
+import math
 import os
 import shutil
 import subprocess
@@ -628,6 +629,20 @@ def case_reconstruct_labels():
     span = slice(labelled[1], labelled[-2] + 1)
     assert np.array_equal(dense[span], between[span])
     assert np.allclose(nib.load("between.nii.gz").affine, full.affine, atol=1e-5)
+    # On the voxels of another image, turned and finer: what the nearest voxel of the dense map says.
+    c, n = math.cos(0.3), math.sin(0.3)
+    middle = lps("dense.nii.gz")[1] @ np.array([*(np.array(dense.shape) / 2), 1])
+    affine = np.array([[1.1 * c, -0.9 * n, 0, 0], [1.1 * n, 0.9 * c, 0, 0], [0, 0, 1.7, 0], [0, 0, 0, 1.0]])
+    affine[:3, 3] = middle[:3] - affine[:3, :3] @ [30, 25, 20]
+    save_nifti("like.nii", np.zeros((60, 50, 40), np.uint8), affine)
+    run("reconstruct", "thin.nii.gz", "-o", "on.nii.gz", "--like", "like.nii")
+    on, placed = lps("on.nii.gz")
+    assert on.shape == (60, 50, 40) and np.allclose(placed, affine, atol=1e-5)
+    ijk = np.stack(np.meshgrid(*map(np.arange, on.shape), indexing="ij"), -1).reshape(-1, 3)
+    values, from_affine = lps("dense.nii.gz")
+    inside, wanted, off = at_points(values, from_affine, (affine @ np.c_[ijk, np.ones(len(ijk))].T).T[:, :3])
+    clear = inside & (off < 0.499)  # half way between two voxels either is right
+    assert clear.sum() > 50000 and np.array_equal(on.reshape(-1)[clear], wanted[clear]) and on.any()
     whole = np.zeros((9, 9, 9), np.uint8)
     whole[2:6, 2:6, 2:6] = 1
     save_nifti("whole.nii", whole, np.eye(4))

@@ -5,6 +5,7 @@
 #include "engine/slicemorph.h"
 #include "engine/spine/chart.h"
 #include "engine/volume/voxelise.h"
+#include "tests/all_tests.h"
 #include "tests/same_values.h"
 #include "tests/shapes.h"
 #include "tests/surface_checks.h"
@@ -223,6 +224,7 @@ TEST(Morph, NoiseDoesNotTurnARoundShape) {
 }
 
 TEST(Morph, ThreadsDoNotChangeAValue) {
+  if (!allTests()) GTEST_SKIP() << "limbs_test and command_test compare threads, too; SLICEMORPH_ALL_TESTS=1 runs it";
   const FloatGrid::Ptr a = lumpyGrid(1), b = lumpyGrid(2);
   FloatGrid::Ptr first;
   for (size_t threads : {1, 2, 4}) {
