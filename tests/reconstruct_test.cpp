@@ -155,7 +155,9 @@ TEST(Reconstruct, GivenSlicesStayAndNumbersDoNotMatter) {
     for (int j = 0; j < 72; ++j)
       for (int i = 0; i < 72; ++i) {
         ASSERT_EQ(at(renamed, i, j, k), other[at(dense, i, j, k)]);
-        if (k % 8 == 0) ASSERT_EQ(at(dense, i, j, k), scene(i, j, k));
+        if (k % 8 == 0) {
+          ASSERT_EQ(at(dense, i, j, k), scene(i, j, k));
+        }
       }
   for (int label = 1; label < 6; ++label)
     for (int k = 0; k < 25; ++k) EXPECT_GT(sectionOf(dense, label, k).area, 0) << label << " at " << k;
