@@ -511,7 +511,7 @@ FloatGrid::Ptr levelSetOf(const NodeBox& box, const std::vector<float>& values) 
   const auto originOf = [&](size_t b) {
     const Coord c =
         low + Coord(int(b % count[0]), int(b / count[0] % count[1]), int(b / count[0] / count[1]));
-    return Coord(c[0] << 3, c[1] << 3, c[2] << 3);
+    return Coord(c[0] * 8, c[1] * 8, c[2] * 8);
   };
   tbb::parallel_for(size_t(0), wanted.size(), [&](size_t b) {
     overNodes(originOf(b), [&](size_t, float v) { wanted[b] |= std::abs(v) < near; });
