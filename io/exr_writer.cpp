@@ -140,6 +140,10 @@ void writeSliceExr(const std::string& path, const Section& section, const SliceE
 void writePictureExr(const std::string& path, const Picture& image) {
   std::vector<Channel> channels;
   for (size_t c = 0; c < 4; ++c) channels.push_back({std::string(1, "RGBA"[c]), image.rgba.data() + c, 4});
+  if (!image.mask.empty()) channels.push_back({"mask", image.mask.data(), 1});
+  if (!image.depth.empty()) channels.push_back({"Z", image.depth.data(), 1});
+  for (size_t c = 0; c < 3 && !image.normal.empty(); ++c)
+    channels.push_back({std::string("N.") + "XYZ"[c], image.normal.data() + c, 3});
   writeFloats(path, Imf::Header(image.width, image.height), channels);
 }
 

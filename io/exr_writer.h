@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/render/render.h"
+#include "engine/render/picture.h"
 #include "engine/slices/section.h"
 
 #include <string>
@@ -22,7 +22,10 @@ struct SliceExrOptions {
 /// not at all. Throws IoError.
 void writeSliceExr(const std::string& path, const Section& section, const SliceExrOptions& options = {});
 
-/// Writes a picture as a float EXR (ZIP), channels R G B A, linear light, premultiplied. Throws IoError.
+/// Writes a picture as a float EXR (ZIP), linear light: `R G B A`, premultiplied, and of its further channels
+/// those that it has: `mask`, `Z` (depth along the axis of view, world units; 1e10 where there is nothing)
+/// and `N.X N.Y N.Z` (world normal, 0 where there is nothing). The file appears whole or not at all. Throws
+/// IoError.
 void writePictureExr(const std::string& path, const Picture& image);
 
 }  // namespace slicemorph

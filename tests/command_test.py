@@ -100,7 +100,29 @@ BAD_INPUT = [
     ("compare missing", "compare {d}/a.obj {d}/no.obj", 1, "no.obj", ""),
     ("render missing sequence", "render {d}/no.####.vdb -o {o}/r.####.png", 1, "no.####.vdb", ""),
     ("render size", "render {d}/a.vdb -o {o}/r.png --size big", 2, "--size big", ""),
-    ("render extension", "render {d}/a.vdb -o {o}/r.gif", 2, ".gif", ""),
+    ("render extension", "render {d}/a.vdb -o {o}/r.bmp", 2, [".bmp", ".png"], ""),
+    ("render zero size", "render {d}/a.vdb -o {o}/r.png --size 0x480", 2, ["--size 0x480", "1 to 16384"], ""),
+    ("render zero resolution", "render {d}/a.vdb -o {o}/r.png --resolution 0x480", 2, "--resolution 0x480", ""),
+    ("render no resolution", "render {d}/a.vdb -o {o}/r.png --resolution big", 2, ["--resolution big", "640x480"], ""),
+    ("render voxels", "render {d}/a.obj -o {o}/r.png --resolution 4", 2, ["--resolution 4", "8 to"], ""),
+    ("render fov", "render {d}/a.vdb -o {o}/r.png --fov 180", 2, ["--fov 180", "1 to 170"], ""),
+    ("render fov and ortho", "render {d}/a.vdb -o {o}/r.png --fov 30 --ortho", 2, ["--fov", "--ortho", "exclude"], ""),
+    ("render camera inside", "render {d}/a.vdb -o {o}/r.png --camera 0,0,0.01", 2, ["a.vdb", "[0, 0, 0.01]", "inside"], ""),
+    ("render camera text", "render {d}/a.vdb -o {o}/r.png --camera here", 2, "--camera here", ""),
+    ("render camera and view", "render {d}/a.vdb -o {o}/r.png --camera 0,0,9 --view x", 2, "exclude", ""),
+    ("render look-at alone", "render {d}/a.vdb -o {o}/r.png --look-at 0,0,9", 2, "--camera", ""),
+    ("render view along up", "render {d}/a.vdb -o {o}/r.png --view z --up z", 2, ["--view z", "--up z"], ""),
+    ("render light", "render {d}/a.vdb -o {o}/r.png --light 0,0,0", 2, "--light 0,0,0", ""),
+    ("render light intensity", "render {d}/a.vdb -o {o}/r.png --light-intensity -1", 2, "--light-intensity -1", ""),
+    ("render albedo", "render {d}/a.vdb -o {o}/r.png --albedo 2", 2, ["--albedo 2", "0 to 1"], ""),
+    ("render extinction", "render {d}/a.vdb -o {o}/r.png --extinction 0", 2, "--extinction 0", ""),
+    ("render emission", "render {d}/a.vdb -o {o}/r.png --emission nan", 2, "--emission nan", ""),
+    ("render turntable", "render {d}/a.vdb -o {o}/r.####.png --turntable 0", 2, "--turntable 0", ""),
+    ("render turntable of one file", "render {d}/a.vdb -o {o}/r.png --turntable 4", 2, ["4 pictures", "####"], ""),
+    ("render fps", "render {d}/a.vdb -o {o}/r.png --fps 0", 2, "--fps 0", ""),
+    ("render numbered film", "render {d}/a.vdb -o {o}/r.####.gif", 2, "leave out the ####", ""),
+    ("render folder missing", "render {d}/a.vdb -o {o}/no/r.png", 1, "{o}/no", ""),
+    ("render missing grid", "render {d}/a.vdb:wood -o {o}/r.png", 2, "'wood'", ""),
     ("slice without ####", "slice {d}/a.vdb -o {o}/s.exr --slices 4", 2, "####", ""),
 ]
 
@@ -130,6 +152,10 @@ WORKS = [
     ("info vdb", "info {d}/a.vdb", 0, "", ["surface", "level set"]),
     ("render", "render {d}/a.vdb {d}/b.obj --resolution 24 -o {o}/r.####.png --contact-sheet {o}/all.png --size 40x30",
      0, "", ["r.0001.png", "r.0002.png", "all.png"]),
+    ("render turntable", "render {d}/a.vdb -o {o}/r.####.exr --turntable 3 --resolution 40x30 --up z --ortho --quiet", 0,
+     "^$", "^$"),
+    ("render from a place", "render {d}/a.vdb -o {o}/r.png --camera 4,1,5 --look-at 0,0,0 --fov 60 --size 40x30 "
+     "--light -1,-1,-1 --light-intensity 2 --transparent", 0, "", "r.png"),
     ("slice", "slice {d}/a.vdb -o {o}/s.####.exr --slices 3 --axis y", 0, "", ["s.0001.exr", "s.0003.exr"]),
     ("dump slices", "morph {d}/a.obj {d}/b.obj -o {o}/m.vdb --at 0.5 --resolution 24 --dump-slices {o}/svg", 0, "", ""),
 ]
@@ -360,7 +386,57 @@ def threads_do_not_matter(d, o):
     return ["differ: %s" % differing] if differing else []
 
 
-SPECIAL = [read_only_folder, disk_full, empty_grid, report_holds, resume_keeps_frames, threads_do_not_matter]
+def render_empty_fog(d, o):
+    """Fog without a voxel is nothing to see."""
+    script = "import pyopenvdb as v, sys; g = v.FloatGrid(); g.name = 'density'; v.write(sys.argv[1], grids=[g])"
+    if subprocess.run(["/usr/bin/python3", "-c", script, d + "/clear.vdb"], stderr=subprocess.DEVNULL).returncode:
+        raise Skip("python3-openvdb is not there to write the file")
+    folders = {"d": d, "o": o}
+    return problems_of(run("render {d}/clear.vdb -o {o}/r.png", folders), 1, ["clear.vdb", "nothing to see"], "", folders)
+
+
+def render_preview_without_ffmpeg(d, o):
+    folders = {"d": d, "o": o}
+    result = run("render {d}/a.vdb -o {o}/r.mp4", folders, env=dict(os.environ, PATH=o))
+    return problems_of(result, 1, ["{o}/r.mp4", "ffmpeg", "{o}/r.####.png"], "", folders)
+
+
+def render_preview_that_fails(d, o):
+    """What ffmpeg says is passed on, and nothing is left."""
+    tools = d + "/broken"
+    os.mkdir(tools)
+    write(tools + "/ffmpeg", "#!/bin/sh\necho no such coder >&2\nexit 1\n")
+    os.chmod(tools + "/ffmpeg", 0o755)
+    folders = {"d": d, "o": o}
+    result = run("render {d}/a.vdb -o {o}/r.mp4 --size 40x30", folders, env=dict(os.environ, PATH=tools))
+    return problems_of(result, 1, ["{o}/r.mp4", "no such coder"], "", folders)
+
+
+def render_previews(d, o):
+    """Both kinds hold all pictures, of the size and rate asked for, and are the same bytes every time."""
+    if not shutil.which("ffmpeg") or not shutil.which("ffprobe"):
+        raise Skip("ffmpeg is not installed")
+    problems = []
+    for name in ("r.gif", "r.mp4"):
+        kept = []
+        for threads in (1, 2):
+            words = "render {d}/a.vdb -o {o}/%s --turntable 5 --fps 10 --size 41x30 --threads %d" % (name, threads)
+            problems += problems_of(run(words, {"d": d, "o": o}), 0, "", name, {"d": d, "o": o})
+            with open(o + "/" + name, "rb") as f:
+                kept.append(f.read())
+        if kept[0] != kept[1]:
+            problems.append(name + " differs from run to run")
+        probe = subprocess.run(["ffprobe", "-v", "error", "-count_frames", "-select_streams", "v", "-of", "json",
+                                "-show_entries", "stream=width,height,nb_read_frames,r_frame_rate", o + "/" + name],
+                               stdout=subprocess.PIPE, universal_newlines=True).stdout
+        # MP4 has even sides: a black column more.
+        wanted = {"width": 42 if name == "r.mp4" else 41, "height": 30, "r_frame_rate": "10/1", "nb_read_frames": "5"}
+        if json.loads(probe)["streams"] != [wanted]:
+            problems.append("%s is %s" % (name, probe))
+    return problems
+
+
+SPECIAL = [render_empty_fog, render_preview_without_ffmpeg, render_preview_that_fails, render_previews, read_only_folder, disk_full, empty_grid, report_holds, resume_keeps_frames, threads_do_not_matter]
 
 
 def main():

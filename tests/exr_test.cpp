@@ -209,6 +209,21 @@ TEST(Exr, OtherGridsKeepTheirName) {
   std::filesystem::remove(path);
 }
 
+TEST(Exr, PictureHasItsFurtherChannels) {
+  const std::string path = testing::TempDir() + "slicemorph_exr_channels.exr";
+  Picture image{2, 1, {0, 0, 0, 1, 0, 0, 0, 1}};
+  image.mask = {0.25f, 1};
+  image.depth = {kFarAway, 7.5f};
+  image.normal = {0, 0, 0, 0.1f, 0.2f, 0.3f};
+  writePictureExr(path, image);
+  Imf::InputFile file(path.c_str());
+  EXPECT_EQ(readChannel(file, "mask"), image.mask);
+  EXPECT_EQ(readChannel(file, "Z"), image.depth);
+  EXPECT_EQ(readChannel(file, "N.X"), (std::vector<float>{0, 0.1f}));
+  EXPECT_EQ(readChannel(file, "N.Z"), (std::vector<float>{0, 0.3f}));
+  std::filesystem::remove(path);
+}
+
 TEST(Exr, PictureIsLinearAndWholeOrNotThere) {
   const std::string path = testing::TempDir() + "slicemorph_exr_picture.exr";
   writePictureExr(path, {2, 1, {0.1f, 0.2f, 0.3f, 1, 4, 5, 6, 0.5f}});

@@ -50,20 +50,129 @@ TEST(Render, SilhouetteHasTheAreaOfTheSphereAtAnyScale) {
   }
 }
 
-TEST(Render, NormalsPointOutwards) {
-  const auto grid = sphere(20, {5, 6, 7}, 1);
+/// Where a picture's place looks: the camera of `frontView`, or one of the given angle at the same place.
+ViewRay exactRay(const Camera& camera, double x, double y, double aspect) {
+  const double half = camera.orthographicHeight > 0 ? camera.orthographicHeight / 2
+                                                    : std::tan(camera.verticalFov * kPi / 360);
+  const Vec3d offset(half * aspect * x, half * y, 0);
+  if (camera.orthographicHeight > 0) return ViewRay(camera.position + offset, Vec3d(0, 0, -1));
+  return ViewRay(camera.position, (offset + Vec3d(0, 0, -1)).unit());
+}
+
+TEST(Render, DepthAndNormalsAreThoseOfTheSphere) {
+  for (const double scale : {6e-4, 1.0, 250.0}) {
+    for (const double fov : {0.0, 40.0}) {
+      const double radius = 20 * scale;
+      const Vec3d centre(31.3 * scale, -17.7 * scale, 55.1 * scale);
+      const auto grid = sphere(radius, centre, scale);
+      Camera camera = frontView(centre, 75 * scale);
+      camera.orthographicHeight = fov > 0 ? 0 : 50 * scale;
+      camera.verticalFov = fov;
+      RenderOptions options;
+      options.width = 150, options.height = 120;
+      options.background = false, options.channels = true;
+      const Picture image = renderSurface(*grid, camera, options);
+      int seen = 0;
+      for (int y = 0; y < image.height; ++y) {
+        for (int x = 0; x < image.width; ++x) {
+          const size_t n = size_t(y) * size_t(image.width) + size_t(x);
+          EXPECT_EQ(image.mask[n], image.rgba[4 * n + 3]);
+          const ViewRay ray =
+              exactRay(camera, 2 * (x + 0.5) / image.width - 1, 1 - 2 * (y + 0.5) / image.height, 1.25);
+          const Vec3d toCentre = centre - ray.eye();
+          const double along = toCentre.dot(ray.dir());
+          const double miss = std::sqrt(std::max(0.0, toCentre.lengthSqr() - along * along));
+          if (miss > radius + 2 * scale) {
+            EXPECT_EQ(image.mask[n], 0);
+            EXPECT_EQ(image.depth[n], kFarAway);
+            EXPECT_EQ(image.normal[3 * n], 0);
+          }
+          const double into = std::sqrt(std::max(0.0, radius * radius - miss * miss));
+          // Trilinear interpolation moves the surface by at most h^2 / 4R, along the ray by that over the
+          // cosine.
+          if (into / radius < 0.1) continue;
+          ++seen;
+          const Vec3d point = ray(along - into);
+          EXPECT_NEAR(image.depth[n], camera.position.z() - point.z(), scale / 2);
+          const Vec3d normal(image.normal[3 * n], image.normal[3 * n + 1], image.normal[3 * n + 2]);
+          EXPECT_NEAR(normal.length(), 1, 1e-5);
+          EXPECT_GT(normal.dot((point - centre).unit()), std::cos(kPi / 180)) << x << " " << y;
+        }
+      }
+      EXPECT_GT(seen, 1000);
+    }
+  }
+}
+
+/// Mean of red over the left or the right half of what is seen.
+double brightness(const Picture& image, bool right) {
+  double sum = 0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = right ? image.width / 2 : 0; x < (right ? image.width : image.width / 2); ++x)
+      sum += image.rgba[4 * (size_t(y) * size_t(image.width) + size_t(x))];
+  return sum;
+}
+
+TEST(Render, TheLightComesFromWhereItIsSaid) {
+  const auto grid = sphere(20, {0, 0, 0}, 1);
   RenderOptions options;
-  options.width = options.height = 101;
-  options.shading = Shading::kNormals;
-  const Picture image = renderSurface(*grid, frontView({5, 6, 7}, 50), options);
-  const auto normalAt = [&](int x, int y) {
-    const float* p = &image.rgba[4 * (size_t(y) * 101 + x)];
-    return Vec3d(2 * p[0] - 1, 2 * p[1] - 1, 2 * p[2] - 1);
-  };
-  EXPECT_GT(normalAt(50, 50).dot({0, 0, 1}), 0.999);
-  const double offset = 24 * 50.0 / 101 / 20;  // 24 pixels right of the middle, in radii
-  EXPECT_GT(normalAt(74, 50).dot({offset, 0, std::sqrt(1 - offset * offset)}), 0.995);
-  EXPECT_GT(normalAt(50, 26).dot({0, offset, std::sqrt(1 - offset * offset)}), 0.995);  // up is up
+  options.width = options.height = 60;
+  options.background = false;
+  options.light = {-1, 0, 0};
+  const Picture fromRight = renderSurface(*grid, frontView({0, 0, 0}, 50), options);
+  EXPECT_GT(brightness(fromRight, true), 1.5 * brightness(fromRight, false));
+  options.intensity = 2;
+  EXPECT_GT(brightness(renderSurface(*grid, frontView({0, 0, 0}, 50), options), true),
+            1.5 * brightness(fromRight, true));
+  options.intensity = -1;
+  EXPECT_THROW(renderSurface(*grid, frontView({0, 0, 0}, 50), options), InputError);
+}
+
+TEST(Render, ACameraInsideTheSurfaceIsRefused) {
+  const auto grid = sphere(20, {0, 0, 0}, 1);
+  Camera camera;
+  camera.position = {3, 2, 1};
+  camera.target = {0, 0, 0};
+  EXPECT_THROW(renderSurface(*grid, camera), InputError);
+  camera.orthographicHeight = 50;  // sees it from outside all the same
+  EXPECT_NO_THROW(renderSurface(*grid, camera));
+}
+
+TEST(Camera, TurnsAboutUpCounterClockwise) {
+  Camera camera;
+  camera.target = {1, 2, 3};
+  camera.position = {1, 5, 13};
+  const Camera quarter = turned(camera, kPi / 2);
+  EXPECT_LT((quarter.position - Vec3d(11, 5, 3)).length(), 1e-12);
+  EXPECT_EQ(quarter.target, camera.target);
+}
+
+TEST(Camera, ATurntableSeesAllFromEverySide) {
+  FloatGrid::Ptr bar = FloatGrid::create(3.0f);
+  bar->setGridClass(openvdb::GRID_LEVEL_SET);
+  const openvdb::BBoxd box(Vec3d(-30, -3, -4), Vec3d(30, 3, 4));
+  for (const double fov : {0.0, 40.0}) {
+    FrameAllOptions view;
+    view.verticalFov = fov;
+    view.allRound = true;
+    const Camera camera = frameAll({box}, view);
+    double widest = 0;
+    for (int n = 0; n < 100; ++n) {
+      const Camera at = turned(camera, 2 * kPi * n / 100);
+      const ViewBasis basis = basisOf(at);
+      for (int c = 0; c < 8; ++c) {
+        const Vec3d corner((c & 1 ? box.max() : box.min()).x(), (c & 2 ? box.max() : box.min()).y(),
+                           (c & 4 ? box.max() : box.min()).z());
+        const Vec3d p = corner - at.position;
+        const double half =
+            fov > 0 ? std::tan(fov * kPi / 360) * -p.dot(basis.back) : at.orthographicHeight / 2;
+        widest = std::max(
+            {widest, std::abs(p.dot(basis.up)) / half, std::abs(p.dot(basis.right)) / half / view.aspect});
+      }
+    }
+    EXPECT_LT(widest, 1);
+    EXPECT_GT(widest, 0.93);  // and the picture is used
+  }
 }
 
 TEST(Render, FrameAllSeesEveryBoxWhole) {

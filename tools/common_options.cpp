@@ -85,10 +85,11 @@ CLI::Option* addSpacingOption(CLI::App& command, ImageOptions& options) {
 }
 
 void checkSampling(const LoadOptions& options, const SamplingOptions& given) {
-  if (given.voxelSize->count() && given.resolution->count())
+  const bool resolution = given.resolution && given.resolution->count();
+  if (given.voxelSize->count() && resolution)
     throw InputError("--voxel-size and --resolution exclude each other; give one of them");
   if (given.voxelSize->count()) checkPositive("--voxel-size", options.voxelSize);
-  if (given.resolution->count()) checkRange("--resolution", options.resolution, 8, 4096);
+  if (resolution) checkRange("--resolution", options.resolution, 8, 4096);
   if (!std::isfinite(options.iso)) throw InputError("--iso must be a finite number");
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/render/render.h"
+#include "engine/render/picture.h"
 
 #include <string>
 

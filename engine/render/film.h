@@ -1,0 +1,54 @@
+#pragma once
+
+#include "engine/conventions.h"
+#include "engine/render/camera.h"
+#include "engine/render/picture.h"
+
+#include <utility>
+
+namespace slicemorph {
+
+/// What all pictures have in common.
+struct RenderOptions {
+  int width = 640;         ///< pixels, 1 to 16384
+  int height = 480;        ///< pixels, 1 to 16384
+  int samples = 4;         ///< rays per pixel where something is to be seen, 1 to 64
+  bool background = true;  ///< false: transparent (alpha 0, colour premultiplied)
+  bool channels = false;   ///< mask, depth and normal are made, too
+  Vec3d light{0, 0,
+              0};  ///< direction in which the key light shines, world; zero: it goes along with the camera
+  double intensity = 1;  ///< of the key light, 0 or more
+};
+
+/// Throws InputError for options out of range.
+void checkRenderOptions(const RenderOptions& options);
+
+/// From where the key light comes, world, unit length.
+Vec3d towardsLight(const RenderOptions& options, const ViewBasis& basis);
+
+using Colour = openvdb::Vec3s;
+
+/// What the rays of one pixel met.
+struct Pixel {
+  Colour colour{0, 0, 0};  ///< premultiplied
+  float cover = 0;         ///< 0 to 1
+  float depth = kFarAway;
+  Colour normal{0, 0, 0};
+};
+
+/// A picture in the making; pixels may be set from several threads.
+class Film {
+ public:
+  explicit Film(const RenderOptions& options);
+  /// Where the n-th ray of a pixel goes, -1..1 to the right and up.
+  openvdb::Vec2d place(int column, int row, int n) const;
+  /// Lays the pixel over the background.
+  void set(int column, int row, const Pixel& pixel);
+  Picture take() { return std::move(picture_); }
+
+ private:
+  const RenderOptions& options_;
+  Picture picture_;
+};
+
+}  // namespace slicemorph

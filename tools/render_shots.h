@@ -1,0 +1,45 @@
+#pragma once
+
+#include "engine/render/render_fog.h"
+#include "io/input.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace slicemorph {
+
+/// What is to be seen: a surface, or fog.
+struct RenderSubject {
+  FloatGrid::ConstPtr surface;
+  std::optional<Fog> fog;
+};
+
+/// Files one after the other, those of numbered sequences by their numbers. Throws IoError for what is
+/// missing.
+struct RenderInput {
+  std::string path;  ///< with the name of the grid where one is given
+  std::string caption;
+  int number = 1;  ///< of the only sequence, else counted
+};
+std::vector<RenderInput> listRenderInputs(const std::vector<std::string>& inputs);
+
+/// Reads what is to be seen: twice, for the camera and for the picture, where it is too much to keep.
+class RenderSubjects {
+ public:
+  /// `asSurface`: fog is drawn as the shape in it.
+  RenderSubjects(const std::vector<RenderInput>& inputs, const LoadOptions& load, bool asSurface);
+  /// Throws as loadObject and readFog.
+  RenderSubject get(size_t input);
+
+ private:
+  RenderSubject read(size_t input) const;
+
+  const std::vector<RenderInput>& inputs_;
+  const LoadOptions& load_;
+  bool asSurface_;
+  std::vector<std::optional<RenderSubject>> kept_;
+  size_t keptBytes_ = 0;
+};
+
+}  // namespace slicemorph
