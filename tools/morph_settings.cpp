@@ -85,15 +85,6 @@ Method methodOf(const std::string& name) {
   return name == "dissolve" ? Method::kDissolve : Method::kSlices;
 }
 
-std::vector<std::string> parseNames(const std::string& option, const std::string& text) {
-  std::vector<std::string> names;
-  std::istringstream parts(text);
-  for (std::string name; std::getline(parts, name, ',');) names.push_back(name);
-  if (names.empty() || std::count(names.begin(), names.end(), ""))
-    throw InputError(option + " " + text + ": expected names separated by commas, for example density,temperature");
-  return names;
-}
-
 /// Files of the longest input that is a sequence; 1 where none is.
 size_t lengthOfInputs(const std::vector<std::string>& inputs) {
   size_t length = 1;

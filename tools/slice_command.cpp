@@ -14,7 +14,6 @@
 
 #include <atomic>
 #include <cstdio>
-#include <sstream>
 
 namespace slicemorph {
 namespace {
@@ -34,16 +33,6 @@ struct SliceSettings {
 
   bool givenPlanes() const { return !planes.empty() || !planeFile.empty(); }
 };
-
-std::vector<std::string> namesOf(const SliceSettings& s) {
-  std::vector<std::string> names;
-  std::istringstream parts(s.grids);
-  for (std::string name; std::getline(parts, name, ',');)
-    if (!name.empty()) names.push_back(name);
-  if (s.gridsGiven->count() && names.empty())
-    throw InputError("--grids " + s.grids + " names no grid; expected names separated by commas");
-  return names;
-}
 
 std::vector<PlaneInSpace> planesInSpace(const SliceSettings& s) {
   std::vector<PlaneInSpace> planes;
@@ -116,7 +105,8 @@ void writeFiles(const OutputName& name, const std::vector<SliceGrid>& grids, con
 
 void runSlice(SliceSettings& s) {
   checkSettings(s);
-  const std::vector<std::string> wanted = namesOf(s);
+  const std::vector<std::string> wanted =
+      s.gridsGiven->count() ? parseNames("--grids", s.grids) : std::vector<std::string>();
   const std::vector<PlaneInSpace> given = planesInSpace(s);
   checkInputExists(s.input);
   checkVoxels(s);
