@@ -6,7 +6,6 @@
 #include "engine/rebuild/sweep_band.h"
 #include "engine/slices/object_boxes.h"
 
-#include <openvdb/tools/Prune.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -190,7 +189,7 @@ void fillGrid(Grid& grid, const Field& field, double h) {
   });
   for (auto& leaf : leaves)
     if (leaf) grid.tree().addLeaf(leaf.release());
-  openvdb::tools::prune(grid.tree());
+  grid.pruneGrid(0);
 }
 
 }  // namespace
