@@ -189,7 +189,6 @@ void fillGrid(Grid& grid, const Field& field, double h) {
   });
   for (auto& leaf : leaves)
     if (leaf) grid.tree().addLeaf(leaf.release());
-  grid.pruneGrid(0);
 }
 
 }  // namespace
@@ -223,7 +222,8 @@ GridBase::Ptr gridOfSections(const std::vector<SectionPlane>& planes, const Slic
     result = levelSetOf(field, *transform, voxelSize, band);
     result->insertMeta(like);
   } else {
-    like.apply<SliceableTypes>([&](const auto& typed) {
+    result = like.copyGridWithNewTree();
+    result->apply<SliceableTypes>([&](auto& typed) {
       using Grid = std::decay_t<decltype(typed)>;
       using Value = typename Grid::ValueType;
       const bool whole = !std::is_floating_point_v<typename openvdb::VecTraits<Value>::ElementType>;
@@ -232,10 +232,9 @@ GridBase::Ptr gridOfSections(const std::vector<SectionPlane>& planes, const Slic
         background = Vec3d(typed.background());
       else
         background = Vec3d(double(typed.background()));
-      const auto grid = typed.copyWithNewTree();
-      fillGrid(*grid, Field(planes, sliced, background, whole, false, 0), voxelSize);
-      result = grid;
+      fillGrid(typed, Field(planes, sliced, background, whole, false, 0), voxelSize);
     });
+    result->pruneGrid(0);
   }
   result->setTransform(transform);
   return result;
