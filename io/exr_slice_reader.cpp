@@ -43,7 +43,8 @@ auto guarded(const std::string& path, const Action& action) {
 /// One part of a file and what its header says.
 class Part {
  public:
-  Part(const std::string& path, int number, const Imf::Header& header) : path_(path), number_(number), header_(header) {}
+  Part(const std::string& path, int number, const Imf::Header& header)
+      : path_(path), number_(number), header_(header) {}
 
   const Imf::Header& header() const { return header_; }
   std::string name() const { return path_ + (number_ > 0 ? " part " + std::to_string(number_ + 1) : ""); }
@@ -94,7 +95,8 @@ class Part {
     plane.count = int(number("sliceCount"));
     plane.u = number("sliceU");
     constexpr double kSlack = 1e-4;
-    const bool unit = std::abs(plane.xAxis.length() - 1) < kSlack && std::abs(plane.yAxis.length() - 1) < kSlack;
+    const bool unit =
+        std::abs(plane.xAxis.length() - 1) < kSlack && std::abs(plane.yAxis.length() - 1) < kSlack;
     if (!unit) lacks("sliceAxisX");
     if (std::abs(plane.xAxis.dot(plane.yAxis)) > kSlack) lacks("sliceAxisY");
     if (!(plane.pixelSize > 0)) lacks("slicePixelSize");
@@ -171,7 +173,8 @@ std::vector<SectionValues> readPixels(Imf::MultiPartInputFile& file, int number,
     layers.push_back({int(channels.size()), std::vector<float>(channels.size() * count)});
     for (size_t c = 0; c < channels.size(); ++c) {
       if (!part.header().channels().findChannel(channels[c]))
-        throw IoError(part.name() + " has no channel '" + channels[c] + "', which its attribute 'sliceGrids' names");
+        throw IoError(part.name() + " has no channel '" + channels[c] +
+                      "', which its attribute 'sliceGrids' names");
       buffer.insert(channels[c], Imf::Slice::Make(Imf::FLOAT, layers[g].values.data() + c * count, window));
     }
   }
@@ -201,8 +204,8 @@ FileSlices readFile(const std::string& path, const Chosen& chosen) {
       for (size_t g = 0; g < chosen.names.size(); ++g)
         if (std::find(there.begin(), there.end(), chosen.names[g]) == there.end() ||
             part.text(chosen.names[g] + ".type") != chosen.like[g]->type())
-          throw IoError(part.name() + " is of another set of slices: it has no grid '" + chosen.names[g] + "' of the type " +
-                        chosen.like[g]->type());
+          throw IoError(part.name() + " is of another set of slices: it has no grid '" + chosen.names[g] +
+                        "' of the type " + chosen.like[g]->type());
       slices.layers[size_t(n)] = readPixels(file, n, part, slices.planes[size_t(n)], chosen);
     }
     return slices;
@@ -222,8 +225,9 @@ bool isSliceExr(const std::string& input) {
   const std::string path = pathsOf(input)[0];
   sizeOfInput(path);
   return guarded(path, [&] {
-    return Imf::MultiPartInputFile(path.c_str(), 0).header(0).findTypedAttribute<Imf::StringVectorAttribute>("sliceGrids") !=
-           nullptr;
+    return Imf::MultiPartInputFile(path.c_str(), 0)
+               .header(0)
+               .findTypedAttribute<Imf::StringVectorAttribute>("sliceGrids") != nullptr;
   });
 }
 
@@ -244,14 +248,16 @@ ExrSlices readSliceExrs(const std::string& input, const std::vector<std::string>
   std::vector<SectionPlane> planes;
   std::vector<std::vector<SectionValues>*> layers;
   for (FileSlices& file : files)
-    for (size_t n = 0; n < file.planes.size(); ++n) planes.push_back(file.planes[n]), layers.push_back(&file.layers[n]);
+    for (size_t n = 0; n < file.planes.size(); ++n)
+      planes.push_back(file.planes[n]), layers.push_back(&file.layers[n]);
   if (int(planes.size()) < planes[0].count)
     result.notes.push_back("there are " + std::to_string(planes.size()) + " slices of " +
                            std::to_string(planes[0].count) + "; gaps are bridged");
   for (const auto& like : chosen.like) result.grids.push_back({like, {}});
   for (size_t n : orderOfSections(planes)) {
     result.planes.push_back(planes[n]);
-    for (size_t g = 0; g < result.grids.size(); ++g) result.grids[g].slices.push_back(std::move((*layers[n])[g]));
+    for (size_t g = 0; g < result.grids.size(); ++g)
+      result.grids[g].slices.push_back(std::move((*layers[n])[g]));
   }
   return result;
 }

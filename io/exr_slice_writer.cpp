@@ -34,9 +34,9 @@ namespace slicemorph {
 namespace {
 
 const std::vector<std::pair<std::string, Imf::Compression>> kCompressions = {
-    {"none", Imf::NO_COMPRESSION},     {"rle", Imf::RLE_COMPRESSION},   {"zips", Imf::ZIPS_COMPRESSION},
-    {"zip", Imf::ZIP_COMPRESSION},     {"piz", Imf::PIZ_COMPRESSION},   {"pxr24", Imf::PXR24_COMPRESSION},
-    {"b44", Imf::B44_COMPRESSION},     {"b44a", Imf::B44A_COMPRESSION}, {"dwaa", Imf::DWAA_COMPRESSION},
+    {"none", Imf::NO_COMPRESSION},  {"rle", Imf::RLE_COMPRESSION},   {"zips", Imf::ZIPS_COMPRESSION},
+    {"zip", Imf::ZIP_COMPRESSION},  {"piz", Imf::PIZ_COMPRESSION},   {"pxr24", Imf::PXR24_COMPRESSION},
+    {"b44", Imf::B44_COMPRESSION},  {"b44a", Imf::B44A_COMPRESSION}, {"dwaa", Imf::DWAA_COMPRESSION},
     {"dwab", Imf::DWAB_COMPRESSION}};
 
 Imf::Compression compressionOf(const std::string& name) {
@@ -117,8 +117,8 @@ void describe(Imf::Header& header, const SliceGrid& slice) {
 
 /// Whole numbers and flags must come back exactly.
 bool isExact(const openvdb::GridBase& grid) {
-  return grid.apply<openvdb::TypeList<openvdb::Int32Grid, openvdb::Int64Grid, openvdb::Vec3IGrid, openvdb::BoolGrid,
-                                      openvdb::MaskGrid>>([](const auto&) {});
+  return grid.apply<openvdb::TypeList<openvdb::Int32Grid, openvdb::Int64Grid, openvdb::Vec3IGrid,
+                                      openvdb::BoolGrid, openvdb::MaskGrid>>([](const auto&) {});
 }
 
 std::string numberedName(int number) {
@@ -130,7 +130,8 @@ std::string numberedName(int number) {
 /// Writes the slices of one set.
 class Writer {
  public:
-  Writer(const std::vector<SliceGrid>& grids, const std::vector<SectionPlane>& planes, const SliceExrOptions& options)
+  Writer(const std::vector<SliceGrid>& grids, const std::vector<SectionPlane>& planes,
+         const SliceExrOptions& options)
       : grids_(grids), planes_(planes), options_(options) {
     for (const SectionPlane& plane : planes) {
       size_.x = std::max(size_.x, plane.width);
@@ -141,7 +142,8 @@ class Writer {
 
   Imf::Header header(size_t n) const {
     const SectionPlane& plane = planes_[n];
-    const Imath::Box2i display({0, 0}, size_ - Imath::V2i(1)), data({0, 0}, {plane.width - 1, plane.height - 1});
+    const Imath::Box2i display({0, 0}, size_ - Imath::V2i(1)),
+        data({0, 0}, {plane.width - 1, plane.height - 1});
     Imf::Header header(display, data);
     header.compression() = compressionOf(options_.compression);
     header.setType(options_.tile > 0 ? Imf::TILEDIMAGE : Imf::SCANLINEIMAGE);
@@ -153,8 +155,7 @@ class Writer {
     header.insert("sliceUnits", Imf::StringAttribute(options_.units));
     if (options_.t) header.insert("sliceT", Imf::DoubleAttribute(*options_.t));
     if (options_.frame) header.insert("sliceFrame", Imf::IntAttribute(*options_.frame));
-    if (options_.framesPerSecond)
-      Imf::addFramesPerSecond(header, Imf::Rational(*options_.framesPerSecond));
+    if (options_.framesPerSecond) Imf::addFramesPerSecond(header, Imf::Rational(*options_.framesPerSecond));
     Imf::StringVector names;
     for (const SliceGrid& grid : grids_) {
       names.push_back(grid.name);
@@ -187,7 +188,8 @@ class Writer {
     return layers;
   }
 
-  void write(Imf::MultiPartOutputFile& file, int part, size_t n, const std::vector<SectionValues>& layers) const {
+  void write(Imf::MultiPartOutputFile& file, int part, size_t n,
+             const std::vector<SectionValues>& layers) const {
     const SectionPlane& plane = planes_[n];
     const size_t count = size_t(plane.width) * size_t(plane.height);
     Imf::FrameBuffer buffer;
@@ -227,7 +229,8 @@ class Writer {
   template <typename T>
   static void insert(Imf::FrameBuffer& buffer, const std::string& name, T* first, int width) {
     const auto type = std::is_same_v<T, half> ? Imf::HALF : Imf::FLOAT;
-    buffer.insert(name, Imf::Slice(type, reinterpret_cast<char*>(first), sizeof(T), sizeof(T) * size_t(width)));
+    buffer.insert(name,
+                  Imf::Slice(type, reinterpret_cast<char*>(first), sizeof(T), sizeof(T) * size_t(width)));
   }
 
   static std::vector<half> toHalves(const float* values, size_t count, const std::string& channel) {
@@ -251,7 +254,8 @@ class Writer {
 
 /// Makes a file of parts with `headers`; `fill` writes them.
 template <typename Fill>
-void writeFile(const std::string& path, const std::vector<Imf::Header>& headers, int threads, const Fill& fill) {
+void writeFile(const std::string& path, const std::vector<Imf::Header>& headers, int threads,
+               const Fill& fill) {
   AtomicFile output(path);
   try {
     ExrStream stream(output, path);
@@ -279,11 +283,13 @@ void writeSliceExr(const std::string& path, const std::vector<SliceGrid>& grids,
   const Writer writer(grids, planes, options);
   const std::vector<SectionValues> layers = writer.sample(n);
   // No threads of OpenEXR's own: the caller writes one file a task.
-  writeFile(path, {writer.header(n)}, 0, [&](Imf::MultiPartOutputFile& file) { writer.write(file, 0, n, layers); });
+  writeFile(path, {writer.header(n)}, 0,
+            [&](Imf::MultiPartOutputFile& file) { writer.write(file, 0, n, layers); });
 }
 
 void writeSlicesExr(const std::string& path, const std::vector<SliceGrid>& grids,
-                    const std::vector<SectionPlane>& planes, const SliceExrOptions& options, Progress& progress) {
+                    const std::vector<SectionPlane>& planes, const SliceExrOptions& options,
+                    Progress& progress) {
   const Writer writer(grids, planes, options);
   std::vector<Imf::Header> headers;
   for (size_t n = 0; n < planes.size(); ++n) headers.push_back(writer.header(n));

@@ -45,7 +45,8 @@ void addVdb(const InputName& name, const std::vector<std::string>& wanted, bool 
     throw InputError(name.path + ": there is no grid '" + missing[0] + "'; there are " + there);
 }
 
-void checkNames(const std::string& input, const std::vector<std::string>& wanted, const std::vector<std::string>& there) {
+void checkNames(const std::string& input, const std::vector<std::string>& wanted,
+                const std::vector<std::string>& there) {
   for (const std::string& name : wanted)
     if (std::find(there.begin(), there.end(), name) == there.end()) {
       std::string list;
@@ -56,8 +57,8 @@ void checkNames(const std::string& input, const std::vector<std::string>& wanted
 
 }  // namespace
 
-InputGrids readInputGrids(const std::string& input, const std::vector<std::string>& wanted, const LoadOptions& options,
-                          bool needsShape) {
+InputGrids readInputGrids(const std::string& input, const std::vector<std::string>& wanted,
+                          const LoadOptions& options, bool needsShape) {
   initialiseVdb();
   const InputName name = splitInput(input);
   const bool image = isImageInput(input), vdb = !image && extensionOf(name.path) == ".vdb";
@@ -73,8 +74,10 @@ InputGrids readInputGrids(const std::string& input, const std::vector<std::strin
   }
   if (image) {
     const std::string values = loaded.labels ? "labels" : "image";
-    checkNames(input, wanted, surface ? std::vector<std::string>{values, "surface"} : std::vector<std::string>{values});
-    if (isWanted(values, wanted)) result.grids.push_back({values, gridOf(*loaded.image, values, loaded.labels)});
+    checkNames(input, wanted,
+               surface ? std::vector<std::string>{values, "surface"} : std::vector<std::string>{values});
+    if (isWanted(values, wanted))
+      result.grids.push_back({values, gridOf(*loaded.image, values, loaded.labels)});
   } else if (!vdb) {
     checkNames(input, wanted, {"surface"});
   }

@@ -14,11 +14,11 @@ struct InputGrids {
   std::vector<std::string> notes;  ///< what was chosen, converted, left out, one sentence each
 };
 
-/// Reads any input of the command line as grids: all of a VDB's as they are (`file.vdb:grid` that one alone), a mesh's
-/// `surface`, an image's `image` or `labels`. With an iso value the `surface` at it comes too. `wanted`: only these;
-/// empty: all. `needsShape`: fill `shape` whatever is wanted. The files must not change while the grids live.
-/// Throws as loadObject does; InputError for an unknown grid, listing what is there.
-InputGrids readInputGrids(const std::string& input, const std::vector<std::string>& wanted, const LoadOptions& options,
-                          bool needsShape = false);
+/// Reads any input of the command line as grids: all of a VDB's as they are (`file.vdb:grid` that one alone),
+/// a mesh's `surface`, an image's `image` or `labels`. With an iso value the `surface` at it comes too.
+/// `wanted`: only these; empty: all. `needsShape`: fill `shape` whatever is wanted. The files must not change
+/// while the grids live. Throws as loadObject does; InputError for an unknown grid, listing what is there.
+InputGrids readInputGrids(const std::string& input, const std::vector<std::string>& wanted,
+                          const LoadOptions& options, bool needsShape = false);
 
 }  // namespace slicemorph

@@ -255,7 +255,8 @@ TEST(Section, LeaningPlanesStandAcrossTheSpine) {
 TEST(Section, GivenPlanesKeepTheirOriginOnAPixel) {
   const auto planes = sectionPlanesAt({{kCentre, {0, 0, 2}}, {kCentre, {1, 1, 0}}}, {sphere()}, 0.3);
   for (const SectionPlane& plane : planes) {
-    const double i = (kCentre - plane.origin).dot(plane.xAxis) / 0.3, j = (kCentre - plane.origin).dot(plane.yAxis) / 0.3;
+    const double i = (kCentre - plane.origin).dot(plane.xAxis) / 0.3,
+                 j = (kCentre - plane.origin).dot(plane.yAxis) / 0.3;
     EXPECT_NEAR(i, std::round(i), 1e-9);
     EXPECT_NEAR(j, std::round(j), 1e-9);
     // All of the disk and a margin of three to five pixels.
@@ -266,8 +267,8 @@ TEST(Section, GivenPlanesKeepTheirOriginOnAPixel) {
 }
 
 /// Slices of a grid written, read and put together again.
-openvdb::GridBase::Ptr throughFiles(const SliceGrid& grid, const std::vector<SectionPlane>& planes, bool parts,
-                                    const SliceExrOptions& options = {}) {
+openvdb::GridBase::Ptr throughFiles(const SliceGrid& grid, const std::vector<SectionPlane>& planes,
+                                    bool parts, const SliceExrOptions& options = {}) {
   const std::string folder = testing::TempDir() + "slicemorph_slices";
   std::filesystem::remove_all(folder);
   std::filesystem::create_directory(folder);
@@ -300,7 +301,8 @@ TEST(ExrReconstruct, ALinearFunctionComesBackExactly) {
   }
   const auto planes = sectionPlanesAt(given, {grid}, 0.4);
   for (const bool parts : {false, true}) {
-    const auto back = openvdb::gridPtrCast<FloatGrid>(throughFiles({"heat", grid}, planes, parts, {false, "piz", parts ? 32 : 0}));
+    const auto back = openvdb::gridPtrCast<FloatGrid>(
+        throughFiles({"heat", grid}, planes, parts, {false, "piz", parts ? 32 : 0}));
     ASSERT_TRUE(back);
     EXPECT_EQ(back->getName(), "heat");
     EXPECT_EQ(back->getGridClass(), openvdb::GRID_FOG_VOLUME);
@@ -356,16 +358,20 @@ TEST(ExrReconstruct, RefusesWhatIsNoSlice) {
   const auto grid = sphere();
   const auto planes = sectionPlanes({grid}, {Vec3d(0, 0, 1), 1, 0});
   EXPECT_THROW(gridOfSections(planes, {grid, {sampleSection(*grid, planes[0])}}, kVoxel), InputError);
-  const auto across = sectionPlanesAt({{kCentre, {0, 0, 1}}, {kCentre + Vec3d(1, 0, 1), {1, 0, -0.05}}}, {grid});
-  EXPECT_THROW(gridOfSections(across, {grid, {sampleSection(*grid, across[0]), sampleSection(*grid, across[1])}}, kVoxel),
-               InputError);
+  const auto across =
+      sectionPlanesAt({{kCentre, {0, 0, 1}}, {kCentre + Vec3d(1, 0, 1), {1, 0, -0.05}}}, {grid});
+  EXPECT_THROW(
+      gridOfSections(across, {grid, {sampleSection(*grid, across[0]), sampleSection(*grid, across[1])}},
+                     kVoxel),
+      InputError);
 }
 
 TEST(Exr, HalfFloatsAreRefusedWhereTheyCannotHoldAValue) {
   auto grid = FloatGrid::create(0.0f);
   grid->fill(openvdb::CoordBBox({0, 0, 0}, {5, 5, 5}), 70000.0f);
   const std::string path = testing::TempDir() + "slicemorph_exr_half.exr";
-  EXPECT_THROW(writeSliceExr(path, {{"hot", grid}}, sectionPlanes({grid}, {Vec3d(0, 0, 1), 1, 0}), 0, {true}), InputError);
+  EXPECT_THROW(writeSliceExr(path, {{"hot", grid}}, sectionPlanes({grid}, {Vec3d(0, 0, 1), 1, 0}), 0, {true}),
+               InputError);
   EXPECT_FALSE(std::filesystem::exists(path));
 }
 

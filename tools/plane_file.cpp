@@ -22,7 +22,8 @@ bool toPlane(const std::vector<double>& n, PlaneInSpace& plane) {
 
 /// Numbers up to the first word that is none; `word`: that word.
 std::vector<double> numbersOf(std::string line, std::string& word) {
-  std::replace_if(line.begin(), line.end(), [](char c) { return c == ',' || c == ';'; }, ' ');
+  std::replace_if(
+      line.begin(), line.end(), [](char c) { return c == ',' || c == ';'; }, ' ');
   std::istringstream stream(line);
   std::vector<double> numbers;
   while (stream >> word) {
@@ -49,7 +50,8 @@ PlaneInSpace parsePlane(const std::string& option, const std::string& text) {
   }
   if (!toPlane(numbers, plane))
     throw InputError(option + " " + text +
-                     " is no plane; expected OX,OY,OZ/NX,NY,NZ, a point and a normal that is not zero, for example 0,0,1/0,0,1");
+                     " is no plane; expected OX,OY,OZ/NX,NY,NZ, a point and a normal that is not zero, for "
+                     "example 0,0,1/0,0,1");
   return plane;
 }
 

@@ -26,8 +26,8 @@ double voxelSizeFor(const ExrSlices& slices, const SlicedGrid& sliced, const Sli
   const double most = mostVoxelSize(*sliced.like);
   if (pixel <= most * 1.001) return pixel;
   printNotes(job.input + ": ",
-             {"'" + sliced.like->getName() + "' gets voxels of " + formatNumber(most) + ", finer than the pixels of " +
-              formatNumber(pixel) + ": its distances reach no farther"},
+             {"'" + sliced.like->getName() + "' gets voxels of " + formatNumber(most) +
+              ", finer than the pixels of " + formatNumber(pixel) + ": its distances reach no farther"},
              job.quiet);
   return most;
 }
@@ -50,7 +50,8 @@ void writeGrids(const openvdb::GridCPtrVec& grids, const SlicesJob& job) {
   if (isImageOutput(job.output)) return writeImage(job.output, imageOf(*grids[0]));
   const auto scalars = openvdb::GridBase::grid<FloatGrid>(grids[0]);
   if (!scalars || scalars->getGridClass() != openvdb::GRID_LEVEL_SET)
-    throw InputError("-o " + job.output + ": '" + grids[0]->getName() + "' is no level set and has no surface; write a .vdb");
+    throw InputError("-o " + job.output + ": '" + grids[0]->getName() +
+                     "' is no level set and has no surface; write a .vdb");
   writeMesh(job.output, surfaceOf(*scalars));
 }
 
@@ -69,7 +70,8 @@ void reconstructSlices(const SlicesJob& job) {
     if (progress.cancelled()) throw Cancelled();
     progress.report("reconstructing", double(g + 1) / double(slices.grids.size() + 1));
     try {
-      grids.push_back(gridOfSections(slices.planes, slices.grids[g], voxelSizeFor(slices, slices.grids[g], job)));
+      grids.push_back(
+          gridOfSections(slices.planes, slices.grids[g], voxelSizeFor(slices, slices.grids[g], job)));
     } catch (const InputError& error) {
       throw InputError(job.input + ": " + error.what());
     }

@@ -12,8 +12,8 @@ struct SlicesJob {
   bool quiet = false;
 };
 
-/// `slicemorph reconstruct` of EXR slices: all grids into a `.vdb`, the one of a surface into a mesh, the one of values
-/// into an image. Throws what is to be reported.
+/// `slicemorph reconstruct` of EXR slices: all grids into a `.vdb`, the one of a surface into a mesh, the one
+/// of values into an image. Throws what is to be reported.
 void reconstructSlices(const SlicesJob& job);
 
 }  // namespace slicemorph

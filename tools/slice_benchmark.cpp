@@ -1,6 +1,6 @@
 /// Times of `slicemorph slice` as a ratio against writing the same pixels with OpenEXR alone, in one run:
-/// 256 slices of a 256^3 volume with four channels (density, velocity), ZIP, one file a slice, in parallel both.
-/// usage: slicemorph_slice_benchmark [FOLDER [SIDE]]
+/// 256 slices of a 256^3 volume with four channels (density, velocity), ZIP, one file a slice, in parallel
+/// both. usage: slicemorph_slice_benchmark [FOLDER [SIDE]]
 
 #include "engine/progress.h"
 #include "engine/slices/place_sections.h"
@@ -42,9 +42,12 @@ typename Grid::Ptr filled(int side, const char* name, const Function& function) 
   return grid;
 }
 
-std::string pathOf(const std::string& folder, size_t n) { return folder + "/slice." + std::to_string(n) + ".exr"; }
+std::string pathOf(const std::string& folder, size_t n) {
+  return folder + "/slice." + std::to_string(n) + ".exr";
+}
 
-void writePlain(const std::string& path, const SectionPlane& plane, const std::vector<SectionValues>& layers) {
+void writePlain(const std::string& path, const SectionPlane& plane,
+                const std::vector<SectionValues>& layers) {
   Imf::Header header(plane.width, plane.height);
   header.compression() = Imf::ZIP_COMPRESSION;
   Imf::FrameBuffer buffer;
@@ -52,8 +55,8 @@ void writePlain(const std::string& path, const SectionPlane& plane, const std::v
   for (size_t c = 0; c < 4; ++c) {
     header.channels().insert(kChannels[c], Imf::Channel(Imf::FLOAT));
     const float* first = c == 0 ? layers[0].values.data() : layers[1].values.data() + (c - 1) * count;
-    buffer.insert(kChannels[c], Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(const_cast<float*>(first)), sizeof(float),
-                                           sizeof(float) * size_t(plane.width)));
+    buffer.insert(kChannels[c], Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(const_cast<float*>(first)),
+                                           sizeof(float), sizeof(float) * size_t(plane.width)));
   }
   Imf::OutputFile file(path.c_str(), header, 0);
   file.setFrameBuffer(buffer);
@@ -63,22 +66,26 @@ void writePlain(const std::string& path, const SectionPlane& plane, const std::v
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::string folder = argc > 1 ? argv[1] : (std::filesystem::temp_directory_path() / "slicemorph_slices").string();
+  const std::filesystem::path parent = argc > 1 ? argv[1] : std::filesystem::temp_directory_path();
+  const std::string folder = (parent / "slicemorph_slice_benchmark").string();
   const int side = argc > 2 ? std::atoi(argv[2]) : 256;
   std::filesystem::create_directories(folder);
   openvdb::initialize();
   const auto density = filled<FloatGrid>(side, "density", [](const Vec3d& p) {
-    return float(std::exp(-2 * p.lengthSqr()) * (1 + 0.2 * std::sin(20 * p[0]) * std::cos(17 * p[1] + 9 * p[2])));
+    return float(std::exp(-2 * p.lengthSqr()) *
+                 (1 + 0.2 * std::sin(20 * p[0]) * std::cos(17 * p[1] + 9 * p[2])));
   });
   const auto velocity = filled<openvdb::Vec3SGrid>(side, "vel", [](const Vec3d& p) {
-    return openvdb::Vec3s(float(-p[1] + 0.1 * std::sin(15 * p[2])), float(p[0]), float(0.2 * std::cos(11 * p[0])));
+    return openvdb::Vec3s(float(-p[1] + 0.1 * std::sin(15 * p[2])), float(p[0]),
+                          float(0.2 * std::cos(11 * p[0])));
   });
   const std::vector<SliceGrid> grids{{"density", density}, {"vel", velocity}};
   std::printf("%d slices of a %d^3 volume, 4 float channels, ZIP\n", side, side);
   for (const Vec3d& axis : {Vec3d(0, 0, 1), Vec3d(1, 2, 3)}) {
     const auto planes = sectionPlanes({density, velocity}, {axis, side, 0});
     Stopwatch watch;
-    tbb::parallel_for(size_t(0), planes.size(), [&](size_t n) { writeSliceExr(pathOf(folder, n), grids, planes, n); });
+    tbb::parallel_for(size_t(0), planes.size(),
+                      [&](size_t n) { writeSliceExr(pathOf(folder, n), grids, planes, n); });
     const double ours = watch.lap();
     Progress silent;
     writeSlicesExr(folder + "/all.exr", grids, planes, {}, silent);
@@ -88,12 +95,15 @@ int main(int argc, char** argv) {
       for (const SliceGrid& grid : grids) layers[n].push_back(sampleSection(*grid.grid, planes[n]));
     });
     const double sampling = watch.lap();
-    tbb::parallel_for(size_t(0), planes.size(), [&](size_t n) { writePlain(pathOf(folder, n), planes[n], layers[n]); });
+    tbb::parallel_for(size_t(0), planes.size(),
+                      [&](size_t n) { writePlain(pathOf(folder, n), planes[n], layers[n]); });
     const double plain = watch.lap();
-    std::printf("axis %g,%g,%g, %d x %d pixels: OpenEXR alone %.2f s; slice %.2f s, ratio %.2f (sampling %.2f); one file of "
-                "parts %.2f s, ratio %.2f\n",
-                axis[0], axis[1], axis[2], planes[0].width, planes[0].height, plain, ours, ours / plain, sampling / plain,
-                parts, parts / plain);
+    std::printf(
+        "axis %g,%g,%g, %d x %d pixels: OpenEXR alone %.2f s; slice %.2f s, ratio %.2f (sampling %.2f); one "
+        "file of "
+        "parts %.2f s, ratio %.2f\n",
+        axis[0], axis[1], axis[2], planes[0].width, planes[0].height, plain, ours, ours / plain,
+        sampling / plain, parts, parts / plain);
   }
   std::filesystem::remove_all(folder);
 }

@@ -47,14 +47,16 @@ void checkSettings(SliceSettings& s) {
   if (s.pixelGiven->count()) checkPositive("--pixel-size", s.section.pixelSize);
   if (s.tilesGiven->count()) checkRange("--tiles", s.exr.tile, 8, 65536);
   if (s.timeGiven->count()) {
-    if (!(s.t >= 0 && s.t <= 1)) throw InputError("--t " + formatNumber(s.t) + " is out of range; it must be 0 to 1");
+    if (!(s.t >= 0 && s.t <= 1))
+      throw InputError("--t " + formatNumber(s.t) + " is out of range; it must be 0 to 1");
     s.exr.t = s.t;
   }
   if (s.axis != "auto") s.section.axis = parseDirection("--axis", s.axis);
   const int ways = int(s.givenPlanes()) + int(s.spine) + int(s.axisGiven->count() > 0);
   if (ways > 1) throw InputError("--axis, --spine and --plane or --planes exclude each other");
   if (s.givenPlanes() && s.slicesGiven->count())
-    throw InputError("--slices " + std::to_string(s.section.count) + ": the planes are given, their number too");
+    throw InputError("--slices " + std::to_string(s.section.count) +
+                     ": the planes are given, their number too");
   checkExtension(s.output, {".exr"});
   checkOutputPath(OutputName(s.output).path(1));
 }
@@ -64,7 +66,9 @@ void checkVoxels(const SliceSettings& s) {
   const bool voxels = s.sampling.voxelSize->count() || s.sampling.resolution->count();
   const bool vdb = !isImageInput(s.input) && extensionOf(splitInput(s.input).path) == ".vdb";
   if (voxels && vdb && !s.load.isoGiven && !s.spine)
-    throw InputError(s.input + " is sliced as it is; --voxel-size and --resolution are for meshes; --pixel-size sets the pixels");
+    throw InputError(
+        s.input +
+        " is sliced as it is; --voxel-size and --resolution are for meshes; --pixel-size sets the pixels");
 }
 
 openvdb::GridCPtrVec baresOf(const std::vector<SliceGrid>& grids) {
@@ -73,7 +77,8 @@ openvdb::GridCPtrVec baresOf(const std::vector<SliceGrid>& grids) {
   return bare;
 }
 
-std::vector<SectionPlane> placed(const InputGrids& input, const SliceSettings& s, const std::vector<PlaneInSpace>& given) {
+std::vector<SectionPlane> placed(const InputGrids& input, const SliceSettings& s,
+                                 const std::vector<PlaneInSpace>& given) {
   const openvdb::GridCPtrVec grids = baresOf(input.grids);
   if (!given.empty()) return sectionPlanesAt(given, grids, s.section.pixelSize);
   if (s.spine) {
@@ -91,8 +96,8 @@ void takeTime(const openvdb::MetaMap& metadata, SliceExrOptions& exr) {
     exr.framesPerSecond = double(fps->value());
 }
 
-void writeFiles(const OutputName& name, const std::vector<SliceGrid>& grids, const std::vector<SectionPlane>& planes,
-                const SliceSettings& s) {
+void writeFiles(const OutputName& name, const std::vector<SliceGrid>& grids,
+                const std::vector<SectionPlane>& planes, const SliceSettings& s) {
   TerminalProgress progress(s.quiet);
   if (!name.isSequence()) return writeSlicesExr(name.path(1), grids, planes, s.exr, progress);
   std::atomic<size_t> done{0};
@@ -121,17 +126,20 @@ void runSlice(SliceSettings& s) {
   const OutputName name(s.output);
   writeFiles(name, input.grids, planes, s);
   if (s.quiet) return;
-  for (int i = 1; i <= (name.isSequence() ? int(planes.size()) : 1); ++i) std::printf("%s\n", name.path(i).c_str());
+  for (int i = 1; i <= (name.isSequence() ? int(planes.size()) : 1); ++i)
+    std::printf("%s\n", name.path(i).c_str());
 }
 
 }  // namespace
 
 void addSliceCommand(CLI::App& program) {
-  CLI::App* command = program.add_subcommand("slice", "Oriented slices of any volume, all its grids, as EXR images");
+  CLI::App* command =
+      program.add_subcommand("slice", "Oriented slices of any volume, all its grids, as EXR images");
   const auto s = std::make_shared<SliceSettings>();
   command
       ->add_option("INPUT", s->input,
-                   "Volume: .vdb (all grids; file.vdb:grid one), .obj .ply .stl .off .glb, an image (.nii .nii.gz .nrrd "
+                   "Volume: .vdb (all grids; file.vdb:grid one), .obj .ply .stl .off .glb, an image (.nii "
+                   ".nii.gz .nrrd "
                    ".nhdr .mha .mhd, a DICOM folder, name.####.tif|png)")
       ->required();
   command
@@ -139,7 +147,8 @@ void addSliceCommand(CLI::App& program) {
                    "Images: name.####.exr, one a slice from 1, or name.exr, one file of several parts")
       ->required()
       ->type_name("OUTPUT");
-  s->slicesGiven = command->add_option("--slices", s->section.count, "Slices, 1 to 100000 (64)")->type_name("N");
+  s->slicesGiven =
+      command->add_option("--slices", s->section.count, "Slices, 1 to 100000 (64)")->type_name("N");
   s->axisGiven = command->add_option("--axis", s->axis, "Slicing direction; auto: the volume's longest")
                      ->type_name("auto|x|y|z|DX,DY,DZ");
   command->add_flag("--spine", s->spine, "Slices lean: they stand across the shape's own curved axis");
@@ -147,19 +156,27 @@ void addSliceCommand(CLI::App& program) {
       ->add_option("--plane", s->planes, "Slice here: a point and a normal, world units; may be given again")
       ->type_name("OX,OY,OZ/NX,NY,NZ")
       ->allow_extra_args(false);
-  command->add_option("--planes", s->planeFile, "Slice on the planes of a text or CSV file: ox oy oz nx ny nz a line")
+  command
+      ->add_option("--planes", s->planeFile,
+                   "Slice on the planes of a text or CSV file: ox oy oz nx ny nz a line")
       ->type_name("FILE");
-  s->gridsGiven = command->add_option("--grids", s->grids, "Only these grids (all)")->type_name("NAME[,NAME...]");
+  s->gridsGiven =
+      command->add_option("--grids", s->grids, "Only these grids (all)")->type_name("NAME[,NAME...]");
   s->pixelGiven =
       command->add_option("--pixel-size", s->section.pixelSize, "Edge of a pixel, world units (one voxel)")
           ->type_name("H");
   command->add_flag("--half", s->exr.halfFloat, "16-bit floats; whole numbers keep 32 bits");
-  command->add_option("--compression", s->exr.compression, "Of the EXR files (zip); from pxr24 on values lose precision")
+  command
+      ->add_option("--compression", s->exr.compression,
+                   "Of the EXR files (zip); from pxr24 on values lose precision")
       ->type_name("none|rle|zips|zip|piz|pxr24|b44|b44a|dwaa|dwab")
       ->check(oneOf(exrCompressions()));
-  s->tilesGiven = command->add_option("--tiles", s->exr.tile, "Tiles of N x N pixels, 8 to 65536 (scan lines)")->type_name("N");
-  s->timeGiven = command->add_option("--t", s->t, "Time of the volume in its morph, 0 to 1, for the attribute sliceT")
-                     ->type_name("T");
+  s->tilesGiven =
+      command->add_option("--tiles", s->exr.tile, "Tiles of N x N pixels, 8 to 65536 (scan lines)")
+          ->type_name("N");
+  s->timeGiven =
+      command->add_option("--t", s->t, "Time of the volume in its morph, 0 to 1, for the attribute sliceT")
+          ->type_name("T");
   s->sampling = addSamplingOptions(*command, s->load);
   s->threadsGiven = addThreadsOption(*command, s->threads);
   command->add_flag("--quiet", s->quiet, "Print nothing but errors");

@@ -12,7 +12,9 @@ namespace {
 /// Two slices that follow each other lean by less than this from the line between them (75 degrees).
 constexpr double kLeastSlope = 0.26;
 
-Vec3d middleOf(const SectionPlane& plane) { return plane.toWorld(0.5 * (plane.width - 1), 0.5 * (plane.height - 1)); }
+Vec3d middleOf(const SectionPlane& plane) {
+  return plane.toWorld(0.5 * (plane.width - 1), 0.5 * (plane.height - 1));
+}
 
 Vec3d pixelOf(const SectionPlane& plane, const Vec3d& p) {
   const Vec3d d = (p - plane.origin) / plane.pixelSize;
@@ -44,8 +46,9 @@ SectionSlabs::SectionSlabs(const std::vector<SectionPlane>& planes, double reach
     slab.slope[0] = slab.along.dot(a.normal);
     slab.slope[1] = slab.along.dot(b.normal);
     if (std::min(std::abs(slab.slope[0]), std::abs(slab.slope[1])) < kLeastSlope)
-      throw InputError("slices " + std::to_string(a.index + 1) + " and " + std::to_string(b.index + 1) +
-                       " stand across each other: there is nothing between them; slices are to follow each other");
+      throw InputError(
+          "slices " + std::to_string(a.index + 1) + " and " + std::to_string(b.index + 1) +
+          " stand across each other: there is nothing between them; slices are to follow each other");
     const double half = 0.5 * std::abs(way.dot(slab.along));
     if (k == 0) slab.before = half + reach, slab.halfGap[0] = half;
     if (k + 2 == planes.size()) slab.after = half + reach, slab.halfGap[1] = half;
@@ -54,7 +57,8 @@ SectionSlabs::SectionSlabs(const std::vector<SectionPlane>& planes, double reach
   for (size_t k = 0; k < planes.size(); ++k) {
     const Vec3d before = slabs_[std::min(k, slabs_.size() - 1)].along;
     for (int corner = 0; corner < 4; ++corner) {
-      const Vec3d p = planes[k].toWorld(corner & 1 ? planes[k].width : -1, corner & 2 ? planes[k].height : -1);
+      const Vec3d p =
+          planes[k].toWorld(corner & 1 ? planes[k].width : -1, corner & 2 ? planes[k].height : -1);
       box_.expand(p);
       if (k == 0) box_.expand(p - before * slabs_[0].before);
       if (k + 1 == planes.size()) box_.expand(p + before * slabs_.back().after);
@@ -100,7 +104,8 @@ bool SectionSlabs::locate(size_t k, const Vec3d& p, BetweenSections& place) cons
   place.first = pixelOf(planes_[k], p - behind * slab.along);
   place.second = pixelOf(planes_[k + 1], p + before * slab.along);
   if (!holds(planes_[k], place.first) && !holds(planes_[k + 1], place.second)) return false;
-  place.beyond = std::max(behind < 0 ? -behind - slab.halfGap[0] : -1e300, before < 0 ? -before - slab.halfGap[1] : -1e300);
+  place.beyond = std::max(behind < 0 ? -behind - slab.halfGap[0] : -1e300,
+                          before < 0 ? -before - slab.halfGap[1] : -1e300);
   return true;
 }
 

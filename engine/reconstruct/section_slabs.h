@@ -15,8 +15,8 @@ struct BetweenSections {
 /// The space between slices that follow each other.
 class SectionSlabs {
  public:
-  /// `planes`: in their order, two or more. `reach`: how far beyond half the gap outside of the end planes places are
-  /// found, world units.
+  /// `planes`: in their order, two or more. `reach`: how far beyond half the gap outside of the end planes
+  /// places are found, world units.
   SectionSlabs(const std::vector<SectionPlane>& planes, double reach);
 
   /// World box of all that may be found.
@@ -28,10 +28,10 @@ class SectionSlabs {
 
  private:
   struct Slab {
-    Vec3d along;                    ///< unit, from the first plane to the second, evenly on both
-    double slope[2];                ///< along * the planes' normals
-    double before = 0, after = 0;   ///< how far beyond the planes it goes, world units
-    double halfGap[2] = {0, 0};     ///< half the way through it at an end of the stack, in the middle
+    Vec3d along;                   ///< unit, from the first plane to the second, evenly on both
+    double slope[2];               ///< along * the planes' normals
+    double before = 0, after = 0;  ///< how far beyond the planes it goes, world units
+    double halfGap[2] = {0, 0};    ///< half the way through it at an end of the stack, in the middle
   };
   bool locate(size_t slab, const Vec3d& p, BetweenSections& place) const;
 

@@ -1,9 +1,9 @@
 #include "engine/reconstruct/sections_to_grid.h"
 
 #include "engine/errors.h"
-#include "engine/reconstruct/section_slabs.h"
 #include "engine/rebuild/redistance.h"
 #include "engine/rebuild/sweep_band.h"
+#include "engine/reconstruct/section_slabs.h"
 #include "engine/slices/object_boxes.h"
 
 #include <tbb/parallel_for.h>
@@ -24,7 +24,8 @@ using openvdb::GridBase;
 
 constexpr int kLeaf = 8, kLeafSize = kLeaf * kLeaf * kLeaf;
 constexpr double kMostLeaves = double(1 << 24);
-/// The outermost voxel of a band is half clamped where it was sampled: the share of the band that still holds distances.
+/// The outermost voxel of a band is half clamped where it was sampled: the share of the band that still holds
+/// distances.
 constexpr double kTrusted = 2.0 / 3;
 
 bool isLevelSet(const GridBase& like) {
@@ -34,7 +35,8 @@ bool isLevelSet(const GridBase& like) {
 
 double backgroundOf(const GridBase& like) {
   double background = 0;
-  like.apply<openvdb::TypeList<FloatGrid, openvdb::DoubleGrid>>([&](const auto& g) { background = double(g.background()); });
+  like.apply<openvdb::TypeList<FloatGrid, openvdb::DoubleGrid>>(
+      [&](const auto& g) { background = double(g.background()); });
   return background;
 }
 
@@ -61,9 +63,13 @@ struct Picture {
 /// The slices of one grid as a function of space.
 class Field {
  public:
-  Field(const std::vector<SectionPlane>& planes, const SlicedGrid& sliced, const Vec3d& background, bool whole,
-        bool distance, double reach)
-      : planes_(planes), sliced_(sliced), background_(background), whole_(whole), distance_(distance),
+  Field(const std::vector<SectionPlane>& planes, const SlicedGrid& sliced, const Vec3d& background,
+        bool whole, bool distance, double reach)
+      : planes_(planes),
+        sliced_(sliced),
+        background_(background),
+        whole_(whole),
+        distance_(distance),
         slabs_(planes, reach) {}
 
   const SectionSlabs& slabs() const { return slabs_; }
@@ -72,7 +78,8 @@ class Field {
     BetweenSections place;
     const float background = float(background_[component]);
     if (!slabs_.find(world, near, place)) return background;
-    const Picture a = picture(place.slab, component, background), b = picture(place.slab + 1, component, background);
+    const Picture a = picture(place.slab, component, background),
+                  b = picture(place.slab + 1, component, background);
     if (distance_) {
       const float first = a.linear(place.first), second = b.linear(place.second);
       // Beyond the ends the distances go on, up to a flat cap in the middle of the next gap.
@@ -102,7 +109,8 @@ class Field {
 
 /// Origins of all leaves that a box of the world touches.
 std::vector<Coord> leavesOf(const openvdb::BBoxd& box, double voxelSize) {
-  const Vec3d lo = box.min() / (voxelSize * kLeaf), hi = box.max() / (voxelSize * kLeaf), n = hi - lo + Vec3d(1);
+  const Vec3d lo = box.min() / (voxelSize * kLeaf), hi = box.max() / (voxelSize * kLeaf),
+              n = hi - lo + Vec3d(1);
   if (!(n[0] * n[1] * n[2] < kMostLeaves) || openvdb::math::Abs(lo).length() > 1e8)
     throw InputError("voxel size " + std::to_string(voxelSize) +
                      ": the volume between the slices would have more than 2^33 voxels; choose a larger one");
@@ -117,20 +125,23 @@ std::vector<Coord> leavesOf(const openvdb::BBoxd& box, double voxelSize) {
 /// Calls visit(leaf, slabs near it) in parallel where there are any.
 template <typename Visit>
 void forLeaves(const std::vector<Coord>& origins, const SectionSlabs& slabs, double h, const Visit& visit) {
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, origins.size()), [&](const tbb::blocked_range<size_t>& range) {
-    std::vector<size_t> near;
-    for (size_t n = range.begin(); n < range.end(); ++n) {
-      slabs.near(h * (origins[n].asVec3d() + Vec3d(0.5 * (kLeaf - 1))), h * kLeaf * 0.5 * std::sqrt(3.0), near);
-      if (!near.empty()) visit(n, near);
-    }
-  });
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, origins.size()),
+                    [&](const tbb::blocked_range<size_t>& range) {
+                      std::vector<size_t> near;
+                      for (size_t n = range.begin(); n < range.end(); ++n) {
+                        slabs.near(h * (origins[n].asVec3d() + Vec3d(0.5 * (kLeaf - 1))),
+                                   h * kLeaf * 0.5 * std::sqrt(3.0), near);
+                        if (!near.empty()) visit(n, near);
+                      }
+                    });
 }
 
 Vec3d worldOf(const Coord& origin, int n, double h) {
   return h * origin.offsetBy(n / (kLeaf * kLeaf), n / kLeaf % kLeaf, n % kLeaf).asVec3d();
 }
 
-FloatGrid::Ptr levelSetOf(const Field& field, const openvdb::math::Transform& transform, double h, double band) {
+FloatGrid::Ptr levelSetOf(const Field& field, const openvdb::math::Transform& transform, double h,
+                          double band) {
   const std::vector<Coord> origins = leavesOf(field.slabs().box(), h);
   using Block = std::array<float, kLeafSize>;
   std::vector<std::unique_ptr<Block>> blocks(origins.size());
@@ -199,7 +210,9 @@ std::vector<size_t> orderOfSections(const std::vector<SectionPlane>& planes) {
   const bool parallel = std::all_of(planes.begin(), planes.end(), [&](const SectionPlane& plane) {
     return std::abs(plane.normal.dot(planes[0].normal)) > 1 - 1e-9;
   });
-  const auto place = [&](size_t n) { return parallel ? planes[0].distance(planes[n].origin) : planes[n].index; };
+  const auto place = [&](size_t n) {
+    return parallel ? planes[0].distance(planes[n].origin) : planes[n].index;
+  };
   std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return place(a) < place(b); });
   return order;
 }
@@ -208,7 +221,8 @@ double mostVoxelSize(const GridBase& like) {
   return isLevelSet(like) ? backgroundOf(like) / kHalfWidth : std::numeric_limits<double>::infinity();
 }
 
-GridBase::Ptr gridOfSections(const std::vector<SectionPlane>& planes, const SlicedGrid& sliced, double voxelSize) {
+GridBase::Ptr gridOfSections(const std::vector<SectionPlane>& planes, const SlicedGrid& sliced,
+                             double voxelSize) {
   const GridBase& like = *sliced.like;
   if (!(voxelSize <= mostVoxelSize(like) * 1.001))
     throw InputError("voxel size " + std::to_string(voxelSize) + ": the slices of '" + like.getName() +

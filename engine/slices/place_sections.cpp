@@ -25,7 +25,9 @@ struct Body {
   std::vector<CoordBBox> boxes;
 
   Vec3d toWorld(const Vec3d& index) const { return jacobian * index + offset; }
-  Vec3d centre(const CoordBBox& box) const { return toWorld((box.min().asVec3d() + box.max().asVec3d()) / 2); }
+  Vec3d centre(const CoordBBox& box) const {
+    return toWorld((box.min().asVec3d() + box.max().asVec3d()) / 2);
+  }
 };
 
 Body bodyOf(const openvdb::GridBase& grid) {
@@ -52,8 +54,8 @@ std::vector<Body> bodiesOf(const openvdb::GridCPtrVec& grids) {
     names += (names.empty() ? "'" : ", '") + grid->getName() + "'";
   }
   if (!any)
-    throw GeometryError((grids.size() == 1 ? "grid " : "grids ") + names + (grids.size() == 1 ? " is" : " are") +
-                        " empty: there is nothing to slice");
+    throw GeometryError((grids.size() == 1 ? "grid " : "grids ") + names +
+                        (grids.size() == 1 ? " is" : " are") + " empty: there is nothing to slice");
   return bodies;
 }
 
@@ -116,8 +118,7 @@ Mat3d covarianceOf(const std::vector<Body>& bodies) {
       for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 3; ++c) {
           double own = 0;
-          for (int a = 0; a < 3; ++a)
-            own += body.jacobian(r, a) * body.jacobian(c, a) * dim[a] * dim[a] / 12;
+          for (int a = 0; a < 3; ++a) own += body.jacobian(r, a) * body.jacobian(c, a) * dim[a] * dim[a] / 12;
           second(r, c) += weight * (centre[r] * centre[c] + own);
         }
     }
@@ -162,7 +163,8 @@ Mat3d axesAlong(const std::vector<Body>& bodies, const Vec3d& wanted) {
 Extents extentsAlong(const std::vector<Body>& bodies, const Mat3d& frame) {
   Extents extents;
   for (const Body& body : bodies) {
-    // Each extent is a linear function of the index position; a box reaches half of |coefficients| to both sides.
+    // Each extent is a linear function of the index position; a box reaches half of |coefficients| to both
+    // sides.
     const Mat3d linear = frame.transpose() * body.jacobian;
     for (const CoordBBox& box : body.boxes) {
       const Vec3d half = box.dim().asVec3d() / 2;
@@ -208,7 +210,8 @@ Extents extentsInChart(const std::vector<Body>& bodies, const Chart& chart) {
 }
 
 /// Adds where the edges of a box pass through a plane, in the plane's own axes.
-void addCut(const Body& body, const CoordBBox& box, const Vec3d& origin, const Mat3d& frame, Extents& extents) {
+void addCut(const Body& body, const CoordBBox& box, const Vec3d& origin, const Mat3d& frame,
+            Extents& extents) {
   const Vec3d centre = frame.transpose() * (body.centre(box) - origin);
   const Mat3d linear = frame.transpose() * body.jacobian;
   const Vec3d half = box.dim().asVec3d() / 2;
@@ -294,8 +297,8 @@ std::vector<SectionPlane> sectionPlanesAlong(const Chart& spine, const openvdb::
   return planes;
 }
 
-std::vector<SectionPlane> sectionPlanesAt(const std::vector<PlaneInSpace>& given, const openvdb::GridCPtrVec& grids,
-                                          double pixelSize) {
+std::vector<SectionPlane> sectionPlanesAt(const std::vector<PlaneInSpace>& given,
+                                          const openvdb::GridCPtrVec& grids, double pixelSize) {
   const double pixel = pixelOf(grids, pixelSize);
   const std::vector<Body> bodies = bodiesOf(grids);
   std::vector<SectionPlane> planes;

@@ -31,7 +31,8 @@ class LinearSampler {
       if (!values_) return tile_;
       constexpr int kX = int(Leaf::DIM * Leaf::DIM), kY = int(Leaf::DIM);
       const Value* from = values_ + in[0] * kX + in[1] * kY + in[2];
-      for (int n = 0; n < 8; ++n) v[n >> 2][n >> 1 & 1][n & 1] = from[(n >> 2) * kX + (n >> 1 & 1) * kY + (n & 1)];
+      for (int n = 0; n < 8; ++n)
+        v[n >> 2][n >> 1 & 1][n & 1] = from[(n >> 2) * kX + (n >> 1 & 1) * kY + (n & 1)];
     } else {
       openvdb::tools::BoxSampler::getValues(v, accessor_, base);
     }
@@ -79,31 +80,41 @@ void sampleGrid(const Grid& grid, const SectionPlane& plane, const Steps& steps,
   float* to = result.values.data();
   if constexpr (std::is_floating_point_v<Value>) {
     LinearSampler<typename Grid::TreeType> sampler(grid.tree());
-    fill(plane, steps, [&](const Vec3d& p, float* v) { *v = float(sampler(p)); }, to);
-  } else if constexpr (openvdb::VecTraits<Value>::IsVec && !std::is_integral_v<typename openvdb::VecTraits<Value>::ElementType>) {
+    fill(
+        plane, steps, [&](const Vec3d& p, float* v) { *v = float(sampler(p)); }, to);
+  } else if constexpr (openvdb::VecTraits<Value>::IsVec &&
+                       !std::is_integral_v<typename openvdb::VecTraits<Value>::ElementType>) {
     LinearSampler<typename Grid::TreeType> sampler(grid.tree());
     if (grid.getGridClass() != openvdb::GRID_STAGGERED) {
-      fill(plane, steps, [&](const Vec3d& p, float* v) {
-        const Value value = sampler(p);
-        for (int c = 0; c < 3; ++c) v[size_t(c) * count] = float(value[c]);
-      }, to);
+      fill(
+          plane, steps,
+          [&](const Vec3d& p, float* v) {
+            const Value value = sampler(p);
+            for (int c = 0; c < 3; ++c) v[size_t(c) * count] = float(value[c]);
+          },
+          to);
       return;
     }
     // Component c of a voxel is on its lower face across axis c.
     for (int c = 0; c < 3; ++c) {
       Vec3d face(0.0);
       face[c] = 0.5;
-      fill(plane, steps, [&](const Vec3d& p, float* v) { *v = float(sampler(p + face)[c]); }, to + size_t(c) * count);
+      fill(
+          plane, steps, [&](const Vec3d& p, float* v) { *v = float(sampler(p + face)[c]); },
+          to + size_t(c) * count);
     }
   } else {
     const auto accessor = grid.getConstAccessor();
-    fill(plane, steps, [&](const Vec3d& p, float* v) {
-      const auto value = accessor.getValue(Coord::round(p));
-      if constexpr (openvdb::VecTraits<Value>::IsVec)
-        for (int c = 0; c < 3; ++c) v[size_t(c) * count] = float(value[c]);
-      else
-        *v = float(value);
-    }, to);
+    fill(
+        plane, steps,
+        [&](const Vec3d& p, float* v) {
+          const auto value = accessor.getValue(Coord::round(p));
+          if constexpr (openvdb::VecTraits<Value>::IsVec)
+            for (int c = 0; c < 3; ++c) v[size_t(c) * count] = float(value[c]);
+          else
+            *v = float(value);
+        },
+        to);
   }
 }
 
@@ -119,7 +130,8 @@ SectionValues sampleSection(const openvdb::GridBase& grid, const SectionPlane& p
     sampleGrid(typed, plane, steps, result);
   });
   if (!known)
-    throw InputError("grid '" + grid.getName() + "' holds " + grid.valueType() + " values, which cannot be sliced");
+    throw InputError("grid '" + grid.getName() + "' holds " + grid.valueType() +
+                     " values, which cannot be sliced");
   return result;
 }
 

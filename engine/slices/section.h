@@ -11,9 +11,9 @@ struct SectionValues {
   std::vector<float> values;
 };
 
-/// Samples one slice; thread-safe. Numbers and vectors are trilinear (staggered vectors face by face), whole numbers and
-/// flags the nearest voxel's; all as the grid stores them: a signed distance, a density. Throws InputError for grids that
-/// are not sliceable (see object_boxes.h).
+/// Samples one slice; thread-safe. Numbers and vectors are trilinear (staggered vectors face by face), whole
+/// numbers and flags the nearest voxel's; all as the grid stores them: a signed distance, a density. Throws
+/// InputError for grids that are not sliceable (see object_boxes.h).
 SectionValues sampleSection(const openvdb::GridBase& grid, const SectionPlane& plane);
 
 }  // namespace slicemorph
