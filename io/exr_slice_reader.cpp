@@ -221,16 +221,6 @@ std::vector<std::string> pathsOf(const std::string& input) {
 
 }  // namespace
 
-bool isSliceExr(const std::string& input) {
-  const std::string path = pathsOf(input)[0];
-  sizeOfInput(path);
-  return guarded(path, [&] {
-    return Imf::MultiPartInputFile(path.c_str(), 0)
-               .header(0)
-               .findTypedAttribute<Imf::StringVectorAttribute>("sliceGrids") != nullptr;
-  });
-}
-
 ExrSlices readSliceExrs(const std::string& input, const std::vector<std::string>& wanted) {
   initialiseVdb();
   const std::vector<std::string> paths = pathsOf(input);

@@ -13,10 +13,6 @@ struct ExrSlices {
   std::vector<std::string> notes;  ///< slices that are missing, one sentence each
 };
 
-/// Whether the first file of an input (`name.####.exr`, or one file of several parts) has a slice's
-/// attributes.
-bool isSliceExr(const std::string& input);
-
 /// Reads EXR slices as io/exr_slice.h says, float or half, tiled or not, whole or cropped. `wanted`: only
 /// these grids; empty: all. Throws IoError naming the file: missing, damaged, without an attribute or a
 /// channel, of another set than the first; InputError for a grid that is not there, listing those that are.

@@ -257,13 +257,14 @@ template <typename Fill>
 void writeFile(const std::string& path, const std::vector<Imf::Header>& headers, int threads,
                const Fill& fill) {
   AtomicFile output(path);
+  ExrStream stream(output, path);
   try {
-    ExrStream stream(output, path);
     Imf::MultiPartOutputFile file(stream, headers.data(), int(headers.size()), false, threads);
     fill(file);
   } catch (const Iex::BaseExc& error) {
     throw IoError(path + ": the EXR cannot be written: " + error.what());
   }
+  stream.flush();
   output.commit();
 }
 

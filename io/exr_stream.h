@@ -15,6 +15,8 @@ class ExrStream : public Imf::OStream {
     stream_.write(bytes, count);
     position_ += uint64_t(count);
   }
+  /// Before the file is committed, and after OpenEXR has ended it.
+  void flush() { stream_.flush(); }
   uint64_t tellp() override { return position_; }
   void seekp(uint64_t position) override {
     stream_.seekp(std::streamoff(position));

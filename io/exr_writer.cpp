@@ -31,14 +31,15 @@ void writeFloats(const std::string& path, Imf::Header header, const std::vector<
     buffer.insert(channel.name, Imf::Slice(Imf::FLOAT, base, pixel, pixel * size_t(width)));
   }
   AtomicFile output(path);
+  ExrStream stream(output, path);
   try {
-    ExrStream stream(output, path);
     Imf::OutputFile file(stream, header, 0);
     file.setFrameBuffer(buffer);
     file.writePixels(header.dataWindow().max.y + 1);
   } catch (const Iex::BaseExc& error) {
     throw IoError(path + ": the EXR cannot be written: " + error.what());
   }
+  stream.flush();
   output.commit();
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 namespace slicemorph {
@@ -11,6 +12,8 @@ namespace {
 
 /// Two slices that follow each other lean by less than this from the line between them (75 degrees).
 constexpr double kLeastSlope = 0.26;
+/// How far beyond the ends a place between slices lies.
+constexpr double kInside = -std::numeric_limits<double>::infinity();
 
 Vec3d middleOf(const SectionPlane& plane) {
   return plane.toWorld(0.5 * (plane.width - 1), 0.5 * (plane.height - 1));
@@ -104,8 +107,8 @@ bool SectionSlabs::locate(size_t k, const Vec3d& p, BetweenSections& place) cons
   place.first = pixelOf(planes_[k], p - behind * slab.along);
   place.second = pixelOf(planes_[k + 1], p + before * slab.along);
   if (!holds(planes_[k], place.first) && !holds(planes_[k + 1], place.second)) return false;
-  place.beyond = std::max(behind < 0 ? -behind - slab.halfGap[0] : -1e300,
-                          before < 0 ? -before - slab.halfGap[1] : -1e300);
+  place.beyond = std::max(behind < 0 ? -behind - slab.halfGap[0] : kInside,
+                          before < 0 ? -before - slab.halfGap[1] : kInside);
   return true;
 }
 
