@@ -1,45 +1,16 @@
 #include "io/exr_writer.h"
 
 #include "engine/errors.h"
-#include "io/atomic_file.h"
+#include "io/exr_stream.h"
 
-#include <ImathMatrix.h>
 #include <ImfChannelList.h>
-#include <ImfFloatAttribute.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
-#include <ImfIO.h>
-#include <ImfIntAttribute.h>
-#include <ImfMatrixAttribute.h>
 #include <ImfOutputFile.h>
-#include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
-#include <ImfVecAttribute.h>
-
-#include <algorithm>
-#include <cstring>
 
 namespace slicemorph {
 namespace {
-
-/// A file in memory, so that it can reach the disk in one piece.
-class MemoryStream : public Imf::OStream {
- public:
-  explicit MemoryStream(const std::string& name) : Imf::OStream(name.c_str()) {}
-
-  void write(const char bytes[], int count) override {
-    if (bytes_.size() < position_ + size_t(count)) bytes_.resize(position_ + size_t(count));
-    std::memcpy(&bytes_[position_], bytes, size_t(count));
-    position_ += size_t(count);
-  }
-  uint64_t tellp() override { return position_; }
-  void seekp(uint64_t position) override { position_ = position; }
-  const std::string& bytes() const { return bytes_; }
-
- private:
-  std::string bytes_;
-  size_t position_ = 0;
-};
 
 struct Channel {
   std::string name;
@@ -59,83 +30,20 @@ void writeFloats(const std::string& path, Imf::Header header, const std::vector<
     const size_t pixel = channel.stride * sizeof(float);
     buffer.insert(channel.name, Imf::Slice(Imf::FLOAT, base, pixel, pixel * size_t(width)));
   }
-  MemoryStream stream(path);
+  AtomicFile output(path);
+  ExrStream stream(output, path);
   try {
-    // No threads of OpenEXR's own: the caller writes one file a task.
     Imf::OutputFile file(stream, header, 0);
     file.setFrameBuffer(buffer);
     file.writePixels(header.dataWindow().max.y + 1);
-  } catch (const std::exception& error) {
+  } catch (const Iex::BaseExc& error) {
     throw IoError(path + ": the EXR cannot be written: " + error.what());
   }
-  AtomicFile output(path);
-  output.write(stream.bytes());
+  stream.flush();
   output.commit();
 }
 
-Imath::V3f toImath(const Vec3d& v) { return {float(v.x()), float(v.y()), float(v.z())}; }
-
-/// Rows of a matrix that multiplies row vectors.
-Imath::M44f matrixOf(const Vec3d& x, const Vec3d& y, const Vec3d& z, const Vec3d& origin) {
-  Imath::M44f matrix;
-  const Vec3d* rows[4] = {&x, &y, &z, &origin};
-  for (int r = 0; r < 4; ++r) {
-    for (int c = 0; c < 3; ++c) matrix[r][c] = float((*rows[r])[c]);
-  }
-  return matrix;
-}
-
-/// x right, y up, z along the normal, origin in the image's centre, world units.
-Imath::M44f worldToCamera(const SectionPlane& plane) {
-  const Vec3d centre = plane.origin + plane.xAxis * (plane.pixelSize * (plane.width - 1) / 2) +
-                       plane.yAxis * (plane.pixelSize * (plane.height - 1) / 2);
-  // The axes are orthonormal, so the inverse of camera-to-world is its transpose.
-  const Vec3d axes[3] = {plane.xAxis, -plane.yAxis, plane.normal};
-  Imath::M44f matrix;
-  for (int c = 0; c < 3; ++c) {
-    for (int r = 0; r < 3; ++r) matrix[r][c] = float(axes[c][r]);
-    matrix[3][c] = float(-centre.dot(axes[c]));
-  }
-  return matrix;
-}
-
-void place(Imf::Header& header, const SectionPlane& plane) {
-  header.insert("sliceOrigin", Imf::V3fAttribute(toImath(plane.origin)));
-  header.insert("sliceAxisX", Imf::V3fAttribute(toImath(plane.xAxis)));
-  header.insert("sliceAxisY", Imf::V3fAttribute(toImath(plane.yAxis)));
-  header.insert("sliceNormal", Imf::V3fAttribute(toImath(plane.normal)));
-  header.insert("slicePixelSize", Imf::FloatAttribute(float(plane.pixelSize)));
-  header.insert("sliceIndex", Imf::IntAttribute(plane.index));
-  header.insert("sliceCount", Imf::IntAttribute(plane.count));
-  header.insert("sliceU", Imf::FloatAttribute(float(plane.u)));
-  header.insert("pixelToWorld",
-                Imf::M44fAttribute(matrixOf(plane.xAxis * plane.pixelSize, plane.yAxis * plane.pixelSize,
-                                            plane.normal * plane.pixelSize, plane.origin)));
-  Imf::addWorldToCamera(header, worldToCamera(plane));
-}
-
-/// Share of a pixel inside, for a surface that crosses it straight.
-std::vector<float> coverageOf(const Section& section) {
-  std::vector<float> coverage(section.values.size());
-  const float pixel = float(section.plane.pixelSize);
-  std::transform(section.values.begin(), section.values.end(), coverage.begin(),
-                 [pixel](float distance) { return std::clamp(0.5f - distance / pixel, 0.0f, 1.0f); });
-  return coverage;
-}
-
 }  // namespace
-
-void writeSliceExr(const std::string& path, const Section& section, const SliceExrOptions& options) {
-  Imf::Header header(section.plane.width, section.plane.height);
-  place(header, section.plane);
-  if (!options.levelSet) {
-    writeFloats(path, header,
-                {{options.gridName.empty() ? "value" : options.gridName, section.values.data(), 1}});
-    return;
-  }
-  const std::vector<float> coverage = coverageOf(section);
-  writeFloats(path, header, {{"surface.sdf", section.values.data(), 1}, {"coverage", coverage.data(), 1}});
-}
 
 void writePictureExr(const std::string& path, const Picture& image) {
   std::vector<Channel> channels;

@@ -123,7 +123,21 @@ BAD_INPUT = [
     ("render numbered film", "render {d}/a.vdb -o {o}/r.####.gif", 2, "leave out the ####", ""),
     ("render folder missing", "render {d}/a.vdb -o {o}/no/r.png", 1, "{o}/no", ""),
     ("render missing grid", "render {d}/a.vdb:wood -o {o}/r.png", 2, "'wood'", ""),
-    ("slice without ####", "slice {d}/a.vdb -o {o}/s.exr --slices 4", 2, "####", ""),
+    ("slice none", "slice {d}/a.vdb -o {o}/s.####.exr --slices 0", 2, ["--slices 0", "1 to"], ""),
+    ("slice outside", "slice {d}/a.vdb -o {o}/s.exr --plane 0,0,50/0,0,1", 2, ["0,0,50", "does not cut"], ""),
+    ("slice plane", "slice {d}/a.vdb -o {o}/s.exr --plane 0,0,1", 2, ["--plane 0,0,1", "OX,OY,OZ/NX,NY,NZ"], ""),
+    ("slice plane file", "slice {d}/a.vdb -o {o}/s.exr --planes {d}/syntax.toml", 2, "syntax.toml", ""),
+    ("slice grid", "slice {d}/a.vdb -o {o}/s.exr --grids density", 2, ["a.vdb", "'density'", "surface"], ""),
+    ("slice compression", "slice {d}/a.vdb -o {o}/s.exr --compression lzw", 2, ["--compression", "lzw"], ""),
+    ("slice tiles", "slice {d}/a.vdb -o {o}/s.exr --tiles 1", 2, "--tiles 1", ""),
+    ("slice folder", "slice {d}/a.vdb -o {o}/no/s.exr", 1, "{o}/no", ""),
+    ("slice ways", "slice {d}/a.vdb -o {o}/s.exr --axis x --spine", 2, "exclude", ""),
+    ("slice voxels", "slice {d}/a.vdb -o {o}/s.exr --voxel-size 1", 2, "--pixel-size", ""),
+    ("reconstruct no slices", "reconstruct {d}/no.####.exr -o {o}/m.vdb", 1, ["no.####.exr", "no such files"], ""),
+    ("reconstruct plain exr", "reconstruct {d}/plain.exr -o {o}/m.vdb", 1, ["plain.exr", "sliceOrigin"], ""),
+    ("reconstruct cut exr", "reconstruct {d}/cut.exr -o {o}/m.vdb", 1, "cut.exr", ""),
+    ("reconstruct unknown grid", "reconstruct {d}/s.exr -o {o}/m.vdb --grids heat", 2, ["'heat'", "surface"], ""),
+    ("reconstruct large voxels", "reconstruct {d}/s.exr -o {o}/m.vdb --voxel-size 1", 2, ["s.exr", "at most"], ""),
 ]
 
 CONFIG = [
@@ -157,6 +171,10 @@ WORKS = [
     ("render from a place", "render {d}/a.vdb -o {o}/r.png --camera 4,1,5 --look-at 0,0,0 --fov 60 --size 40x30 "
      "--light -1,-1,-1 --light-intensity 2 --transparent", 0, "", "r.png"),
     ("slice", "slice {d}/a.vdb -o {o}/s.####.exr --slices 3 --axis y", 0, "", ["s.0001.exr", "s.0003.exr"]),
+    ("slice parts", "slice {d}/a.vdb -o {o}/s.exr --slices 3 --half --tiles 32 --compression piz", 0, "", "s.exr"),
+    ("slice mesh", "slice {d}/a.obj -o {o}/s.####.exr --slices 2 --resolution 24 --spine", 0, "", "s.0002.exr"),
+    ("reconstruct slices", "reconstruct {d}/s.exr -o {o}/m.vdb", 0, "", "m.vdb"),
+    ("reconstruct slices to mesh", "reconstruct {d}/s.exr -o {o}/m.ply", 0, "", "m.ply"),
     ("dump slices", "morph {d}/a.obj {d}/b.obj -o {o}/m.vdb --at 0.5 --resolution 24 --dump-slices {o}/svg", 0, "", ""),
 ]
 
@@ -224,6 +242,11 @@ def make_inputs(d):
     with open(d + "/a.vdb", "rb") as f:
         vdb = f.read()
     write(d + "/cut.vdb", vdb[: len(vdb) // 2])
+    run("slice {d}/a.vdb -o {d}/s.exr --slices 24", {"d": d}).check_returncode()
+    run("render {d}/a.vdb -o {d}/plain.exr --size 8x8", {"d": d}).check_returncode()
+    with open(d + "/s.exr", "rb") as f:
+        exr = f.read()
+    write(d + "/cut.exr", exr[: len(exr) // 2])
     write(d + "/syntax.toml", "frames = 3\nresolution = = 24\n")
     write(d + "/unknown.toml", "frames = 3\nsices = 24\n")
     write(d + "/type.toml", 'frames = "three"\n')

@@ -125,6 +125,15 @@ std::vector<double> parseNumbers(const std::string& option, const std::string& t
   return numbers;
 }
 
+std::vector<std::string> parseNames(const std::string& option, const std::string& text) {
+  std::vector<std::string> names;
+  std::istringstream parts(text);
+  for (std::string name; std::getline(parts, name, ',');) names.push_back(name);
+  if (names.empty() || std::count(names.begin(), names.end(), ""))
+    throw InputError(option + " " + text + ": expected names separated by commas, for example density,temperature");
+  return names;
+}
+
 Vec3d parseDirection(const std::string& option, const std::string& text) {
   const std::string letters = "xyz";
   if (text.size() == 1 && letters.find(text) != std::string::npos) {

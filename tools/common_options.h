@@ -38,6 +38,8 @@ std::shared_ptr<void> limitThreads(int threads, const CLI::Option* given);
 
 /// Numbers separated by commas.
 std::vector<double> parseNumbers(const std::string& option, const std::string& text);
+/// Names separated by commas, one at least.
+std::vector<std::string> parseNames(const std::string& option, const std::string& text);
 /// `x`, `y`, `z` or three numbers that are not all zero.
 Vec3d parseDirection(const std::string& option, const std::string& text);
 /// A whole number within limits.

@@ -13,7 +13,6 @@
 #include <cmath>
 #include <filesystem>
 #include <numeric>
-#include <sstream>
 
 namespace slicemorph {
 
@@ -83,15 +82,6 @@ Method methodOf(const std::string& name) {
   if (name == "sdf") return Method::kSdf;
   if (name == "levelset") return Method::kLevelSet;
   return name == "dissolve" ? Method::kDissolve : Method::kSlices;
-}
-
-std::vector<std::string> parseNames(const std::string& option, const std::string& text) {
-  std::vector<std::string> names;
-  std::istringstream parts(text);
-  for (std::string name; std::getline(parts, name, ',');) names.push_back(name);
-  if (names.empty() || std::count(names.begin(), names.end(), ""))
-    throw InputError(option + " " + text + ": expected names separated by commas, for example density,temperature");
-  return names;
 }
 
 /// Files of the longest input that is a sequence; 1 where none is.

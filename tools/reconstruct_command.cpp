@@ -19,6 +19,7 @@
 #include "io/vdb_writer.h"
 #include "tools/common_options.h"
 #include "tools/image_lattice.h"
+#include "tools/reconstruct_slices.h"
 #include "tools/terminal_progress.h"
 
 #include <nlohmann/json.hpp>
@@ -35,14 +36,14 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct ReconstructSettings {
-  std::string input, output, axis = "auto", like;
+  std::string input, output, axis = "auto", like, grids;
   std::vector<std::string> reports;
   int every = 0, between = 0;
   double voxelSize = 0;
   ImageOptions image;
   int threads = 0;
   CLI::Option *threadsGiven = nullptr, *voxelSizeGiven = nullptr, *betweenGiven = nullptr,
-              *everyGiven = nullptr;
+              *everyGiven = nullptr, *gridsGiven = nullptr;
   bool quiet = false;
 };
 
@@ -328,6 +329,20 @@ void reconstructContours(const ReconstructSettings& s, const InputName& name) {
   writeContourLabels(s, sets, surfaces, extensionOf(name.path) == ".csl", notes);
 }
 
+/// EXR images are slices with their places, unless a spacing says that they are a stack of labels.
+bool isSlices(const ReconstructSettings& s) { return extensionOf(s.input) == ".exr" && s.image.spacing[0] == 0; }
+
+void reconstructExrs(const ReconstructSettings& s) {
+  const std::vector<std::pair<bool, std::string>> others = {{s.everyGiven->count() > 0, "--every"},
+                                                            {s.betweenGiven->count() > 0, "--between"},
+                                                            {s.axis != "auto", "--axis"},
+                                                            {!s.like.empty(), "--like"},
+                                                            {!s.reports.empty(), "--report"}};
+  for (const auto& [given, option] : others)
+    if (given) throw InputError(option + " is for label maps and contours; " + s.input + " are slices of grids");
+  reconstructSlices({s.input, s.output, s.gridsGiven->count() ? std::optional(s.grids) : std::nullopt, s.voxelSize, s.quiet});
+}
+
 void runReconstruct(const ReconstructSettings& s) {
   if (axisOf(s.axis) < -1 ||
       (s.axis != "auto" && (s.axis.size() != 1 || std::string("ijk").find(s.axis) == std::string::npos)))
@@ -344,6 +359,8 @@ void runReconstruct(const ReconstructSettings& s) {
   }
   const auto limit = limitThreads(s.threads, s.threadsGiven);
   cancelOnInterrupt();
+  if (isSlices(s)) return reconstructExrs(s);
+  if (s.gridsGiven->count()) throw InputError("--grids is for EXR slices; " + s.input + " are none");
   const InputName contours = splitContourInput(s.input);
   if (!std::filesystem::is_directory(contours.path)) {
     if (!isImageInput(s.input) || extensionOf(contours.path) == ".dcm") checkInputExists(contours.path);
@@ -353,7 +370,7 @@ void runReconstruct(const ReconstructSettings& s) {
     throw InputError(
         s.input +
         " is neither a label map (.nii .nii.gz .nrrd .nhdr .mha .mhd, name.####.png|tif) nor contours (.csl, "
-        "a DICOM RT structure set)");
+        "a DICOM RT structure set) nor EXR slices (name.####.exr, name.exr)");
   checkInputExists(s.input);
   reconstructLabels(s);
 }
@@ -362,20 +379,21 @@ void runReconstruct(const ReconstructSettings& s) {
 
 void addReconstructCommand(CLI::App& program) {
   CLI::App* command =
-      program.add_subcommand("reconstruct", "A dense label map or closed surfaces from slices or contours");
+      program.add_subcommand("reconstruct", "A dense label map or closed surfaces from slices or contours, grids from EXR slices");
   const auto s = std::make_shared<ReconstructSettings>();
   command
       ->add_option(
           "INPUT", s->input,
           "Label map in which slices are empty, or a stack with --between: .nii .nii.gz .nrrd .nhdr .mha "
           ".mhd "
-          "name.####.tif|png; contours: .csl, a DICOM RT structure set (file:NAME for one structure)")
+          "name.####.tif|png; contours: .csl, a DICOM RT structure set (file:NAME for one structure); slices of a "
+          "volume as `slice` writes them: name.####.exr, or one file")
       ->required();
   command
       ->add_option("-o,--output", s->output,
                    "Result: .nii .nii.gz .nrrd .mha (a dense label map); .obj .ply .stl (surfaces, #### "
                    "stands for the label); "
-                   ".vdb (a level set per label)")
+                   ".vdb (a level set per label; of EXR slices all their grids)")
       ->required()
       ->type_name("OUTPUT");
   command->add_option("--axis", s->axis, "Array axis that the slices follow each other along (auto)")
@@ -387,8 +405,12 @@ void addReconstructCommand(CLI::App& program) {
       command->add_option("--between", s->between, "All slices are given; put N between every two of them")
           ->type_name("N");
   s->voxelSizeGiven =
-      command->add_option("--voxel-size", s->voxelSize, "Edge of a voxel of surfaces, millimetres (found)")
+      command
+          ->add_option("--voxel-size", s->voxelSize,
+                       "Edge of a voxel of surfaces, millimetres (found), or of grids, world units (one pixel)")
           ->type_name("H");
+  s->gridsGiven = command->add_option("--grids", s->grids, "Of EXR slices only these grids (all)")
+                      ->type_name("NAME[,NAME...]");
   command->add_option("--like", s->like, "Put the dense label map on the voxels of this image")
       ->type_name("IMAGE");
   addSpacingOption(*command, s->image);

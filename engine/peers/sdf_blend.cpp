@@ -1,10 +1,8 @@
 #include "engine/errors.h"
 #include "engine/peers/peers.h"
+#include "engine/rebuild/sweep_band.h"
 #include "engine/volume/distance_field.h"
 
-#include <openvdb/tools/ChangeBackground.h>
-#include <openvdb/tools/FastSweeping.h>
-#include <openvdb/tools/Prune.h>
 #include <openvdb/tools/SignedFloodFill.h>
 #include <tbb/parallel_for.h>
 
@@ -82,26 +80,6 @@ bool clampToBand(Leaf& leaf, float band) {
   return !leaf.isEmpty();
 }
 
-/// A blend of distances is no distance: sweeps it anew from its surface, then trims the band to its width.
-FloatGrid::Ptr redistance(const FloatGrid& blend, float band) {
-  FloatGrid::Ptr result = openvdb::tools::sdfToSdf(blend);
-  if (!result) {
-    result = FloatGrid::create(band);
-    result->setTransform(blend.transform().copy());
-  }
-  // The sweep has made the largest distance that it met the background.
-  openvdb::tools::changeLevelSetBackground(result->tree(), band);
-  std::vector<Leaf*> leaves;
-  result->tree().getNodes(leaves);
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, leaves.size()), [&](const auto& range) {
-    for (size_t i = range.begin(); i != range.end(); ++i) clampToBand(*leaves[i], band);
-  });
-  openvdb::tools::pruneLevelSet(result->tree());
-  result->setName("surface");
-  result->setGridClass(openvdb::GRID_LEVEL_SET);
-  return result;
-}
-
 }  // namespace
 
 SdfBlend::SdfBlend(const std::vector<FloatGrid::ConstPtr>& levelSets, double voxelSize) {
@@ -141,7 +119,8 @@ FloatGrid::Ptr SdfBlend::frame(const Weights& weights) const {
   for (auto& leaf : blended)
     if (leaf) blend->tree().addLeaf(leaf.release());
   openvdb::tools::signedFloodFill(blend->tree());
-  return redistance(*blend, band);
+  // A blend of distances is no distance.
+  return sweptLevelSet(*blend, band);
 }
 
 }  // namespace slicemorph

@@ -1,0 +1,243 @@
+#!/usr/bin/env python3
+"""EXR slices through the program, seen through OpenImageIO, oiiotool and pyopenvdb.
+
+usage: slices_test.py PATH/TO/slicemorph [NAME...]     (NAME: only the cases whose name contains it)
+
+Needs Debian's python3-openvdb; cases that need python3-openimageio or openimageio-tools are skipped, with a message, where
+these are not installed.
+"""
+import math
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+
+sys.path.append("/usr/lib/python3/dist-packages")
+import numpy as np
+import pyopenvdb as vdb
+
+try:
+    import OpenImageIO as oiio
+except ImportError:
+    oiio = None
+
+if len(sys.argv) < 2:
+    sys.exit(__doc__)
+PROGRAM = os.path.abspath(sys.argv[1])
+ONLY = sys.argv[2:]
+
+
+class Skip(Exception):
+    pass
+
+
+def run(*arguments, code=0):
+    result = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=300)
+    assert result.returncode == code, "%s: exit %d\n%s" % (" ".join(map(str, arguments)), result.returncode, result.stderr)
+    return result
+
+
+# Rotated, with other voxels along each axis: rows are the steps along i, j, k, then the origin.
+TURN = np.array([[0.8, 0.6, 0], [-0.48, 0.64, 0.6], [0.36, -0.48, 0.8]])
+STEPS = np.array([0.5, 0.6, 0.7])[:, None] * TURN
+ORIGIN = np.array([3.0, -2.0, 5.0])
+
+
+def transform():
+    matrix = np.zeros((4, 4))
+    matrix[:3, :3], matrix[3, :3], matrix[3, 3] = STEPS, ORIGIN, 1
+    return vdb.createLinearTransform(matrix.tolist())
+
+
+def make_volume(path, n=24):
+    """A cloud with temperature and velocity on a rotated grid of unequal voxels, and a ball as a level set."""
+    i, j, k = np.meshgrid(*[np.arange(-n, n + 1)] * 3, indexing="ij")
+    r2 = (i / n) ** 2 + (j / n) ** 2 + (k / n) ** 2
+    values = np.where(r2 < 1, np.exp(-2 * r2) * (1 + 0.3 * np.sin(i / 3) * np.cos(j / 4)), 0)
+    density = vdb.FloatGrid()
+    density.copyFromArray(values, ijk=(-n, -n, -n))
+    density.name, density.gridClass, density.transform = "density", vdb.GridClass.FOG_VOLUME, transform()
+    heat = vdb.FloatGrid()
+    heat.copyFromArray(np.where(r2 < 1, 300 + 50 * np.sin(k / 5), 0), ijk=(-n, -n, -n))
+    heat.name, heat.transform = "temperature", transform()
+    vel = vdb.Vec3SGrid()
+    vel.copyFromArray(np.stack([np.where(r2 < 1, f, 0) for f in (j / n, -i / n, np.sin(k / 4))], axis=-1), ijk=(-n, -n, -n))
+    vel.name, vel.transform = "vel", transform()
+    ball = vdb.createLevelSetSphere(radius=8, center=tuple(ORIGIN), voxelSize=0.5, halfWidth=3)
+    ball.name = "surface"
+    vdb.write(path, grids=[density, heat, vel, ball])
+    return {g.name: g for g in (density, heat, vel, ball)}
+
+
+def trilinear(grid, world):
+    """Values at world points (N x 3) from the voxels around them."""
+    index = np.array([grid.transform.worldToIndex(tuple(p)) for p in world])
+    base = np.floor(index).astype(int)
+    w = index - base
+    accessor = grid.getConstAccessor()
+    total = 0
+    for c in range(8):
+        d = np.array([c >> 2 & 1, c >> 1 & 1, c & 1])
+        weight = np.prod(np.where(d, w, 1 - w), axis=1)
+        v = np.array([accessor.getValue(tuple(int(x) for x in b + d)) for b in base], dtype=float)
+        total = total + (weight if v.ndim == 1 else weight[:, None]) * v
+    return total
+
+
+def read(path):
+    """All parts: (spec, pixels)."""
+    if oiio is None:
+        raise Skip("python3-openimageio is not installed")
+    source = oiio.ImageInput.open(path)
+    assert source, "%s: %s" % (path, oiio.geterror())
+    parts, n = [], 0
+    while source.seek_subimage(n, 0):
+        parts.append((source.spec(), source.read_image(n, 0, 0, source.spec().nchannels, oiio.FLOAT)))
+        n += 1
+    source.close()
+    return parts
+
+
+def attribute(spec, name):
+    value = spec.getattribute(name)
+    assert value is not None, "no attribute " + name
+    return value
+
+
+def check_values(parts, grids, tolerance, points=1000):
+    rng = np.random.default_rng(1)
+    names = {"density": ["density.Y"], "temperature": ["temperature.Y"], "vel": ["vel.X", "vel.Y", "vel.Z"],
+             "surface": ["surface.sdf"]}
+    checked = 0
+    for spec, pixels in parts:
+        channels = list(spec.channelnames)
+        assert set(channels) == set(sum(names.values(), ["coverage"])), channels
+        i = rng.integers(0, spec.width, points // len(parts) + 1)
+        j = rng.integers(0, spec.height, points // len(parts) + 1)
+        origin, x, y = (np.array(attribute(spec, a), float) for a in ("sliceOrigin", "sliceAxisX", "sliceAxisY"))
+        world = origin + attribute(spec, "slicePixelSize") * (i[:, None] * x + j[:, None] * y)
+        matrix = np.array(attribute(spec, "pixelToWorld"), float).reshape(4, 4)
+        by_matrix = (np.stack([i, j, 0 * i, 0 * i + 1], axis=1) @ matrix)[:, :3]
+        assert np.abs(by_matrix - world).max() < 1e-9
+        for name, grid in grids.items():
+            exact = trilinear(grid, world).reshape(len(i), -1)
+            for c, channel in enumerate(names[name]):
+                error = np.abs(pixels[j, i, channels.index(channel)] - exact[:, c])
+                limit = tolerance * np.maximum(1, np.abs(exact[:, c]))
+                assert (error <= limit).all(), "%s: error %g" % (channel, error.max())
+        checked += len(i)
+    assert checked >= points
+
+
+def values_are_trilinear(d):
+    """Along an oblique axis, one file a slice: 1,000 points within 1e-5 (relative to values above 1)."""
+    grids = make_volume(d + "/v.vdb")
+    run("slice", d + "/v.vdb", "-o", d + "/s.####.exr", "--slices", 12, "--axis", "1,2,-0.7")
+    parts = sum((read("%s/s.%04d.exr" % (d, n)) for n in range(1, 13)), [])
+    check_values(parts, grids, 1e-5)
+    assert [attribute(s, "sliceIndex") for s, _ in parts] == list(range(12))
+    spec = parts[3][0]
+    assert attribute(spec, "sliceUnits") == "world units" and attribute(spec, "compression").startswith("zip")
+    assert (spec.full_width, spec.full_height) == (spec.width, spec.height)
+    assert attribute(spec, "density.class") == "fog volume" and attribute(spec, "surface.class") == "level set"
+
+
+def parts_tiles_half_planes(d):
+    """One file of parts on given planes of different sizes, tiled, half floats: 11 bits of every value."""
+    grids = make_volume(d + "/v.vdb")
+    with open(d + "/planes.csv", "w") as f:
+        f.write("ox,oy,oz,nx,ny,nz\n3,-2,5,0,0,1\n3,-2,9,0.1,0,1 # leaning\n3;-2;12;0;0.3;1\n")
+    for options in ([], ["--tiles", 32, "--compression", "piz"], ["--half", "--compression", "zips"]):
+        run("slice", d + "/v.vdb", "-o", d + "/s.exr", "--planes", d + "/planes.csv", *options)
+        parts = read(d + "/s.exr")
+        assert len(parts) == 3
+        check_values(parts, grids, 2.0 ** -11 if "--half" in options else 1e-5)
+        assert (parts[0][0].tile_width == 32) == ("--tiles" in options)
+        assert len({(s.full_width, s.full_height) for s, _ in parts}) == 1 and len({s.width for s, _ in parts}) > 1
+
+
+def oiiotool_reads_all(d):
+    if not shutil.which("oiiotool"):
+        raise Skip("oiiotool is not installed")
+    make_volume(d + "/v.vdb")
+    for compression in "none rle zips zip piz pxr24 b44 b44a dwaa dwab".split():
+        run("slice", d + "/v.vdb", "-o", d + "/s.exr", "--slices", 2, "--compression", compression, "--pixel-size", 1)
+        out = subprocess.run(["oiiotool", "--info", "-v", "-a", d + "/s.exr"], capture_output=True, text=True)
+        assert out.returncode == 0 and not out.stderr, out.stderr
+        for word in ("density.Y", "vel.Z", "surface.sdf", "coverage", "sliceOrigin", "worldToCamera", compression):
+            assert word in out.stdout, word + " is missing:\n" + out.stdout
+
+
+def rebuilt_within_a_tenth_of_a_voxel(d):
+    """Rotated, unequal voxels, an oblique axis: the fog's values and the ball's distances come back."""
+    grids = make_volume(d + "/v.vdb")
+    run("slice", d + "/v.vdb", "-o", d + "/s.####.exr", "--slices", 80, "--axis", "1,2,-0.7")
+    run("reconstruct", d + "/s.####.exr", "-o", d + "/back.vdb")
+    back = {g.name: g for g in vdb.readAll(d + "/back.vdb")[0]}
+    assert set(back) == set(grids), set(back)
+    for name in grids:
+        assert back[name].gridClass == grids[name].gridClass, name
+        assert np.allclose(back[name].transform.voxelSize(), 0.5), back[name].transform.voxelSize()
+    rng = np.random.default_rng(2)
+    h = 0.5
+    directions = rng.normal(size=(2000, 3))
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    world = ORIGIN + directions * (8 + rng.uniform(-h, h, 2000))[:, None]
+    error = np.abs(trilinear(back["surface"], world) - (np.linalg.norm(world - ORIGIN, axis=1) - 8)) / h
+    print("    ball: mean %.4f, largest %.4f voxels" % (error.mean(), error.max()))
+    assert error.mean() <= 0.1
+    # A field's error in voxels: what is missing, over how much it changes in a voxel there.
+    world = ORIGIN + rng.uniform(-7, 7, (4000, 3)) @ TURN
+    inside = np.linalg.norm((world - ORIGIN) @ np.linalg.inv(STEPS) / 24, axis=1) < 0.9
+    world = world[inside]
+    for name in ("density", "temperature"):
+        exact = trilinear(grids[name], world)
+        change = sum(np.abs(trilinear(grids[name], world + h * e) - trilinear(grids[name], world - h * e)) / 2 for e in np.eye(3))
+        error = np.abs(trilinear(back[name], world) - exact).mean() / change.mean()
+        print("    %s: mean %.4f voxels" % (name, error))
+        assert error <= 0.1, name
+
+
+def same_bytes_for_any_threads(d):
+    make_volume(d + "/v.vdb")
+    for threads in (1, 2, 4):
+        run("slice", d + "/v.vdb", "-o", "%s/p%d.exr" % (d, threads), "--slices", 9, "--threads", threads)
+        run("reconstruct", "%s/p%d.exr" % (d, threads), "-o", "%s/b%d.vdb" % (d, threads), "--threads", threads)
+    for name in ("p%d.exr", "b%d.vdb"):
+        contents = {open(d + "/" + name % t, "rb").read() for t in (1, 2, 4)}
+        assert len(contents) == 1, name
+
+
+def lost_slices_are_told(d):
+    make_volume(d + "/v.vdb")
+    run("slice", d + "/v.vdb", "-o", d + "/s.####.exr", "--slices", 9)
+    os.remove(d + "/s.0004.exr")
+    assert "8 slices of 9" in run("reconstruct", d + "/s.####.exr", "-o", d + "/b.vdb").stderr
+
+
+CASES = [values_are_trilinear, parts_tiles_half_planes, oiiotool_reads_all, rebuilt_within_a_tenth_of_a_voxel,
+         same_bytes_for_any_threads, lost_slices_are_told]
+
+
+def main():
+    failed = 0
+    for case in CASES:
+        if ONLY and not any(word in case.__name__ for word in ONLY):
+            continue
+        folder = tempfile.mkdtemp(prefix="slicemorph-slices-")
+        try:
+            case(folder)
+            print("ok      " + case.__name__)
+        except Skip as reason:
+            print("SKIPPED %s: %s" % (case.__name__, reason))
+        except Exception as problem:
+            failed += 1
+            print("FAILED  %s: %s: %s" % (case.__name__, type(problem).__name__, problem))
+        finally:
+            shutil.rmtree(folder, ignore_errors=True)
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
