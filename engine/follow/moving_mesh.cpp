@@ -15,9 +15,6 @@ namespace {
 
 using openvdb::Vec3s;
 
-/// Velocities change slowly: they are asked for this many voxels of the surface apart.
-constexpr double kRideVoxels = 2;
-
 class Follower {
  public:
   Follower(const std::vector<SurfaceFrame>& frames, const MorphPlan& plan, const FollowLimits& limits, Progress& progress)
@@ -57,7 +54,7 @@ class Follower {
   bool step(size_t from, size_t to, Mesh& mesh) const {
     const FloatGrid& surface = *frames_[to].surface;
     std::vector<Vec3d> points(mesh.points.begin(), mesh.points.end());
-    points = ride(plan_, std::move(points), frames_[from].weights, frames_[to].weights, kRideVoxels * surface.voxelSize()[0]);
+    points = ride(plan_, std::move(points), frames_[from].weights, frames_[to].weights, surface.voxelSize()[0]);
     points = ontoSurface(std::move(points), surface);
     std::copy(points.begin(), points.end(), mesh.points.begin());
     return isNear(mesh, surface);
