@@ -251,6 +251,7 @@ void write(const std::vector<MovingMesh>& meshes, double framesPerSecond, const 
   const tinygltf::Model model = builder.finish();
   if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, stream, false, true))
     throw IoError(name + " cannot be written as glTF");
+  stream.flush();
 }
 
 }  // namespace
