@@ -287,7 +287,8 @@ def case_validator(folder):
 
 
 BLENDER = """
-import bpy, json, sys
+import bpy, json, sys, numpy
+numpy.bool = bool  # gone since numpy 1.24; the importer of Blender 3.4 asks for it
 bpy.ops.wm.read_factory_settings(use_empty=True)
 bpy.context.scene.render.fps = 24
 bpy.ops.import_scene.gltf(filepath=sys.argv[-1])
