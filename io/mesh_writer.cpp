@@ -2,6 +2,7 @@
 
 #include "engine/errors.h"
 #include "io/atomic_file.h"
+#include "io/glb_writer.h"
 #include "io/paths.h"
 
 #include <charconv>
@@ -92,6 +93,7 @@ void writeStl(AtomicFile& file, const std::string& path, const Mesh& mesh) {
 
 void writeMesh(const std::string& path, const Mesh& mesh) {
   const std::string extension = extensionOf(path);
+  if (extension == ".glb") return writeGlb(path, {{0, mesh.triangles, {mesh.points}}});
   AtomicFile file(path);
   if (extension == ".obj") {
     writeObj(file, mesh);
@@ -100,7 +102,7 @@ void writeMesh(const std::string& path, const Mesh& mesh) {
   } else if (extension == ".stl") {
     writeStl(file, path, mesh);
   } else {
-    throw InputError(path + ": no mesh format has the extension '" + extension + "'; use .obj, .ply or .stl");
+    throw InputError(path + ": no mesh format has the extension '" + extension + "'; use .obj, .ply, .stl or .glb");
   }
   file.commit();
 }

@@ -6,7 +6,7 @@
 
 namespace slicemorph {
 
-/// Writes a mesh by extension: `.obj`, `.ply` (binary, little endian), `.stl` (binary). Numbers of text files are the
+/// Writes a mesh by extension: `.obj`, `.ply` (binary, little endian), `.stl` (binary), `.glb` (glb_writer.h). Numbers of text files are the
 /// shortest that read back as the same floats, whatever the locale. Whole or not at all; throws IoError.
 void writeMesh(const std::string& path, const Mesh& mesh);
 

@@ -35,10 +35,11 @@ std::string OutputName::extension() const { return extensionOf(pattern_); }
 
 void checkSurfaceOutput(const std::string& path) {
   const std::string extension = extensionOf(path);
-  if (extension != ".vdb" && extension != ".obj" && extension != ".ply" && extension != ".stl") {
+  if (extension != ".vdb" && extension != ".obj" && extension != ".ply" && extension != ".stl" &&
+      extension != ".glb") {
     throw InputError(path + ": cannot write " +
                      (extension.empty() ? "a file without an extension" : "the extension '" + extension + "'") +
-                     "; use .vdb, .obj, .ply, .stl, or .nii.gz, .nrrd, .mha for images");
+                     "; use .vdb, .obj, .ply, .stl, .glb, or .nii.gz, .nrrd, .mha for images");
   }
   std::filesystem::path folder = std::filesystem::path(path).parent_path();
   if (folder.empty()) folder = ".";

@@ -43,7 +43,7 @@ void checkSurfaceOutput(const std::string& path);
 /// The level set as the grid `surface` of an output; shares its tree.
 FloatGrid::Ptr surfaceGrid(const FloatGrid& levelSet, const SurfaceOutput& options = {});
 
-/// Writes a level set by extension: `.vdb` as the grid it is, named `surface`; `.obj .ply .stl` its surface mesh.
+/// Writes a level set by extension: `.vdb` as the grid it is, named `surface`; `.obj .ply .stl .glb` its surface mesh.
 /// The file appears whole or not at all (written beside, flushed, then renamed). Throws IoError.
 void writeSurface(const std::string& path, const FloatGrid& levelSet, const SurfaceOutput& options = {});
 

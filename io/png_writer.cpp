@@ -18,7 +18,7 @@ bool isOpaque(const Picture& image) {
 
 }  // namespace
 
-void writePng(const std::string& path, const Picture& image) {
+std::string encodePng(const Picture& image) {
   const bool opaque = isOpaque(image);
   const std::vector<std::uint8_t> pixels = displayPixels(image, !opaque);
   png_image header = {};
@@ -29,9 +29,14 @@ void writePng(const std::string& path, const Picture& image) {
   std::string file(PNG_IMAGE_PNG_SIZE_MAX(header), '\0');
   png_alloc_size_t size = file.size();
   if (!png_image_write_to_memory(&header, file.data(), &size, 0, pixels.data(), 0, nullptr)) {
-    throw IoError(path + ": the PNG cannot be written: " + header.message);
+    throw IoError(std::string("a PNG cannot be made: ") + header.message);
   }
   file.resize(size);
+  return file;
+}
+
+void writePng(const std::string& path, const Picture& image) {
+  const std::string file = encodePng(image);
   AtomicFile output(path);
   output.write(file);
   output.commit();

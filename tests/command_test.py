@@ -33,7 +33,7 @@ USAGE = [
     ("morph help", "morph --help", 0, "",
      ["--frames", "--at", "--weights", "--voxel-size", "--resolution", "--slices", "--samples", "--axis", "--spine",
       "--align", "--iso", "--method", "--fps", "--threads", "--report", "--config", "--quiet", "--resume",
-      "--dump-slices", "--grids", "--conserve", "--velocity", "--velocity-unit", "--add-velocity"]),
+      "--dump-slices", "--glb-up", "--glb-unit", "--grids", "--conserve", "--velocity", "--velocity-unit", "--add-velocity"]),
     ("unknown option", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frmes 3", 2, "--frmes", ""),
     ("one input", "morph {d}/a.obj -o {o}/m.####.vdb", 2, "at least two inputs", ""),
     ("no output", "morph {d}/a.obj {d}/b.obj", 2, "needs an output", ""),

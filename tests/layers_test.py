@@ -7,7 +7,7 @@ import sys
 repository = sys.argv[1]
 # Folders of one line stand side by side; tools may include everything, io the engine, the engine only itself.
 ORDER = [["volume"], ["frame", "spine"], ["slices"], ["contours"], ["match"], ["blend"], ["rebuild"], ["reconstruct"],
-         ["measure", "peers", "render"]]
+         ["measure", "peers", "render"], ["follow"]]
 RANK = {folder: i for i, folders in enumerate(ORDER) for folder in folders}
 errors = []
 for top in ("engine", "io", "tools"):

@@ -29,7 +29,7 @@ with tempfile.TemporaryDirectory() as folder:
         if result.returncode:
             failed += 1
             print(result.stderr)
-    for name in ("morph.0024.vdb", "morph.json", "sheet.png", "half.ply", "third.vdb", "slice.0016.exr"):
+    for name in ("morph.0024.vdb", "morph.json", "sheet.png", "half.ply", "third.vdb", "slice.0016.exr", "morph.glb", "morph.html"):
         if not os.path.exists(os.path.join(folder, name)):
             failed += 1
             print("missing: " + name)

@@ -124,7 +124,7 @@ void addConvertCommand(CLI::App& program) {
   command
       ->add_option("-o,--output", s->output,
                    "Result: .vdb (a level set; of an image its values, with --iso the surface beside them), "
-                   ".obj .ply .stl "
+                   ".obj .ply .stl .glb "
                    "(the surface), .nii .nii.gz .nrrd .mha (an image; of a shape 1 inside)")
       ->required()
       ->type_name("OUTPUT");

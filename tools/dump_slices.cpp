@@ -116,18 +116,25 @@ std::string drawSlice(const SlicePicture& slice, size_t number, size_t count, co
 
 }  // namespace
 
+std::vector<std::string> drawSlices(const std::vector<SlicePicture>& slices, const std::vector<std::string>& objectNames) {
+  const View view = fitView(slices);
+  std::vector<std::string> drawings;
+  for (size_t i = 0; i < slices.size(); ++i)
+    drawings.push_back(drawSlice(slices[i], i + 1, slices.size(), view, objectNames));
+  return drawings;
+}
+
 void dumpSlices(const std::string& folder, const std::vector<SlicePicture>& slices,
                 const std::vector<std::string>& objectNames) {
   std::error_code error;
   std::filesystem::create_directory(folder, error);
   if (!std::filesystem::is_directory(folder))
     throw IoError(folder + ": cannot make the folder: " + error.message());
-  const View view = fitView(slices);
-  for (size_t i = 0; i < slices.size(); ++i) {
+  const std::vector<std::string> drawings = drawSlices(slices, objectNames);
+  for (size_t i = 0; i < drawings.size(); ++i) {
     char name[32];
     std::snprintf(name, sizeof name, "slice.%04zu.svg", i + 1);
-    writeTextFile((std::filesystem::path(folder) / name).string(),
-                  drawSlice(slices[i], i + 1, slices.size(), view, objectNames));
+    writeTextFile((std::filesystem::path(folder) / name).string(), drawings[i]);
   }
 }
 

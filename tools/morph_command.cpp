@@ -1,6 +1,7 @@
 #include "tools/morph_command.h"
 
 #include "engine/errors.h"
+#include "engine/volume/voxelise.h"
 #include "io/image/image_writer.h"
 #include "io/vdb_writer.h"
 #include "tools/common_options.h"
@@ -27,6 +28,8 @@ using openvdb::GridBase;
 constexpr double kPlanned = 0.25;
 /// And of one frame's share, where they play.
 constexpr double kFramePlanned = 0.6;
+/// The frames' share where they are then put into one .glb.
+constexpr double kFramesMade = 0.5;
 
 GridFigures figuresOf(const GridBase& grid) {
   GridFigures figures{grid.getName(), grid.activeVoxelCount(), {}, {}};
@@ -47,7 +50,7 @@ GridFigures figuresOf(const GridBase& grid) {
 class FrameRun {
  public:
   FrameRun(const MorphSettings& settings, FrameMaker& maker, TerminalProgress& progress)
-      : settings_(settings), maker_(maker), progress_(progress), log_(settings) {}
+      : settings_(settings), maker_(maker), progress_(progress), log_(settings), page_(settings) {}
 
   /// Returns the rows of the report, none where none is asked for.
   std::vector<Json> run() {
@@ -55,7 +58,7 @@ class FrameRun {
     const size_t count = settings_.frames.size();
     const bool moving = settings_.frames.back().inputFrame > 0;
     for (size_t i = 0; i < count; ++i) {
-      const double from = moving ? double(i) / double(count) : 0, step = 1 / double(count);
+      const double step = (settings_.oneGlb() ? kFramesMade : 1) / double(count), from = moving ? double(i) * step : 0;
       maker_.moveTo(i, from, moving ? from + kFramePlanned * step : kPlanned);
       takeNotes();
       if (progress_.cancelled()) throw Cancelled();
@@ -65,17 +68,24 @@ class FrameRun {
       const Json row = done ? log_.row(job) : makeFrame(i);
       // The frame after the kept ones is compared with the last of these.
       if (done) previous_ = measured() && i + 1 < count && !isDone(i + 1) ? maker_.shape().surface : nullptr;
+      if (done && settings_.hasPage() && page_.has(i)) addToPage(i, maker_.shape().surface);
       if (measured()) rows.push_back(row);
       if (!done) log_.add(job, row);
       progress_.clear();
-      if (!settings_.quiet) std::printf("%s%s\n", job.path.c_str(), done ? " (kept)" : "");
-      std::fflush(stdout);
+      if (!settings_.oneGlb()) print(job.path, done ? " (kept)" : "");
     }
+    if (settings_.oneGlb()) writeMeshes();
     log_.remove();
     return rows;
   }
 
   const std::vector<std::string>& notes() const { return notes_; }
+  PageParts page() {
+    PageParts parts;
+    if (settings_.hasPage()) parts = page_.finish(commonPlan(), progress_);
+    progress_.clear();
+    return parts;
+  }
 
  private:
   bool measured() const { return !settings_.reports.empty(); }
@@ -84,8 +94,13 @@ class FrameRun {
     return log_.has(job) && (!measured() || log_.row(job).is_object());
   }
 
-  void takeNotes() {
-    const std::vector<std::string> notes = maker_.takeNotes();
+  void print(const std::string& path, const char* remark = "") const {
+    if (!settings_.quiet) std::printf("%s%s\n", path.c_str(), remark);
+    std::fflush(stdout);
+  }
+
+  void takeNotes() { takeNotes(maker_.takeNotes()); }
+  void takeNotes(const std::vector<std::string>& notes) {
     if (notes.empty()) return;
     progress_.clear();
     printNotes("", notes, settings_.quiet);
@@ -100,8 +115,15 @@ class FrameRun {
     figures.seconds.evaluate = watch.lap();
     if (measured()) measure(frame, figures);
     figures.seconds.measure = watch.lap();
+    if (settings_.hasPage() && page_.has(i)) addToPage(i, frame.shape.surface);
+    watch.lap();
     if (frame.image) {
       writeImage(job.path, *frame.image);
+    } else if (settings_.oneGlb()) {
+      surfaces_.push_back({frame.shape.surface, job.weights});
+    } else if (OutputName(job.path).extension() == ".glb") {
+      Mesh mesh = surfaceOf(*frame.shape.surface);
+      writeGlb(job.path, {{0, std::move(mesh.triangles), {std::move(mesh.points)}}}, settings_.framesPerSecond, settings_.glb);
     } else if (frame.grids.empty()) {
       writeSurface(job.path, *frame.shape.surface);
     } else {
@@ -115,6 +137,36 @@ class FrameRun {
     std::vector<ShapeMeasures> inputs;
     for (const LoadedObject& input : maker_.inputs()) inputs.push_back(measuresOf(input.object.levelSet));
     return describeFrame(job, figures, inputs);
+  }
+
+  /// The plan of all frames; null where each has its own, or the method none.
+  const MorphPlan* commonPlan() const { return settings_.frames.back().inputFrame > 0 ? nullptr : maker_.slicePlan(); }
+
+  void addToPage(size_t i, const FloatGrid::ConstPtr& surface) {
+    if (surface && !surface->empty()) page_.add(i, *surface);
+  }
+
+  /// All frames into one file.
+  void writeMeshes() {
+    PartProgress following(progress_, kPlanned + (1 - kPlanned) * kFramesMade, 1);
+    const std::vector<MovingMesh> meshes = followSurfaces(surfaces_, commonPlan(), {}, &following);
+    surfaces_.clear();
+    progress_.clear();
+    takeNotes({describe(meshes)});
+    writeGlb(settings_.output, meshes, settings_.framesPerSecond, settings_.glb);
+    print(settings_.output);
+  }
+
+  std::string describe(const std::vector<MovingMesh>& meshes) const {
+    std::string runs;
+    for (const MovingMesh& m : meshes) {
+      runs += (runs.empty() ? "" : ", ") + std::to_string(m.first + 1);
+      if (m.points.size() > 1) runs += "-" + std::to_string(m.first + m.points.size());
+    }
+    if (meshes.size() == 1)
+      return settings_.output + ": one mesh" + (meshes[0].points.size() > 1 ? " with a morph target for each frame" : "");
+    return settings_.output + ": " + std::to_string(meshes.size()) +
+           " meshes, each shown in its own frames, as none fits the surfaces of all: frames " + runs;
   }
 
   void measure(const MorphFrame& frame, FrameFigures& figures) {
@@ -143,6 +195,8 @@ class FrameRun {
   TerminalProgress& progress_;
   ResumeLog log_;
   std::vector<std::string> notes_;
+  PageShapes page_;
+  std::vector<SurfaceFrame> surfaces_;  ///< of all frames, for one .glb
   FloatGrid::ConstPtr previous_;  ///< the frame before, kept for the report only
   std::map<FloatGrid::ConstPtr, ShapeMeasures> measures_;
 };
@@ -157,6 +211,7 @@ void runMorph(const MorphSettings& settings) {
   if (settings.reports.empty()) return;
   for (const LoadedObject& input : maker.inputs()) report.inputs.push_back(measureShape(*input.object.levelSet));
   report.notes = run.notes();
+  report.page = run.page();
   report.loadSeconds = maker.loadSeconds(), report.planSeconds = maker.planSeconds();
   report.restDistance = maker.restDistance();
   if (const MorphPlan* plan = maker.slicePlan()) {

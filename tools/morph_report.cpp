@@ -73,6 +73,7 @@ Json describeJob(const MorphSettings& s) {
   job["landmarks"] = Json::array();
   for (const Landmark& mark : s.plan.landmarks)
     for (const Vec3d& p : mark) job["landmarks"].push_back({p[0], p[1], p[2]});
+  job["glb"] = {{"metres", s.glb.metres}, {"zUp", s.glb.zUp}};
   job["grids"] = s.grids;
   job["conserve"] = s.conserve;
   job["velocity"] = {{"name", s.velocity.name}, {"unit", s.velocity.perFrame ? "frame" : "second"}, {"add", s.velocity.add}};
@@ -186,10 +187,12 @@ void writeReports(const MorphSettings& settings, const ReportParts& parts) {
   report["seconds"] = {{"load", parts.loadSeconds}, {"plan", parts.planSeconds}};
   report["peakMemoryBytes"] = std::int64_t(usage.ru_maxrss) * 1024;
   // Names of files need not be UTF-8.
-  for (const std::string& path : settings.reports)
-    writeTextFile(path, OutputName(path).extension() == ".csv"
-                            ? asTable(parts.frames)
-                            : report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  for (const std::string& path : settings.reports) {
+    const std::string extension = OutputName(path).extension();
+    writeTextFile(path, extension == ".csv"    ? asTable(parts.frames)
+                        : extension == ".html" ? pageOf(report, parts.page)
+                                               : report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  }
 }
 
 }  // namespace slicemorph

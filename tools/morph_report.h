@@ -3,6 +3,7 @@
 #include "engine/measure/label_measures.h"
 #include "engine/measure/measure.h"
 #include "tools/morph_settings.h"
+#include "tools/report_page.h"
 
 #include <nlohmann/json.hpp>
 
@@ -52,6 +53,7 @@ struct ReportParts {
   double loadSeconds = 0, planSeconds = 0;
   std::optional<double> restDistance;  ///< of --method levelset, voxels
   std::optional<LandmarkErrors> landmarks, checkLandmarks;
+  PageParts page;                      ///< for .html
 };
 
 /// Writes the reports, each whole or not at all. Throws IoError.

@@ -25,7 +25,7 @@ struct MorphOptionSet::Values {
   LoadOptions load;
   MorphOptions plan;
   double framesPerSecond = 24;
-  std::string velocity = "vel", velocityUnit = "second";
+  std::string velocity = "vel", velocityUnit = "second", glbUp = "y", glbUnit = "m";
   bool quiet = false, resume = false, conserve = false, addVelocity = false;
 
   SamplingOptions sampling;
@@ -137,8 +137,8 @@ MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Val
   v.outputGiven = remember("output", JobType::kText,
                            command
                                .add_option("-o,--output", v.output,
-                                           "Result: .vdb .obj .ply or .stl, of images also .nii .nii.gz .nrrd .mha; #### stands "
-                                       "for the frame number")
+                                           "Result: .vdb .obj .ply .stl or .glb, of images also .nii .nii.gz .nrrd .mha; #### stands "
+                                       "for the frame number; a .glb without #### holds all frames, animated")
                                ->type_name("OUTPUT"));
   v.framesGiven = add("frames", v.frames, JobType::kInteger,
                       "Frames 1 to N, the first input at 1, the last at N (24; as many as input sequences have)", "N", "time");
@@ -181,11 +181,15 @@ MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Val
            command.add_flag("--add-velocity", v.addVelocity,
                             "Add the inputs' own velocities (vel, v, velocity; world units per second), morphed"));
   add("fps", v.framesPerSecond, JobType::kNumber, "Frames per second, for velocities and metadata (24)", "F");
+  add("glb-up", v.glbUp, JobType::kText, "The inputs' axis that points up, for .glb, where Y does (y)", "y|z")->check(oneOf({"y", "z"}));
+  add("glb-unit", v.glbUnit, JobType::kText, "The inputs' unit, for .glb, which is in metres (m)", "m|cm|mm")
+      ->check(oneOf({"m", "cm", "mm"}));
   v.threadsGiven = remember("threads", JobType::kInteger, addThreadsOption(command, v.threads));
   remember("report", JobType::kTexts,
            command.add_option("--report", v.reports,
-                              "Measure every frame and write the figures; .csv: of every label or shape a line a frame")
-               ->type_name("FILE.json|FILE.csv")
+                              "Measure every frame and write the figures; .csv: of every label or shape a line a frame; "
+                              ".html: a page with a 3D player, curves, pictures")
+               ->type_name("FILE.json|FILE.csv|FILE.html")
                ->allow_extra_args(false));
   add("dump-slices", v.sliceFolder, JobType::kText,
       "Draw the slices with their contours and pairs, one SVG each", "DIR");
@@ -197,6 +201,15 @@ MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Val
                   "Take options from a file (key = value, keys as the long options, inputs, "
                   "output); the command line wins")
       ->type_name("FILE.toml");
+}
+
+bool MorphSettings::hasPage() const {
+  return std::any_of(reports.begin(), reports.end(), [](const std::string& r) { return OutputName(r).extension() == ".html"; });
+}
+
+bool MorphSettings::oneGlb() const {
+  const OutputName name(output);
+  return name.extension() == ".glb" && !name.isSequence();
 }
 
 MorphSettings MorphOptionSet::settings() {
@@ -250,23 +263,25 @@ MorphSettings MorphOptionSet::settings() {
   }
   // The shape found in fog only steers the map, unless it is what is asked for.
   if (name.extension() == ".vdb" && !std::count(s.grids.begin(), s.grids.end(), "surface")) s.load.fogResolution = kFogResolution;
-  if (s.frames.size() > 1 && !name.isSequence())
+  s.glb.zUp = v.glbUp == "z";
+  s.glb.metres = v.glbUnit == "mm" ? 1e-3 : v.glbUnit == "cm" ? 1e-2 : 1;
+  if (s.frames.size() > 1 && !name.isSequence() && !s.oneGlb())
     throw InputError(
         "-o " + s.output + " is one file for " + std::to_string(s.frames.size()) +
         " frames; put #### where the frame number belongs (name.####.vdb), or ask for one frame by --at "
-        "T or --weights");
+        "T or --weights; a .glb holds all frames");
   const bool imageOutput = isImageOutput(s.output);
   if (imageOutput && !images) {
     const auto other = std::find_if_not(s.inputs.begin(), s.inputs.end(), isImageInput);
     throw InputError("-o " + s.output + ": in-between images need images on all sides, and " + *other +
-                     " is none; the output can be .vdb .obj .ply .stl");
+                     " is none; the output can be .vdb .obj .ply .stl .glb");
   }
   if (!s.like.empty() && !imageOutput && !(images && name.extension() == ".vdb"))
     throw InputError("--like " + s.like + " is for in-between images; the output " + s.output + " is none");
   if (s.method == Method::kDissolve && name.extension() != ".vdb" && !imageOutput)
     throw InputError("--method dissolve blends values and makes no surface; the output must be .vdb or an image, not " + s.output);
   if ((s.method == Method::kSdf || s.method == Method::kLevelSet) && imageOutput)
-    throw InputError("--method sdf and levelset make surfaces, no images; the output must be .vdb .obj .ply .stl, not " + s.output);
+    throw InputError("--method sdf and levelset make surfaces, no images; the output must be .vdb .obj .ply .stl .glb, not " + s.output);
   if (s.method == Method::kLevelSet) {
     if (length > 1) throw InputError("--method levelset takes no sequences, only two still inputs");
     if (s.inputs.size() != 2)
@@ -280,7 +295,7 @@ MorphSettings MorphOptionSet::settings() {
 
   checkOutput(s.frames[0].path);
   for (const std::string& report : s.reports) {
-    checkExtension(report, {".json", ".csv"});
+    checkExtension(report, {".json", ".csv", ".html"});
     checkOutputPath(report);
   }
   if (!s.sliceFolder.empty()) {

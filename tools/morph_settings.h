@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/slicemorph.h"
+#include "io/glb_writer.h"
 #include "io/input.h"
 #include "io/output.h"
 
@@ -46,12 +47,18 @@ struct MorphSettings {
   std::vector<std::string> grids;  ///< of the output; empty: all
   bool conserve = false;
   VelocitySettings velocity;
-  std::vector<std::string> reports;  ///< .json, .csv
+  std::vector<std::string> reports;  ///< .json, .csv, .html
   std::string sliceFolder;           ///< empty: none
   std::string like;                  ///< image whose voxels the in-betweens are put on; empty: the first input's
+  GlbSpace glb;                      ///< of .glb outputs
   std::vector<Landmark> checkLandmarks;  ///< only measured, not used
   bool quiet = false, resume = false;
   std::shared_ptr<void> threadLimit;
+
+  /// All frames go into one .glb file.
+  bool oneGlb() const;
+  /// One of the reports is a page.
+  bool hasPage() const;
 };
 
 /// The options of `slicemorph morph` as typed.

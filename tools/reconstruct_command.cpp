@@ -391,7 +391,7 @@ void addReconstructCommand(CLI::App& program) {
       ->required();
   command
       ->add_option("-o,--output", s->output,
-                   "Result: .nii .nii.gz .nrrd .mha (a dense label map); .obj .ply .stl (surfaces, #### "
+                   "Result: .nii .nii.gz .nrrd .mha (a dense label map); .obj .ply .stl .glb (surfaces, #### "
                    "stands for the label); "
                    ".vdb (a level set per label; of EXR slices all their grids)")
       ->required()

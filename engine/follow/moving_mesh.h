@@ -1,0 +1,35 @@
+#pragma once
+
+#include "engine/slicemorph.h"
+#include "engine/volume/mesh.h"
+
+namespace slicemorph {
+
+/// A mesh that keeps its triangles over some frames of a morph while its points move.
+struct MovingMesh {
+  size_t first = 0;                               ///< the frame of its first points, from 0
+  std::vector<openvdb::Vec3I> triangles;
+  std::vector<std::vector<openvdb::Vec3s>> points;  ///< per frame, world
+};
+
+struct SurfaceFrame {
+  FloatGrid::ConstPtr surface;  ///< level set
+  Weights weights;
+};
+
+/// How far a moving mesh may be from a frame's own surface to stand for it.
+struct FollowLimits {
+  double most = 2;       ///< voxels from any vertex of the frame's own mesh to the moving one
+  double p99 = 0.5;      ///< voxels from 99 % of them
+  double volume = 0.01;  ///< share of the frame's own volume
+  double area = 0.02;    ///< share of the frame's own area
+};
+
+/// The surfaces of a morph's frames, each frame in one mesh, with as few meshes as are found: the mesh of the frame in the
+/// middle rides on the plan's velocities to its neighbours and on, and is moved onto each one's surface, for as long as it
+/// stays within the limits; what is left before and after it is done in the same way. At the worst each frame has its own
+/// mesh. Without a plan (null) each has. Throws GeometryError for a frame without a surface, Cancelled.
+std::vector<MovingMesh> followSurfaces(const std::vector<SurfaceFrame>& frames, const MorphPlan* plan,
+                                       const FollowLimits& limits = {}, Progress* progress = nullptr);
+
+}  // namespace slicemorph
