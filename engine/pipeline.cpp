@@ -213,18 +213,16 @@ std::vector<Vec3d> MorphPlan::correspond(const std::vector<Vec3d>& points, size_
   const Impl& p = *impl_;
   if (from >= p.shapeOf.size() || to >= p.shapeOf.size())
     throw InputError("there is no object " + std::to_string(std::max(from, to)) + "; there are " + std::to_string(p.shapeOf.size()));
-  const size_t a = p.shapeOf[from], b = p.shapeOf[to];
-  if (a == b) return points;
-  const Displacements& map = p.registration.map;
-  const MiddleGuess guess(map, a);
-  std::vector<Vec3d> result(points.size());
-  tbb::parallel_for(size_t(0), points.size(), [&](size_t i) {
-    const Vec3d z = p.frames.charts[a].toChart(points[i]);
-    Vec3d s = guess.near(z);
-    if (!toMiddle(map, a, z, s)) s = z;  // beyond the map, where charts alone carry
-    result[i] = p.frames.charts[b].toWorld(s + map.at(b, s));
-  });
-  return result;
+  Weights start(p.shapeOf.size(), 0), end = start;
+  start[from] = end[to] = 1;
+  return carryPoints(points, start, end);
+}
+
+std::vector<Vec3d> MorphPlan::carryPoints(const std::vector<Vec3d>& points, const Weights& from, const Weights& to) const {
+  const Impl& p = *impl_;
+  const Weights a = p.shapeWeights(from), b = p.shapeWeights(to);
+  if (a == b || !p.lattice) return points;
+  return p.lattice->carryPoints(points, p.lattice->poseAt(a), p.lattice->poseAt(b));
 }
 
 Weights MorphPlan::Impl::shapeWeights(const Weights& weights) const {

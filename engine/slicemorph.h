@@ -122,7 +122,9 @@ class MorphPlan {
   /// For the grids that ride with the shapes; weights as frame().
   Carrier carrier(const Weights& weights) const;
 
-  /// Where what one object has at some world points is on another one.
+  /// Where what one in-between has at some world points is on another one, by the map alone; weights as frame().
+  std::vector<Vec3d> carryPoints(const std::vector<Vec3d>& points, const Weights& from, const Weights& to) const;
+  /// The same from one object to another one.
   std::vector<Vec3d> correspond(const std::vector<Vec3d>& points, size_t from, size_t to) const;
 
   size_t objectCount() const;

@@ -105,6 +105,32 @@ MovingLattice::Pose MovingLattice::blend(const Weights& weights) const {
   return pose;
 }
 
+/// Of the lattice's nodes from the middle space.
+VectorField MovingLattice::displacementOf(const Pose& pose) const {
+  VectorField displacement(lattice_.count());
+  tbb::parallel_for(0, int(lattice_.size[2]), [&](int z) {
+    for (int y = 0; y < lattice_.size[1]; ++y)
+      for (int x = 0; x < lattice_.size[0]; ++x) {
+        const size_t i = lattice_.index(x, y, z);
+        displacement[i] = openvdb::Vec3s(pose.at[i] - lattice_.position(x, y, z));
+      }
+  });
+  return displacement;
+}
+
+std::vector<Vec3d> MovingLattice::carryPoints(const std::vector<Vec3d>& points, const Pose& from, const Pose& to) const {
+  const VectorField here = displacementOf(from), there = displacementOf(to);
+  const MiddleGuess guess(lattice_, here);
+  std::vector<Vec3d> result(points.size());
+  tbb::parallel_for(size_t(0), points.size(), [&](size_t i) {
+    const Vec3d a = from.chart.toChart(points[i]), start = guess.near(a);
+    Vec3d s = start;
+    if (!toMiddleContinued(lattice_, here, a, s)) s = start;  // where the map has a fold
+    result[i] = to.chart.toWorld(s + sampleContinued(lattice_, there, s));
+  });
+  return result;
+}
+
 /// World centroid of the inside, cell by cell: each cell's volume in the world by the share of it that is inside.
 Vec3d MovingLattice::centroid(const Pose& pose, const Chart& chart) const {
   std::vector<Vec3d> world(pose.at.size());
@@ -248,14 +274,7 @@ bool MovingLattice::endsWithin(float distance, const Pose& pose) const {
 /// Finds the nodes beyond the lattice, where its outermost nodes' displacements go on. `reach`: chart units.
 void MovingLattice::continueBeyond(const Pose& pose, const openvdb::math::Transform& transform, float reach,
                                    NodeMap& map) const {
-  VectorField displacement(lattice_.count());
-  tbb::parallel_for(0, int(lattice_.size[2]), [&](int z) {
-    for (int y = 0; y < lattice_.size[1]; ++y)
-      for (int x = 0; x < lattice_.size[0]; ++x) {
-        const size_t i = lattice_.index(x, y, z);
-        displacement[i] = openvdb::Vec3s(pose.at[i] - lattice_.position(x, y, z));
-      }
-  });
+  const VectorField displacement = displacementOf(pose);
   const openvdb::Coord end = lattice_.size - openvdb::Coord(1);
   const Vec3d first = lattice_.origin, last = lattice_.position(end[0], end[1], end[2]);
   // The outermost cells are looked at, too: their tetrahedra end a little elsewhere than the trilinear field.

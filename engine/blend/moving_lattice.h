@@ -45,6 +45,8 @@ class MovingLattice {
     std::vector<float> distance;  ///< per node: blended, chart units
   };
   Pose poseAt(const Weights& weights) const;
+  /// Where what one in-between has at some world points is on another one.
+  std::vector<Vec3d> carryPoints(const std::vector<Vec3d>& points, const Pose& from, const Pose& to) const;
 
   /// `transform`: index space of the frame. Parallel; the same for any thread count.
   NodeMap nodesNearSurface(const Pose& pose, const openvdb::math::Transform& transform, int step) const;
@@ -62,6 +64,7 @@ class MovingLattice {
  private:
   Pose blend(const Weights& weights) const;
   Vec3d centroid(const Pose& pose, const Chart& chart) const;
+  VectorField displacementOf(const Pose& pose) const;
   struct Frame;
   struct Found;
   /// What the nodes of a map have at a chart point beyond the lattice.

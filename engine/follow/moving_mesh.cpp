@@ -2,47 +2,47 @@
 
 #include "engine/errors.h"
 #include "engine/follow/onto_surface.h"
-#include "engine/follow/ride.h"
 #include "engine/measure/measure.h"
 #include "engine/volume/voxelise.h"
 
-#include <algorithm>
 #include <cmath>
-#include <optional>
 
 namespace slicemorph {
 namespace {
 
 using openvdb::Vec3s;
 
+MovingMesh still(size_t frame, Mesh mesh) {
+  return {frame, std::move(mesh.triangles), {std::move(mesh.points)}};
+}
+
 class Follower {
  public:
   Follower(const std::vector<SurfaceFrame>& frames, const MorphPlan& plan, const FollowLimits& limits, Progress& progress)
       : frames_(frames), plan_(plan), limits_(limits), progress_(progress) {}
 
-  /// Frames `first` to `last` - 1.
+  /// Frames `first` to `last` - 1, in their order.
   void follow(size_t first, size_t last) {
     if (first >= last) return;
     if (progress_.cancelled()) throw Cancelled();
     progress_.report("following surfaces", double(done_) / double(frames_.size()));
     const size_t middle = (first + last - 1) / 2;
-    Mesh mesh = surfaceOf(*frames_[middle].surface);
-    MovingMesh moving{middle, mesh.triangles, {mesh.points}};
-    for (size_t i = middle; i + 1 < last; ++i) {
-      if (!step(i, i + 1, mesh)) break;
-      moving.points.push_back(mesh.points);
+    const Mesh mesh = surfaceOf(*frames_[middle].surface);
+    if (mesh.triangles.empty()) {
+      follow(first, middle);
+      meshes_.push_back(still(middle, mesh));
+      ++done_;
+      return follow(middle + 1, last);
     }
-    mesh.points = moving.points.front();
-    std::vector<std::vector<Vec3s>> before;
-    for (size_t i = middle; i > first; --i) {
-      if (!step(i, i - 1, mesh)) break;
-      before.push_back(mesh.points);
-    }
-    moving.first = middle - before.size();
-    moving.points.insert(moving.points.begin(), before.rbegin(), before.rend());
-    done_ += moving.points.size();
-    const size_t begin = moving.first, end = begin + moving.points.size();
+    size_t begin = middle, end = middle + 1;
+    std::vector<std::vector<Vec3s>> before, after{mesh.points};
+    for (std::vector<Vec3s> there; end < last && carry(mesh, middle, end, there); ++end) after.push_back(std::move(there));
+    for (std::vector<Vec3s> there; begin > first && carry(mesh, middle, begin - 1, there); --begin)
+      before.push_back(std::move(there));
+    done_ += end - begin;
     follow(first, begin);
+    MovingMesh moving{begin, mesh.triangles, {before.rbegin(), before.rend()}};
+    moving.points.insert(moving.points.end(), after.begin(), after.end());
     meshes_.push_back(std::move(moving));
     follow(end, last);
   }
@@ -50,23 +50,25 @@ class Follower {
   std::vector<MovingMesh> take() { return std::move(meshes_); }
 
  private:
-  /// Takes a mesh from one frame to another. Returns whether it stands for that one.
-  bool step(size_t from, size_t to, Mesh& mesh) const {
+  /// Takes a frame's mesh to another frame. Returns whether it stands for that one.
+  bool carry(const Mesh& mesh, size_t from, size_t to, std::vector<Vec3s>& there) const {
+    if (progress_.cancelled()) throw Cancelled();
     const FloatGrid& surface = *frames_[to].surface;
+    const Mesh own = surfaceOf(surface);
+    if (own.triangles.empty()) return false;
     std::vector<Vec3d> points(mesh.points.begin(), mesh.points.end());
-    points = ride(plan_, std::move(points), frames_[from].weights, frames_[to].weights, surface.voxelSize()[0]);
-    points = ontoSurface(std::move(points), surface);
-    std::copy(points.begin(), points.end(), mesh.points.begin());
-    return isNear(mesh, surface);
+    points = ontoSurface(plan_.carryPoints(points, frames_[from].weights, frames_[to].weights), surface);
+    const Mesh moved{{points.begin(), points.end()}, mesh.triangles};
+    there = moved.points;
+    return standsFor(moved, own, surface);
   }
 
-  bool isNear(const Mesh& mesh, const FloatGrid& surface) const {
-    const Mesh own = surfaceOf(surface);
-    const ShapeMeasures is = measureMesh(mesh), wanted = measureMesh(own);
-    if (std::abs(is.volume - wanted.volume) > limits_.volume * wanted.volume) return false;
-    if (std::abs(is.area - wanted.area) > limits_.area * wanted.area) return false;
+  bool standsFor(const Mesh& moved, const Mesh& own, const FloatGrid& surface) const {
     const double voxel = surface.voxelSize()[0];
-    const SurfaceDistance distance = distanceTo(own.points, mesh);
+    const ShapeMeasures is = measureMesh(moved), wanted = measureMesh(own);
+    if (std::abs(is.volume - wanted.volume) > limits_.mean * voxel * wanted.area) return false;
+    if (shareFacingInwards(moved, surface) > limits_.inwards) return false;
+    const SurfaceDistance distance = distanceTo(own.points, moved);
     return distance.max <= limits_.most * voxel && distance.p99 <= limits_.p99 * voxel;
   }
 
@@ -89,10 +91,7 @@ std::vector<MovingMesh> followSurfaces(const std::vector<SurfaceFrame>& frames, 
     return follower.take();
   }
   std::vector<MovingMesh> meshes;
-  for (size_t i = 0; i < frames.size(); ++i) {
-    Mesh mesh = surfaceOf(*frames[i].surface);
-    meshes.push_back({i, std::move(mesh.triangles), {std::move(mesh.points)}});
-  }
+  for (size_t i = 0; i < frames.size(); ++i) meshes.push_back(still(i, surfaceOf(*frames[i].surface)));
   return meshes;
 }
 

@@ -7,6 +7,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace slicemorph {
@@ -78,6 +79,24 @@ std::vector<Vec3d> ontoSurface(std::vector<Vec3d> points, const FloatGrid& level
       points[i] = transform.indexToWorld(alongGradient(transform.worldToIndex(points[i]), distance));
   });
   return points;
+}
+
+double shareFacingInwards(const Mesh& mesh, const FloatGrid& levelSet) {
+  const openvdb::math::Transform& transform = levelSet.transform();
+  std::vector<double> facing(mesh.triangles.size());  // area, negative where it faces inwards
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, facing.size()), [&](const tbb::blocked_range<size_t>& part) {
+    const Distance distance(levelSet);
+    for (size_t i = part.begin(); i < part.end(); ++i) {
+      const openvdb::Vec3I& t = mesh.triangles[i];
+      const Vec3d a(mesh.points[t[0]]), b(mesh.points[t[1]]), c(mesh.points[t[2]]);
+      const Vec3d across = (b - a).cross(c - a) / 2;
+      const Vec3d out = distance.gradient(transform.worldToIndex((a + b + c) / 3));
+      facing[i] = std::copysign(across.length(), across.dot(out));
+    }
+  });
+  double inwards = 0, all = 0;
+  for (const double area : facing) all += std::abs(area), inwards += std::max(-area, 0.0);
+  return all > 0 ? inwards / all : 0;
 }
 
 }  // namespace slicemorph

@@ -130,13 +130,13 @@ bool toMiddleContinued(const Lattice& lattice, const VectorField& displacement, 
   return solveMiddle([&](const Vec3d& p) { return sampleContinued(lattice, displacement, p); }, lattice.spacing, a, s);
 }
 
-MiddleGuess::MiddleGuess(const Displacements& map, size_t object)
-    : lattice_(map.lattice), place_(lattice_.count()), first_(lattice_.count(), -1), next_(lattice_.count(), -1) {
+MiddleGuess::MiddleGuess(const Lattice& lattice, const VectorField& displacement)
+    : lattice_(lattice), place_(lattice_.count()), first_(lattice_.count(), -1), next_(lattice_.count(), -1) {
   for (int z = 0; z < lattice_.size[2]; ++z)
     for (int y = 0; y < lattice_.size[1]; ++y)
       for (int x = 0; x < lattice_.size[0]; ++x) {
         const size_t i = lattice_.index(x, y, z);
-        place_[i] = lattice_.position(x, y, z) + Vec3d(map.of[object][i]);
+        place_[i] = lattice_.position(x, y, z) + Vec3d(displacement[i]);
         const openvdb::Coord c = openvdb::Coord::floor((place_[i] - lattice_.origin) / lattice_.spacing);
         if (c.x() < 0 || c.y() < 0 || c.z() < 0 || c.x() >= lattice_.size[0] || c.y() >= lattice_.size[1] ||
             c.z() >= lattice_.size[2])

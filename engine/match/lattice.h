@@ -52,7 +52,7 @@ bool toMiddleContinued(const Lattice& lattice, const VectorField& displacement, 
 /// Where to start toMiddle from if a map carries points far: the middle point of the node that lies nearest on the object.
 class MiddleGuess {
  public:
-  MiddleGuess(const Displacements& map, size_t object);
+  MiddleGuess(const Lattice& lattice, const VectorField& displacement);
   Vec3d near(const Vec3d& a) const;
 
  private:

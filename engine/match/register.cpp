@@ -104,7 +104,7 @@ class Registrar {
     now_.base = continued(before.base);
     now_.map = resampled(before.map, latticeOf(kFollowRounds[0].spacing));
     removeFolds(now_.map);
-    for (size_t k = 0; k < objects_; ++k) now_.guesses.emplace_back(now_.map, k);
+    for (size_t k = 0; k < objects_; ++k) now_.guesses.emplace_back(now_.map.lattice, now_.map.of[k]);
     result_.overlapBefore = now_.overlap = overlapOf(now_.map);
     if (now_.overlap < before.overlapAfter - kCut) return std::nullopt;
     char text[128];
@@ -325,7 +325,7 @@ class Registrar {
     state.overlap = overlapOf(state.map);
     state.base = state.map;
     state.limbPoints = points;
-    for (size_t k = 0; k < objects_; ++k) state.guesses.emplace_back(state.map, k);
+    for (size_t k = 0; k < objects_; ++k) state.guesses.emplace_back(state.map.lattice, state.map.of[k]);
     return state;
   }
 
