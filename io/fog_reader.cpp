@@ -12,12 +12,9 @@
 namespace slicemorph {
 namespace {
 
-/// Index of a grid in the file, the first of several of that name; none: the number of grids.
-size_t findName(const VdbFile& file, const std::string& name) {
-  const auto& entries = file.entries();
-  const auto has = [&](const VdbEntry& entry) { return entry.name == name || entry.name == name + "[0]"; };
-  return size_t(std::find_if(entries.begin(), entries.end(), has) - entries.begin());
-}
+/// In the order in which they are looked for.
+constexpr const char* kHeatNames[] = {"flame", "flames", "fire", "heat", "temperature"};
+constexpr const char* kColourNames[] = {"color", "Cd"};
 
 /// The density, null where the grid is none.
 FloatGrid::ConstPtr readDensity(const VdbFile& file, size_t index, const std::string& path) {
@@ -36,25 +33,17 @@ FloatGrid::ConstPtr readDensity(const VdbFile& file, size_t index, const std::st
   return grid;
 }
 
-FloatGrid::ConstPtr readHeat(const VdbFile& file, size_t density) {
-  for (const char* name : {"flame", "flames", "fire", "heat", "temperature"}) {
-    const size_t index = findName(file, name);
-    if (index == file.entries().size() || index == density) continue;
-    const openvdb::GridBase::Ptr header = file.readHeader(index);
-    if (header && isScalar(*header)) return asFloatGrid(file.read(index));
-  }
-  return nullptr;
-}
-
-openvdb::Vec3SGrid::ConstPtr readColour(const VdbFile& file) {
-  for (const char* name : {"color", "Cd"}) {
-    const size_t index = findName(file, name);
-    if (index == file.entries().size()) continue;
-    const openvdb::GridBase::Ptr header = file.readHeader(index);
-    if (header && header->isType<openvdb::Vec3SGrid>())
-      return openvdb::GridBase::grid<openvdb::Vec3SGrid>(file.read(index));
-  }
-  return nullptr;
+/// The fog of a density with what else is drawn. `find(name)`: a grid, null where there is none that can be drawn.
+template <typename Find>
+Fog withDrawn(const FloatGrid::ConstPtr& density, const Find& find) {
+  Fog fog;
+  fog.density = density;
+  for (const char* name : kHeatNames)
+    if (const openvdb::GridBase::Ptr grid = fog.heat ? nullptr : find(name); grid && isScalar(*grid)) fog.heat = asFloatGrid(grid);
+  for (const char* name : kColourNames)
+    if (const openvdb::GridBase::Ptr grid = fog.colour ? nullptr : find(name); grid && grid->isType<openvdb::Vec3SGrid>())
+      fog.colour = openvdb::gridPtrCast<openvdb::Vec3SGrid>(grid);
+  return fog;
 }
 
 }  // namespace
@@ -64,12 +53,28 @@ std::optional<Fog> readFog(const std::string& input) {
   if (extensionOf(name.path) != ".vdb") return std::nullopt;
   const VdbFile file(name.path);
   const size_t index = name.grid.empty() ? gridsToTry(file, name.path).front() : findGrid(file, name);
-  Fog fog;
-  fog.density = readDensity(file, index, name.path);
-  if (!fog.density) return std::nullopt;
-  fog.heat = readHeat(file, index);
-  fog.colour = readColour(file);
-  return fog;
+  const FloatGrid::ConstPtr density = readDensity(file, index, name.path);
+  if (!density) return std::nullopt;
+  return withDrawn(density, [&](const std::string& wanted) -> openvdb::GridBase::Ptr {
+    const auto& entries = file.entries();
+    for (size_t i = 0; i < entries.size(); ++i)
+      if (i != index && (entries[i].name == wanted || entries[i].name == wanted + "[0]")) return file.read(i);
+    return nullptr;
+  });
+}
+
+Fog fogOf(const openvdb::GridBase::ConstPtr& density, const openvdb::GridCPtrVec& grids) {
+  return withDrawn(asFloatGrid(openvdb::ConstPtrCast<openvdb::GridBase>(density)), [&](const std::string& wanted) -> openvdb::GridBase::Ptr {
+    for (const openvdb::GridBase::ConstPtr& grid : grids)
+      if (grid != density && grid->getName() == wanted) return openvdb::ConstPtrCast<openvdb::GridBase>(grid);
+    return nullptr;
+  });
+}
+
+bool isDrawn(const std::string& name) {
+  const auto isName = [&](const char* known) { return name == known; };
+  return std::any_of(std::begin(kHeatNames), std::end(kHeatNames), isName) ||
+         std::any_of(std::begin(kColourNames), std::end(kColourNames), isName);
 }
 
 }  // namespace slicemorph

@@ -14,4 +14,10 @@ namespace slicemorph {
 /// Throws IoError and InputError as loadObject, and InputError for a density with values that are not finite.
 std::optional<Fog> readFog(const std::string& input);
 
+/// The same of grids in memory, whose density is known.
+Fog fogOf(const openvdb::GridBase::ConstPtr& density, const openvdb::GridCPtrVec& grids);
+
+/// Whether a grid of this name is drawn beside the density.
+bool isDrawn(const std::string& name);
+
 }  // namespace slicemorph

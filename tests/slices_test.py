@@ -216,7 +216,44 @@ def lost_slices_are_told(d):
     assert "8 slices of 9" in run("reconstruct", d + "/s.####.exr", "-o", d + "/b.vdb").stderr
 
 
-CASES = [values_are_trilinear, parts_tiles_half_planes, oiiotool_reads_all, rebuilt_within_a_tenth_of_a_voxel,
+def morph_straight_to_images(d):
+    """What morph puts into EXR slices and pictures is what slice and render make of its VDBs."""
+    assets = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "assets")
+    words = ["morph", assets + "/blade.ply", assets + "/ring.ply", "--resolution", 40, "--frames", 3]
+    run(*words, "-o", d + "/m.####.vdb")
+    plane = "0.01,0.02,0.03/1,2,3"
+    run(*words, "-o", d + "/m.####.exr", "--exr", "slices", "--exr-plane", plane, "--pixel-size", 0.02)
+    camera = ["--camera", "3,2,6", "--look-at", "0,0,0", "--fov", 30, "--size", "80x60"]
+    run(*words, "-o", d + "/p.####.exr", *camera)
+    run(*words, "-o", d + "/all.####.exr")
+    run(*words, "-o", d + "/stack.####.exr", "--exr", "slices", "--exr-slices", 5, "--half")
+    for n in (1, 2, 3):
+        run("slice", "%s/m.%04d.vdb" % (d, n), "-o", d + "/s.exr", "--plane", plane, "--pixel-size", 0.02)
+        (own, a), = read("%s/m.%04d.exr" % (d, n))
+        (_, b), = read(d + "/s.exr")
+        # The one's plane is as large as all frames need, the other's as its own frame: they share whole pixels.
+        origin = [np.array(attribute(s, "sliceOrigin"), float) for s in (own, _)]
+        shift = origin[1] - origin[0]
+        i, j = (int(round(np.dot(shift, attribute(own, axis)) / 0.02)) for axis in ("sliceAxisX", "sliceAxisY"))
+        same = a[j:j + b.shape[0], i:i + b.shape[1]]
+        assert list(own.channelnames) == list(_.channelnames) and same.shape == b.shape, (same.shape, b.shape)
+        assert np.array_equal(same, b), np.abs(same - b).max()
+        assert abs(attribute(own, "sliceT") - (n - 1) / 2) < 1e-12 and attribute(own, "sliceFrame") == n
+        run("render", "%s/m.%04d.vdb" % (d, n), "-o", d + "/r.exr", *camera)
+        (spec, a), = read("%s/p.%04d.exr" % (d, n))
+        (_, b), = read(d + "/r.exr")
+        assert np.array_equal(a, b) and set("RGBAZ") < set(spec.channelnames) and (a[..., 3] == 1).all()
+        (spec, a), = read("%s/all.%04d.exr" % (d, n))
+        mask = a[..., list(spec.channelnames).index("mask")]
+        assert mask.max() == 1 and max(mask[0].max(), mask[-1].max(), mask[:, 0].max(), mask[:, -1].max()) == 0
+    stacks = [[s for s, _ in read("%s/stack.%04d.exr" % (d, n))] for n in (1, 2, 3)]
+    assert [len(s) for s in stacks] == [5, 5, 5]
+    for other in stacks[1:]:
+        for a, b in zip(stacks[0], other):
+            assert attribute(a, "sliceOrigin") == attribute(b, "sliceOrigin") and (a.width, a.height) == (b.width, b.height)
+
+
+CASES = [morph_straight_to_images,values_are_trilinear, parts_tiles_half_planes, oiiotool_reads_all, rebuilt_within_a_tenth_of_a_voxel,
          same_bytes_for_any_threads, lost_slices_are_told]
 
 

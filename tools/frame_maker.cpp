@@ -6,6 +6,7 @@
 #include "engine/volume/fog.h"
 #include "engine/volume/image_grid.h"
 #include "engine/volume/resample_image.h"
+#include "io/fog_reader.h"
 #include "io/grid_choice.h"
 #include "io/image/image_writer.h"
 #include "tools/common_options.h"
@@ -111,11 +112,11 @@ void FrameMaker::planLevelSet(Progress& progress) {
 
 /// What the output holds: the surface, or the fog that the shapes are part of, and all grids that ride along.
 void FrameMaker::chooseGrids(bool first) {
-  const bool toVdb = OutputName(settings_.output).extension() == ".vdb";
+  const bool holdsGrids = settings_.holdsGrids();
   const bool carries = settings_.method == Method::kSlices || settings_.method == Method::kDissolve;
   const bool anyFog = std::any_of(inputs().begin(), inputs().end(), [](const LoadedObject& input) { return input.fog; });
   images_ = std::all_of(inputs().begin(), inputs().end(), [](const LoadedObject& input) { return bool(input.image); }) && carries;
-  fog_ = toVdb && carries && (anyFog || settings_.method == Method::kDissolve);
+  fog_ = holdsGrids && carries && (anyFog || settings_.method == Method::kDissolve);
   surfaceWanted_ = !fog_;
   sets_.clear();
   shapeSet_.reset();
@@ -127,10 +128,10 @@ void FrameMaker::chooseGrids(bool first) {
     for (const std::string& grid : settings_.grids)
       if (grid != "surface" && grid != name) throw InputError("--grids: there is no grid '" + grid + "'; there are surface, " + name);
     surfaceWanted_ = asked("surface") && settings_.method != Method::kDissolve;
-    images_ = OutputName(settings_.output).extension() != ".vdb" || asked(name);
+    images_ = !holdsGrids || asked(name);
     return;
   }
-  if (!toVdb || !carries) return;
+  if (!holdsGrids || !carries) return;
   GridSets found = pairGrids(inputs(), settings_.grids.empty());
   if (first) append(notes_, found.notes);
   // The grids that the shapes are made of are no riders.
@@ -146,7 +147,8 @@ void FrameMaker::chooseGrids(bool first) {
   for (size_t s = 0; s < found.sets.size(); ++s) {
     if (fog_ && place == s) shapeSet_ = sets_.size(), sets_.push_back(shape);
     const auto& index = found.sets[s].index;
-    if (std::any_of(index.begin(), index.end(), [](const auto& i) { return i.has_value(); })) sets_.push_back(found.sets[s]);
+    const bool there = std::any_of(index.begin(), index.end(), [](const auto& i) { return i.has_value(); });
+    if (there && (!settings_.toPictures() || isDrawn(found.sets[s].name))) sets_.push_back(found.sets[s]);
   }
   if (fog_ && !shapeSet_) shapeSet_ = 0, sets_.insert(sets_.begin(), shape);
   if (!settings_.grids.empty()) keepAsked(settings_.grids, first);
@@ -178,8 +180,7 @@ InBetween FrameMaker::shape() const { return makeShape_(); }
 
 /// What in-between images need of the inputs.
 void FrameMaker::prepareImages() {
-  const std::string extension = OutputName(settings_.output).extension();
-  images_ = images_ && (isImageOutput(settings_.output) || extension == ".vdb");
+  images_ = images_ && !settings_.toPictures() && (isImageOutput(settings_.output) || settings_.holdsGrids());
   if (!images_) return;
   const bool labels = inputs()[0].labels;
   for (size_t k = 1; k < inputs().size(); ++k)
@@ -222,9 +223,10 @@ MorphFrame FrameMaker::make() const {
   MorphFrame frame;
   const bool carries = shapeSet_ || !sets_.empty() || settings_.velocity.wanted();
   const bool toImage = isImageOutput(settings_.output);
-  if ((surfaceWanted_ && !toImage) || !settings_.reports.empty()) frame.shape = makeShape_();
+  const bool leaning = settings_.toFrameImages() && settings_.exrSlices.spine;
+  if ((surfaceWanted_ && !toImage) || leaning || !settings_.reports.empty()) frame.shape = makeShape_();
   if (images_) frame.image = image();
-  if (OutputName(settings_.output).extension() != ".vdb") return frame;
+  if (!settings_.holdsGrids()) return frame;
   bool half = true;
   for (const LoadedObject& input : inputs()) half = half && input.halfFloat;
   if (surfaceWanted_) {
@@ -247,6 +249,7 @@ MorphFrame FrameMaker::make() const {
     const GridBase::ConstPtr grid =
         shapeSet_ == s ? density(carrier) : carrier.carry(readGrids(sets_[s], inputs()), {false, voxelSize()});
     if (shapeSet_ == s || !where) where = grid;
+    if (shapeSet_ == s) frame.density = grid;
     frame.grids.push_back(grid);
   }
   if (settings_.velocity.wanted() && !job().rate.empty() && where)

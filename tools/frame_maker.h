@@ -18,7 +18,8 @@ namespace slicemorph {
 /// One frame's shape and grids.
 struct MorphFrame {
   InBetween shape;                  ///< surface null with --method dissolve
-  openvdb::GridCPtrVec grids;       ///< of a VDB output, in the file's order
+  openvdb::GridCPtrVec grids;       ///< of an output that holds grids, in their order
+  openvdb::GridBase::ConstPtr density;  ///< of those, the fog that the shapes are part of; null: there is none
   std::optional<Image> image;       ///< of an image output
 };
 

@@ -5,6 +5,7 @@
 #include "io/image/image_writer.h"
 #include "io/vdb_writer.h"
 #include "tools/common_options.h"
+#include "tools/frame_images.h"
 #include "tools/frame_maker.h"
 #include "tools/morph_report.h"
 #include "tools/morph_settings.h"
@@ -50,7 +51,7 @@ GridFigures figuresOf(const GridBase& grid) {
 class FrameRun {
  public:
   FrameRun(const MorphSettings& settings, FrameMaker& maker, TerminalProgress& progress)
-      : settings_(settings), maker_(maker), progress_(progress), log_(settings), page_(settings) {}
+      : settings_(settings), maker_(maker), progress_(progress), log_(settings), page_(settings), images_(settings) {}
 
   /// Returns the rows of the report, none where none is asked for.
   std::vector<Json> run() {
@@ -60,6 +61,7 @@ class FrameRun {
     for (size_t i = 0; i < count; ++i) {
       const double step = (settings_.oneGlb() ? kFramesMade : 1) / double(count), from = moving ? double(i) * step : 0;
       maker_.moveTo(i, from, moving ? from + kFramePlanned * step : kPlanned);
+      if (i == 0 && settings_.toFrameImages()) prepareImages(moving ? from : kPlanned);
       takeNotes();
       if (progress_.cancelled()) throw Cancelled();
       progress_.report("making frames", moving ? from + kFramePlanned * step : kPlanned + (1 - kPlanned) * double(i) * step);
@@ -107,6 +109,12 @@ class FrameRun {
     notes_.insert(notes_.end(), notes.begin(), notes.end());
   }
 
+  void prepareImages(double from) {
+    PartProgress looking(progress_, from, from);
+    images_.prepare(maker_, looking);
+    takeNotes(images_.takeNotes());
+  }
+
   Json makeFrame(size_t i) {
     const FrameJob& job = settings_.frames[i];
     FrameFigures figures;
@@ -117,7 +125,10 @@ class FrameRun {
     figures.seconds.measure = watch.lap();
     if (settings_.hasPage() && page_.has(i)) addToPage(i, frame.shape.surface);
     watch.lap();
-    if (frame.image) {
+    if (settings_.toFrameImages()) {
+      images_.write(job, frame);
+      takeNotes(images_.takeNotes());
+    } else if (frame.image) {
       writeImage(job.path, *frame.image);
     } else if (settings_.oneGlb()) {
       surfaces_.push_back({frame.shape.surface, job.weights});
@@ -196,6 +207,7 @@ class FrameRun {
   ResumeLog log_;
   std::vector<std::string> notes_;
   PageShapes page_;
+  FrameImages images_;
   std::vector<SurfaceFrame> surfaces_;  ///< of all frames, for one .glb
   FloatGrid::ConstPtr previous_;  ///< the frame before, kept for the report only
   std::map<FloatGrid::ConstPtr, ShapeMeasures> measures_;

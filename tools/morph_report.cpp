@@ -74,6 +74,11 @@ Json describeJob(const MorphSettings& s) {
   for (const Landmark& mark : s.plan.landmarks)
     for (const Vec3d& p : mark) job["landmarks"].push_back({p[0], p[1], p[2]});
   job["glb"] = {{"metres", s.glb.metres}, {"zUp", s.glb.zUp}};
+  if (s.toFrameImages()) {
+    job["exr"] = s.exrContent == ExrContent::kSlices ? "slices" : "picture";
+    job["imageOptions"] = Json::object();
+    for (const auto& [name, value] : s.imageOptions) job["imageOptions"][name] = value;
+  }
   job["grids"] = s.grids;
   job["conserve"] = s.conserve;
   job["velocity"] = {{"name", s.velocity.name}, {"unit", s.velocity.perFrame ? "frame" : "second"}, {"add", s.velocity.add}};

@@ -25,7 +25,10 @@ struct MorphOptionSet::Values {
   LoadOptions load;
   MorphOptions plan;
   double framesPerSecond = 24;
-  std::string velocity = "vel", velocityUnit = "second", glbUp = "y", glbUnit = "m";
+  std::string velocity = "vel", velocityUnit = "second", glbUp = "y", glbUnit = "m", exrContent = "picture";
+  PictureOptions picture;
+  SliceOptions exrSlices;
+  std::vector<JobOption> imageOptions;
   bool quiet = false, resume = false, conserve = false, addVelocity = false;
 
   SamplingOptions sampling;
@@ -112,6 +115,23 @@ void setRates(std::vector<FrameJob>& frames, double framesPerSecond) {
   }
 }
 
+std::string joined(const std::vector<std::string>& texts) {
+  std::string all;
+  for (const std::string& text : texts) all += (all.empty() ? "" : " ") + text;
+  return all;
+}
+
+/// Options of pictures and slices are for outputs that are some.
+void checkImageOptions(const MorphSettings& s) {
+  const bool slices = s.exrContent == ExrContent::kSlices;
+  if (!s.imageOptions.empty() && !s.toFrameImages())
+    throw InputError("--" + s.imageOptions[0].first + " is for outputs that are .exr or .png, not for " + s.output);
+  if (slices && OutputName(s.output).extension() != ".exr")
+    throw InputError("--exr slices is for outputs that are .exr, not for " + s.output);
+  if (slices && s.exrSlices.spine && s.method == Method::kDissolve)
+    throw InputError("--exr-spine: --method dissolve makes no shape whose spine slices could follow");
+}
+
 }  // namespace
 
 MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Values>()) {
@@ -137,7 +157,7 @@ MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Val
   v.outputGiven = remember("output", JobType::kText,
                            command
                                .add_option("-o,--output", v.output,
-                                           "Result: .vdb .obj .ply .stl or .glb, of images also .nii .nii.gz .nrrd .mha; #### stands "
+                                           "Result: .vdb .obj .ply .stl .glb, pictures .png .exr, slices .exr, of images also .nii .nii.gz .nrrd .mha; #### stands "
                                        "for the frame number; a .glb without #### holds all frames, animated")
                                ->type_name("OUTPUT"));
   v.framesGiven = add("frames", v.frames, JobType::kInteger,
@@ -184,6 +204,12 @@ MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Val
   add("glb-up", v.glbUp, JobType::kText, "The inputs' axis that points up, for .glb, where Y does (y)", "y|z")->check(oneOf({"y", "z"}));
   add("glb-unit", v.glbUnit, JobType::kText, "The inputs' unit, for .glb, which is in metres (m)", "m|cm|mm")
       ->check(oneOf({"m", "cm", "mm"}));
+  add("exr", v.exrContent, JobType::kText,
+      "What .exr frames hold: a rendered picture, or slices of all grids, one part each (picture)", "picture|slices")
+      ->check(oneOf({"picture", "slices"}));
+  v.imageOptions = addPictureOptions(command, v.picture);
+  for (const JobOption& option : addSliceOptions(command, v.exrSlices, "exr-")) v.imageOptions.push_back(option);
+  v.jobOptions.insert(v.jobOptions.end(), v.imageOptions.begin(), v.imageOptions.end());
   v.threadsGiven = remember("threads", JobType::kInteger, addThreadsOption(command, v.threads));
   remember("report", JobType::kTexts,
            command.add_option("--report", v.reports,
@@ -205,6 +231,11 @@ MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Val
 
 bool MorphSettings::hasPage() const {
   return std::any_of(reports.begin(), reports.end(), [](const std::string& r) { return OutputName(r).extension() == ".html"; });
+}
+
+bool MorphSettings::toFrameImages() const {
+  const std::string extension = OutputName(output).extension();
+  return extension == ".exr" || extension == ".png";
 }
 
 bool MorphSettings::oneGlb() const {
@@ -239,6 +270,7 @@ MorphSettings MorphOptionSet::settings() {
   if (v.velocity.empty()) throw InputError("--velocity needs a name for the grid, or none");
   const bool images = std::all_of(s.inputs.begin(), s.inputs.end(), isImageInput);
   s.velocity = {images && !v.velocityGiven->count() ? "none" : v.velocity, v.velocityUnit == "frame", v.addVelocity};
+  if (s.toPictures()) s.velocity.name = "none";
   s.like = v.like;
   s.plan.landmarks = readLandmarks("--landmarks", v.landmarks, s.inputs.size());
   s.checkLandmarks = readLandmarks("--check-landmarks", v.checkLandmarks, s.inputs.size());
@@ -262,7 +294,14 @@ MorphSettings MorphOptionSet::settings() {
     setRates(s.frames, s.framesPerSecond);
   }
   // The shape found in fog only steers the map, unless it is what is asked for.
-  if (name.extension() == ".vdb" && !std::count(s.grids.begin(), s.grids.end(), "surface")) s.load.fogResolution = kFogResolution;
+  if (s.holdsGrids() && !std::count(s.grids.begin(), s.grids.end(), "surface")) s.load.fogResolution = kFogResolution;
+  s.exrContent = v.exrContent == "slices" ? ExrContent::kSlices : ExrContent::kPicture;
+  s.picture = v.picture, s.exrSlices = v.exrSlices;
+  checkPictureOptions(s.picture);
+  checkSliceOptions(s.exrSlices);
+  for (const JobOption& option : v.imageOptions)
+    if (option.option->count()) s.imageOptions.push_back({option.key, joined(option.option->results())});
+  checkImageOptions(s);
   s.glb.zUp = v.glbUp == "z";
   s.glb.metres = v.glbUnit == "mm" ? 1e-3 : v.glbUnit == "cm" ? 1e-2 : 1;
   if (s.frames.size() > 1 && !name.isSequence() && !s.oneGlb())
@@ -274,14 +313,15 @@ MorphSettings MorphOptionSet::settings() {
   if (imageOutput && !images) {
     const auto other = std::find_if_not(s.inputs.begin(), s.inputs.end(), isImageInput);
     throw InputError("-o " + s.output + ": in-between images need images on all sides, and " + *other +
-                     " is none; the output can be .vdb .obj .ply .stl .glb");
+                     " is none; the output can be .vdb .obj .ply .stl .glb .exr .png");
   }
-  if (!s.like.empty() && !imageOutput && !(images && name.extension() == ".vdb"))
+  if (!s.like.empty() && !imageOutput && !(images && s.holdsGrids()))
     throw InputError("--like " + s.like + " is for in-between images; the output " + s.output + " is none");
-  if (s.method == Method::kDissolve && name.extension() != ".vdb" && !imageOutput)
-    throw InputError("--method dissolve blends values and makes no surface; the output must be .vdb or an image, not " + s.output);
+  if (s.method == Method::kDissolve && !s.holdsGrids() && !imageOutput)
+    throw InputError("--method dissolve blends values and makes no surface; the output must be .vdb, .exr, .png or an image, not " +
+                     s.output);
   if ((s.method == Method::kSdf || s.method == Method::kLevelSet) && imageOutput)
-    throw InputError("--method sdf and levelset make surfaces, no images; the output must be .vdb .obj .ply .stl .glb, not " + s.output);
+    throw InputError("--method sdf and levelset make surfaces, no images; the output must be .vdb .obj .ply .stl .glb .exr .png, not " + s.output);
   if (s.method == Method::kLevelSet) {
     if (length > 1) throw InputError("--method levelset takes no sequences, only two still inputs");
     if (s.inputs.size() != 2)
@@ -293,7 +333,7 @@ MorphSettings MorphOptionSet::settings() {
   if (s.method != Method::kSlices && !s.sliceFolder.empty())
     throw InputError("--dump-slices draws the slices of --method slices; the other methods have none");
 
-  checkOutput(s.frames[0].path);
+  s.toFrameImages() ? checkOutputPath(s.frames[0].path) : checkOutput(s.frames[0].path);
   for (const std::string& report : s.reports) {
     checkExtension(report, {".json", ".csv", ".html"});
     checkOutputPath(report);

@@ -4,6 +4,8 @@
 #include "io/glb_writer.h"
 #include "io/input.h"
 #include "io/output.h"
+#include "tools/picture_options.h"
+#include "tools/slice_options.h"
 
 #include <CLI/CLI.hpp>
 
@@ -15,6 +17,9 @@
 namespace slicemorph {
 
 enum class Method { kSlices, kSdf, kLevelSet, kDissolve };
+
+/// What .exr outputs hold.
+enum class ExrContent { kPicture, kSlices };
 
 /// One frame of a job.
 struct FrameJob {
@@ -51,10 +56,19 @@ struct MorphSettings {
   std::string sliceFolder;           ///< empty: none
   std::string like;                  ///< image whose voxels the in-betweens are put on; empty: the first input's
   GlbSpace glb;                      ///< of .glb outputs
+  ExrContent exrContent = ExrContent::kPicture;
+  PictureOptions picture;            ///< of .exr and .png outputs
+  SliceOptions exrSlices;            ///< of .exr outputs that hold slices
+  std::vector<std::pair<std::string, std::string>> imageOptions;  ///< those of them that were given, with their values
   std::vector<Landmark> checkLandmarks;  ///< only measured, not used
   bool quiet = false, resume = false;
   std::shared_ptr<void> threadLimit;
 
+  /// Every frame is a picture, or its slices.
+  bool toFrameImages() const;
+  bool toPictures() const { return toFrameImages() && exrContent == ExrContent::kPicture; }
+  /// The output shows all grids of a frame, not only its surface: a .vdb, slices, a picture.
+  bool holdsGrids() const { return OutputName(output).extension() == ".vdb" || toFrameImages(); }
   /// All frames go into one .glb file.
   bool oneGlb() const;
   /// One of the reports is a page.

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "tools/frame_maker.h"
+
+#include <string>
+#include <vector>
+
+namespace slicemorph {
+
+/// Puts a morph's frames straight into images: EXR slices of their grids, or pictures of them. One camera, one look and one
+/// stack of planes serve all frames.
+class FrameImages {
+ public:
+  explicit FrameImages(const MorphSettings& settings) : settings_(settings) {}
+
+  /// Looks where the shapes will be in all frames and chooses camera, look or planes, once the maker has been moved to
+  /// the first frame. Reads the files of sequences for that.
+  void prepare(const FrameMaker& maker, Progress& progress);
+  /// Throws IoError; InputError for planes that do not cut the shapes.
+  void write(const FrameJob& job, const MorphFrame& frame);
+  /// What was found and decided since the last call, one sentence each.
+  std::vector<std::string> takeNotes() { return std::exchange(notes_, {}); }
+
+ private:
+  void survey(const LoadedObject& input);
+  void surveyBetween(const FrameMaker& maker);
+  void placePlanes(const FrameMaker& maker);
+  void writePictureOf(const FrameJob& job, const MorphFrame& frame);
+  void writeSlicesOf(const FrameJob& job, const MorphFrame& frame);
+
+  const MorphSettings& settings_;
+  std::vector<openvdb::BBoxd> boxes_;  ///< world, of the shapes in all frames
+  std::vector<FogMeasure> fogs_;
+  Camera camera_;
+  FogLook look_;
+  std::vector<SectionPlane> planes_;  ///< none where each frame has its own
+  std::vector<std::string> notes_;
+};
+
+}  // namespace slicemorph
