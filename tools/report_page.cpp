@@ -2,6 +2,7 @@
 
 #include "engine/follow/moving_mesh.h"
 #include "engine/render/contact_sheet.h"
+#include "engine/render/render.h"
 #include "engine/volume/level_set.h"
 #include "io/glb_writer.h"
 #include "io/png_writer.h"

@@ -7,7 +7,8 @@ packages=(
   libinsighttoolkit5-dev libgdcm-dev libniftiio-dev libznz-dev zlib1g-dev libopenimageio-dev
 )
 test_packages=(libgtest-dev libbenchmark-dev libopenvdb-tools python3-openvdb python3-numpy
-  openimageio-tools python3-openimageio python3-nibabel python3-pydicom python3-scipy mricron-data ffmpeg)
+  openimageio-tools python3-openimageio python3-nibabel python3-pydicom python3-scipy mricron-data ffmpeg
+  chromium)
 
 say() { printf '\n== %s\n' "$*"; }
 
