@@ -8,32 +8,46 @@
 #include <ImfHeader.h>
 #include <ImfOutputFile.h>
 #include <ImfStringAttribute.h>
+#include <ImfThreading.h>
+#include <half.h>
+#include <tbb/global_control.h>
 
 namespace slicemorph {
 namespace {
 
-struct Channel {
-  std::string name;
-  const float* first;  ///< of the first pixel
-  size_t stride;       ///< floats from pixel to pixel
+/// Channels that lie side by side, pixel by pixel.
+struct Channels {
+  std::vector<std::string> names;
+  const std::vector<float>& values;
+  Imf::PixelType type;
 };
 
-void writeFloats(const std::string& path, Imf::Header header, const std::vector<Channel>& channels) {
-  const int width = header.dataWindow().max.x + 1;
+void writeChannels(const std::string& path, Imf::Header header, const std::vector<Channels>& groups) {
+  const size_t width = size_t(header.dataWindow().max.x) + 1;
   header.compression() = Imf::ZIP_COMPRESSION;
   header.insert("software", Imf::StringAttribute("slicemorph"));
   Imf::FrameBuffer buffer;
-  for (const Channel& channel : channels) {
-    header.channels().insert(channel.name, Imf::Channel(Imf::FLOAT));
+  std::vector<std::vector<half>> halves;
+  for (const Channels& group : groups) {
+    size_t bytes = sizeof(float);
     // OpenEXR's interface is not const, but writing only reads.
-    char* base = reinterpret_cast<char*>(const_cast<float*>(channel.first));
-    const size_t pixel = channel.stride * sizeof(float);
-    buffer.insert(channel.name, Imf::Slice(Imf::FLOAT, base, pixel, pixel * size_t(width)));
+    char* first = reinterpret_cast<char*>(const_cast<float*>(group.values.data()));
+    if (group.type == Imf::HALF) {
+      halves.emplace_back(group.values.begin(), group.values.end());
+      bytes = sizeof(half), first = reinterpret_cast<char*>(halves.back().data());
+    }
+    const size_t pixel = bytes * group.names.size();
+    for (size_t c = 0; c < group.names.size(); ++c) {
+      header.channels().insert(group.names[c], Imf::Channel(group.type));
+      buffer.insert(group.names[c], Imf::Slice(group.type, first + c * bytes, pixel, pixel * width));
+    }
   }
+  const int threads = int(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+  Imf::setGlobalThreadCount(threads);
   AtomicFile output(path);
   ExrStream stream(output, path);
   try {
-    Imf::OutputFile file(stream, header, 0);
+    Imf::OutputFile file(stream, header, threads);
     file.setFrameBuffer(buffer);
     file.writePixels(header.dataWindow().max.y + 1);
   } catch (const Iex::BaseExc& error) {
@@ -46,13 +60,11 @@ void writeFloats(const std::string& path, Imf::Header header, const std::vector<
 }  // namespace
 
 void writePictureExr(const std::string& path, const Picture& image) {
-  std::vector<Channel> channels;
-  for (size_t c = 0; c < 4; ++c) channels.push_back({std::string(1, "RGBA"[c]), image.rgba.data() + c, 4});
-  if (!image.mask.empty()) channels.push_back({"mask", image.mask.data(), 1});
-  if (!image.depth.empty()) channels.push_back({"Z", image.depth.data(), 1});
-  for (size_t c = 0; c < 3 && !image.normal.empty(); ++c)
-    channels.push_back({std::string("N.") + "XYZ"[c], image.normal.data() + c, 3});
-  writeFloats(path, Imf::Header(image.width, image.height), channels);
+  std::vector<Channels> groups{{{"R", "G", "B", "A"}, image.rgba, Imf::HALF}};
+  if (!image.mask.empty()) groups.push_back({{"mask"}, image.mask, Imf::HALF});
+  if (!image.depth.empty()) groups.push_back({{"Z"}, image.depth, Imf::FLOAT});
+  if (!image.normal.empty()) groups.push_back({{"N.X", "N.Y", "N.Z"}, image.normal, Imf::HALF});
+  writeChannels(path, Imf::Header(image.width, image.height), groups);
 }
 
 }  // namespace slicemorph

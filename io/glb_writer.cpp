@@ -121,7 +121,7 @@ class GlbBuilder {
   void addMaterial() {
     tinygltf::Material clay;
     clay.name = "clay";
-    clay.pbrMetallicRoughness.baseColorFactor = {0.8, 0.8, 0.8, 1};
+    clay.pbrMetallicRoughness.baseColorFactor = {0.62, 0.47, 0.36, 1};
     clay.pbrMetallicRoughness.metallicFactor = 0;
     clay.pbrMetallicRoughness.roughnessFactor = 0.7;
     model_.materials.push_back(std::move(clay));

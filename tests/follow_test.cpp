@@ -46,7 +46,8 @@ TEST(CarryPoints, ABallThatMovesAndGrowsTakesItsPointsStraightAlong) {
     const std::vector<Vec3d> back = plan.carryPoints(there, {1 - t, t}, {1, 0});
     most = 0;
     for (size_t i = 0; i < start.size(); ++i) most = std::max(most, (back[i] - start[i]).length());
-    EXPECT_LT(most, 1e-3 * kVoxel) << t;  // the map's inverse is exact where nothing folds
+    // The inverse is found to a thousandth of the lattice's spacing, which is below ten voxels.
+    EXPECT_LT(most, 0.01 * kVoxel) << t;
   }
 }
 

@@ -178,6 +178,12 @@ def case_sphere(folder):
     assert off.max() < 0.5 * 2.25 / 48 + 0.002, off.max()
 
 
+def check_volume(points, triangles, frame):
+    """A tenth of a voxel all over, as moving meshes may be too large or too small; and what single precision adds."""
+    off = abs(volume_of(points, triangles) - frame["volume"])
+    assert off < 0.101 * frame["voxelSize"] * frame["area"], (frame["frame"], off / frame["voxelSize"] / frame["area"])
+
+
 def case_on_frames(folder):
     """Every frame's points lie on the level set that the same morph writes as VDB; volumes are the frames' own."""
     words = ["morph", ASSETS + "/blade.ply", ASSETS + "/creature.ply", "--frames", 5, "--resolution", 64]
@@ -189,7 +195,7 @@ def case_on_frames(folder):
         points, normals, triangles = glb.at(i / 24)
         off = distances(folder + "/m.%04d.vdb" % (i + 1), points[::3])
         assert off.max() < 0.5, (i, off.max())
-        assert abs(volume_of(points, triangles) / frame["volume"] - 1) < 0.0101, (i, volume_of(points, triangles), frame["volume"])
+        check_volume(points, triangles, frame)
         check_normals(points, normals, triangles)
 
 
@@ -203,7 +209,7 @@ def case_hole(folder):
     assert len(glb.nodes) > 1 and "each shown in its own frames" in text
     for i, frame in enumerate(frames):
         points, normals, triangles = glb.at(i / 24)
-        assert abs(volume_of(points, triangles) / frame["volume"] - 1) < 0.0101
+        check_volume(points, triangles, frame)
         glb.at((i + 0.5) / 24)
     # A reader that knows no animation sees the first frame.
     assert [n.get("scale", [1, 1, 1]) == [1, 1, 1] for n in glb.nodes] == [True] + [False] * (len(glb.nodes) - 1)

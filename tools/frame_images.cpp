@@ -43,8 +43,7 @@ openvdb::MaskGrid::Ptr boxGrid(const openvdb::BBoxd& box, double voxelSize) {
 }  // namespace
 
 void FrameImages::prepare(const FrameMaker& maker, Progress& progress) {
-  const size_t last = settings_.frames.back().inputFrame;
-  if (last == 0) {
+  if (!settings_.moving()) {
     for (const LoadedObject& input : maker.inputs()) survey(input);
     surveyBetween(maker);
   } else {

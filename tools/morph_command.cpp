@@ -57,7 +57,7 @@ class FrameRun {
   std::vector<Json> run() {
     std::vector<Json> rows;
     const size_t count = settings_.frames.size();
-    const bool moving = settings_.frames.back().inputFrame > 0;
+    const bool moving = settings_.moving();
     for (size_t i = 0; i < count; ++i) {
       const double step = (settings_.oneGlb() ? kFramesMade : 1) / double(count), from = moving ? double(i) * step : 0;
       maker_.moveTo(i, from, moving ? from + kFramePlanned * step : kPlanned);
@@ -151,7 +151,7 @@ class FrameRun {
   }
 
   /// The plan of all frames; null where each has its own, or the method none.
-  const MorphPlan* commonPlan() const { return settings_.frames.back().inputFrame > 0 ? nullptr : maker_.slicePlan(); }
+  const MorphPlan* commonPlan() const { return settings_.moving() ? nullptr : maker_.slicePlan(); }
 
   void addToPage(size_t i, const FloatGrid::ConstPtr& surface) {
     if (surface && !surface->empty()) page_.add(i, *surface);

@@ -233,6 +233,8 @@ bool MorphSettings::hasPage() const {
   return std::any_of(reports.begin(), reports.end(), [](const std::string& r) { return OutputName(r).extension() == ".html"; });
 }
 
+bool MorphSettings::moving() const { return std::any_of(inputs.begin(), inputs.end(), isMovingInput); }
+
 bool MorphSettings::toFrameImages() const {
   const std::string extension = OutputName(output).extension();
   return extension == ".exr" || extension == ".png";
@@ -270,7 +272,6 @@ MorphSettings MorphOptionSet::settings() {
   if (v.velocity.empty()) throw InputError("--velocity needs a name for the grid, or none");
   const bool images = std::all_of(s.inputs.begin(), s.inputs.end(), isImageInput);
   s.velocity = {images && !v.velocityGiven->count() ? "none" : v.velocity, v.velocityUnit == "frame", v.addVelocity};
-  if (s.toPictures()) s.velocity.name = "none";
   s.like = v.like;
   s.plan.landmarks = readLandmarks("--landmarks", v.landmarks, s.inputs.size());
   s.checkLandmarks = readLandmarks("--check-landmarks", v.checkLandmarks, s.inputs.size());
@@ -302,6 +303,7 @@ MorphSettings MorphOptionSet::settings() {
   for (const JobOption& option : v.imageOptions)
     if (option.option->count()) s.imageOptions.push_back({option.key, joined(option.option->results())});
   checkImageOptions(s);
+  if (s.toPictures()) s.velocity.name = "none";
   s.glb.zUp = v.glbUp == "z";
   s.glb.metres = v.glbUnit == "mm" ? 1e-3 : v.glbUnit == "cm" ? 1e-2 : 1;
   if (s.frames.size() > 1 && !name.isSequence() && !s.oneGlb())

@@ -64,6 +64,8 @@ struct MorphSettings {
   bool quiet = false, resume = false;
   std::shared_ptr<void> threadLimit;
 
+  /// An input is another file at every frame: one plan does not serve all frames.
+  bool moving() const;
   /// Every frame is a picture, or its slices.
   bool toFrameImages() const;
   bool toPictures() const { return toFrameImages() && exrContent == ExrContent::kPicture; }

@@ -19,10 +19,10 @@ struct SurfaceFrame {
 
 /// How far a moving mesh may be from a frame's own surface to stand for it.
 struct FollowLimits {
-  double most = 2;         ///< voxels from any vertex of the frame's own mesh to the moving one
-  double p99 = 0.5;        ///< voxels from 99 % of them
+  double most = 3;         ///< voxels from any vertex of the frame's own mesh to the moving one
+  double p99 = 0.75;       ///< voxels from 99 % of them
   double mean = 0.1;       ///< voxels by which it is too large or too small, all over: its volume's error by the area
-  double inwards = 0.005;  ///< share of the area whose triangles face inwards: folds
+  double inwards = 0.01;   ///< share of the area whose triangles face inwards: folds
 };
 
 /// The surfaces of a morph's frames, each frame in one mesh, with as few meshes as are found: the mesh of the frame in the

@@ -10,8 +10,8 @@
 namespace slicemorph {
 namespace {
 
-/// Two slices that follow each other lean by less than this from the line between them (75 degrees).
-constexpr double kLeastSlope = 0.26;
+/// Two slices that follow each other lean by less than this against each other: the cosine of 75 degrees.
+constexpr double kLeastCosine = 0.26;
 /// How far beyond the ends a place between slices lies.
 constexpr double kInside = -std::numeric_limits<double>::infinity();
 
@@ -48,7 +48,7 @@ SectionSlabs::SectionSlabs(const std::vector<SectionPlane>& planes, double reach
     if (slab.along.dot(way) < 0) slab.along = -slab.along;
     slab.slope[0] = slab.along.dot(a.normal);
     slab.slope[1] = slab.along.dot(b.normal);
-    if (std::min(std::abs(slab.slope[0]), std::abs(slab.slope[1])) < kLeastSlope)
+    if (a.normal.dot(turned) < kLeastCosine)
       throw InputError(
           "slices " + std::to_string(a.index + 1) + " and " + std::to_string(b.index + 1) +
           " stand across each other: there is nothing between them; slices are to follow each other");

@@ -34,6 +34,9 @@ struct Across {
   }
 };
 
+/// Of the key light, for soft shadows.
+constexpr double kSpread = 0.33;
+
 /// Everything a task needs to colour a hit; its caches are not shared.
 class Shader {
  public:
@@ -51,33 +54,50 @@ class Shader {
   /// Central differences, interpolated: continuous over the surface, unlike the gradient of one cell.
   Vec3d normalAt(const Vec3d& world) const {
     const Vec3d index = grid_.worldToIndex(world);
-    Vec3d gradient;
-    for (int a = 0; a < 3; ++a) {
-      Vec3d step(0.0);
-      step[a] = 1;
-      gradient[a] = sample(index + step) - sample(index - step);
+    const openvdb::Coord base = openvdb::Coord::floor(index);
+    const Vec3d in = index - base.asVec3d();
+    // Voxels one before to two after the cell, but for those that lie beyond it along two axes.
+    double v[4][4][4];
+    for (int x = 0; x < 4; ++x)
+      for (int y = 0; y < 4; ++y)
+        for (int z = 0; z < 4; ++z)
+          if (int(x % 3 == 0) + int(y % 3 == 0) + int(z % 3 == 0) < 2)
+            v[x][y][z] = accessor_.getValue(base.offsetBy(x - 1, y - 1, z - 1));
+    Vec3d gradient(0.0);
+    for (int c = 0; c < 8; ++c) {
+      const int x = 1 + (c & 1), y = 1 + (c >> 1 & 1), z = 1 + (c >> 2);
+      const double weight = (x == 2 ? in[0] : 1 - in[0]) * (y == 2 ? in[1] : 1 - in[1]) * (z == 2 ? in[2] : 1 - in[2]);
+      gradient += weight * Vec3d(v[x + 1][y][z] - v[x - 1][y][z], v[x][y + 1][z] - v[x][y - 1][z],
+                                 v[x][y][z + 1] - v[x][y][z - 1]);
     }
     const Vec3d normal = grid_.transform().baseMap()->applyIJT(gradient);
     return normal.lengthSqr() > 0 ? normal.unit() : basis_.back;
   }
 
-  /// Clay. `lightSample`: where on the key light, in the unit square.
-  Colour operator()(const Vec3d& world, Vec3d normal, const Vec3d& viewDirection,
-                    const openvdb::Vec2d& lightSample) {
+  /// The share of the key light that a place sees, by so many rays to places on it.
+  float lit(const Vec3d& world, const Vec3d& normal, int first, int rays) const {
+    int free = 0;
+    for (int n = 0; n < rays; ++n) {
+      const openvdb::Vec2d at = samplePosition(3 * (first + n) + 1);
+      const Vec3d light = (key_ + acrossKey_.a * (kSpread * (at.x() - 0.5)) + acrossKey_.b * (kSpread * (at.y() - 0.5))).unit();
+      if (normal.dot(light) <= 0) continue;
+      // Two voxels off the surface, else it shadows itself in steps at the terminator.
+      free += !intersector_.intersectsWS(ViewRay(world + normal * (2 * voxelSize_), light));
+    }
+    return float(free) / float(rays);
+  }
+
+  /// Clay. `shines`: the share of the key light that is seen.
+  Colour operator()(const Vec3d& world, Vec3d normal, const Vec3d& viewDirection, float shines) const {
     static const Colour albedo(0.53f, 0.435f, 0.355f);
     static const Vec3d fillLight = Vec3d(0.85, 0.1, 0.5).unit(), rimLight = Vec3d(0.45, 0.6, -0.75).unit();
     if (normal.dot(viewDirection) > 0) normal -= viewDirection * normal.dot(viewDirection);
     const Vec3d toViewer = -viewDirection;
-    const double spread = 0.33;  // of the key light, for soft shadows
-    const Vec3d key = (key_ + acrossKey_.a * (spread * (lightSample.x() - 0.5)) +
-                       acrossKey_.b * (spread * (lightSample.y() - 0.5)))
-                          .unit();
     const float open = openness(world, normal);
 
-    const float facing = float(normal.dot(key));
+    const float facing = float(normal.dot(key_));
     // Shadows are not black: what lies in them must be seen too.
-    const bool shines = facing > 0 && lit(world, normal, key);
-    const float direct = std::max(0.0f, facing) * (shines ? 1.0f : 0.3f);
+    const float direct = std::max(0.0f, facing) * mix(0.3f, 1.0f, shines);
     const float wrapped = std::max(0.0f, (facing + 0.4f) / 1.4f);
     const float fill = std::max(0.0f, float(normal.dot(basis_.toWorld(fillLight)) + 0.35) / 1.35f);
     const float grazing = std::pow(1 - std::max(0.0f, float(normal.dot(toViewer))), 3.0f);
@@ -90,8 +110,8 @@ class Shader {
         Colour(1.0f, 0.94f, 0.86f) * intensity_ * (1.12f * direct + 0.06f * wrapped) * mix(0.7f, 1.0f, open);
     light += Colour(0.55f, 0.66f, 0.85f) * (0.2f * fill) * mix(0.6f, 1.0f, open);
     light += Colour(0.9f, 0.95f, 1.0f) * (0.5f * rim);
-    const float highlight = std::pow(std::max(0.0f, float(normal.dot((key + toViewer).unit()))), 28.0f);
-    const float gloss = shines ? 0.08f * intensity_ * highlight : 0.0f;
+    const float highlight = std::pow(std::max(0.0f, float(normal.dot((key_ + toViewer).unit()))), 28.0f);
+    const float gloss = shines * 0.08f * intensity_ * highlight;
     return albedo * light + Colour(gloss + 0.05f * grazing * sky);
   }
 
@@ -106,11 +126,6 @@ class Shader {
       open -= 0.5 * std::clamp((reach - seen) / reach, 0.0, 1.0);
     }
     return float(std::clamp(open, 0.0, 1.0));
-  }
-
-  bool lit(const Vec3d& world, const Vec3d& normal, const Vec3d& light) {
-    // Two voxels off the surface, else it shadows itself in steps at the terminator.
-    return !intersector_.intersectsWS(ViewRay(world + normal * (2 * voxelSize_), light));
   }
 
   const FloatGrid& grid_;
@@ -140,23 +155,132 @@ void check(const FloatGrid& levelSet, const Camera& camera) {
   }
 }
 
-Pixel pixelAt(int column, int row, const Film& film, const CameraRays& rays, const RenderOptions& options,
-              const Intersector& intersector, Shader& shader) {
-  Pixel pixel;
-  int hits = 0;
-  for (int n = 0; n < options.samples; ++n) {
-    const openvdb::Vec2d at = film.place(column, row, n);
-    const ViewRay ray = rays(at.x(), at.y());
-    Vec3d world;
-    if (!intersector.intersectsWS(ray, world)) continue;
-    const Vec3d normal = shader.normalAt(world);
-    if (hits++ == 0) pixel.depth = float(rays.depth(world)), pixel.normal = Colour(normal);
-    pixel.colour += shader(world, normal, ray.dir(), samplePosition(3 * n + 1));
+/// What a ray through the middle of a pixel met.
+struct Hit {
+  bool there = false;
+  float depth = kFarAway;
+  float lit = -1;  ///< share of the key light that is seen; negative: not known yet
+  Vec3d world, normal, direction;
+};
+
+/// A square part of a picture. Its pixels' middles are looked at, and those around them. One place of four looks for the
+/// light; where these agree, those between have as much of it. More rays go through a pixel only where the shape ends or
+/// turns in it, or a shadow's edge crosses it.
+class Part {
+ public:
+  static constexpr int kSize = 64;
+
+  Part(int column, int row, Film& film, const CameraRays& rays, const RenderOptions& options, const Intersector& intersector,
+       const Shader& shader)
+      : film_(film),
+        rays_(rays),
+        options_(options),
+        intersector_(intersector),
+        shader_(shader),
+        left_(column),
+        top_(row),
+        right_(std::min(column + kSize, options.width)),
+        bottom_(std::min(row + kSize, options.height)),
+        hits_(kStride * kStride) {}
+
+  void draw() {
+    for (int y = top_ - 1; y <= bottom_; ++y)
+      for (int x = left_ - 1; x <= right_; ++x) at(x, y) = look(x, y, 0);
+    for (int y = top_; y <= bottom_; y += 2)
+      for (int x = left_; x <= right_; x += 2) light(at(x, y));
+    for (int y = top_; y < bottom_; ++y)
+      for (int x = left_; x < right_; ++x)
+        if (Hit& hit = at(x, y); hit.there && hit.lit < 0) hit.lit = litBetween(x, y);
+    for (int y = top_; y < bottom_; ++y)
+      for (int x = left_; x < right_; ++x) film_.set(x, y, pixel(x, y));
   }
-  pixel.colour /= float(options.samples);
-  pixel.cover = float(hits) / float(options.samples);
-  return pixel;
-}
+
+ private:
+  static constexpr int kStride = kSize + 2;
+  /// Neighbours whose normals have a smaller cosine are on different parts.
+  static constexpr double kSmooth = 0.95;
+
+  Hit& at(int x, int y) { return hits_[size_t((y - top_ + 1) * kStride + x - left_ + 1)]; }
+
+  Hit look(int x, int y, int sample) const {
+    const openvdb::Vec2d place = film_.place(x, y, sample);
+    const ViewRay ray = rays_(place.x(), place.y());
+    Hit hit;
+    hit.there = intersector_.intersectsWS(ray, hit.world);
+    if (!hit.there) return hit;
+    hit.depth = float(rays_.depth(hit.world));
+    hit.normal = shader_.normalAt(hit.world);
+    hit.direction = ray.dir();
+    return hit;
+  }
+
+  void light(Hit& hit) const {
+    if (hit.there) hit.lit = shader_.lit(hit.world, hit.normal, 0, options_.samples);
+  }
+
+  bool alike(const Hit& a, const Hit& b) const {
+    if (a.there != b.there) return false;
+    if (!a.there) return true;
+    // As far apart as a slope seen at a grazing angle makes neighbours, not more.
+    return a.normal.dot(b.normal) > kSmooth &&
+           std::abs((a.world - b.world).dot(a.normal)) < 0.5 * std::abs((a.world - b.world).length());
+  }
+
+  float litBetween(int x, int y) {
+    const int x0 = x - ((x - left_) & 1), y0 = y - ((y - top_) & 1);
+    Hit& hit = at(x, y);
+    float lit = -1;
+    for (const int cy : {y0, y0 + ((y - top_) & 1) * 2})
+      for (const int cx : {x0, x0 + ((x - left_) & 1) * 2}) {
+        const bool known = cx <= right_ && cy <= bottom_ && at(cx, cy).lit >= 0;
+        if (!known || !alike(hit, at(cx, cy)) || (lit >= 0 && lit != at(cx, cy).lit)) return light(hit), hit.lit;
+        lit = at(cx, cy).lit;
+      }
+    if (lit > 0 && lit < 1) light(hit), lit = hit.lit;
+    return lit;
+  }
+
+  bool needsMore(int x, int y) {
+    const Hit& hit = at(x, y);
+    for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}})
+      if (!alike(hit, at(x + dx, y + dy))) return true;
+    // Shadows have soft edges; the steep ones of what is near need more.
+    for (const auto& [dx, dy] : {std::pair{-1, 0}, {0, -1}})
+      if (hit.there && x + dx >= left_ && y + dy >= top_ && std::abs(hit.lit - at(x + dx, y + dy).lit) > 0.5) return true;
+    return false;
+  }
+
+  Pixel pixel(int x, int y) {
+    const Hit& middle = at(x, y);
+    Pixel pixel;
+    int hits = 0, samples = 1;
+    const auto add = [&](const Hit& hit) {
+      if (!hit.there) return;
+      if (hits++ == 0) pixel.depth = hit.depth, pixel.normal = Colour(hit.normal);
+      pixel.colour += shader_(hit.world, hit.normal, hit.direction, hit.lit);
+    };
+    add(middle);
+    if (options_.samples > 1 && needsMore(x, y)) {
+      samples = options_.samples;
+      for (int n = 1; n < samples; ++n) {
+        Hit hit = look(x, y, n);
+        if (hit.there) hit.lit = shader_.lit(hit.world, hit.normal, n, 1);
+        add(hit);
+      }
+    }
+    pixel.colour /= float(samples);
+    pixel.cover = float(hits) / float(samples);
+    return pixel;
+  }
+
+  Film& film_;
+  const CameraRays& rays_;
+  const RenderOptions& options_;
+  const Intersector& intersector_;
+  const Shader& shader_;
+  int left_, top_, right_, bottom_;
+  std::vector<Hit> hits_;
+};
 
 }  // namespace
 
@@ -188,15 +312,14 @@ Picture renderSurface(const FloatGrid& levelSet, const Camera& camera, const Ren
     return film.take();
   }
   const Intersector original(levelSet);
-  constexpr int kRowsATask = 8;
+  const int across = (options.width + Part::kSize - 1) / Part::kSize, down = (options.height + Part::kSize - 1) / Part::kSize;
   tbb::parallel_for(
-      tbb::blocked_range<int>(0, options.height, kRowsATask),
+      tbb::blocked_range<int>(0, across * down, 1),
       [&](const tbb::blocked_range<int>& range) {
         const Intersector intersector(original);
-        Shader shader(levelSet, rays.basis(), original, options);
-        for (int row = range.begin(); row < range.end(); ++row)
-          for (int column = 0; column < options.width; ++column)
-            film.set(column, row, pixelAt(column, row, film, rays, options, intersector, shader));
+        const Shader shader(levelSet, rays.basis(), original, options);
+        for (int n = range.begin(); n < range.end(); ++n)
+          Part(n % across * Part::kSize, n / across * Part::kSize, film, rays, options, intersector, shader).draw();
       },
       tbb::simple_partitioner());
   return film.take();

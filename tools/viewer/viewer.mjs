@@ -36,9 +36,9 @@ function decode(text) {
   return bytes.buffer;
 }
 
-/// The box of all frames, of every mesh in all its shapes.
-function boxOf(scene) {
-  const box = new THREE.Box3(), p = new THREE.Vector3();
+/// Visits the points of all frames: every mesh in all its shapes.
+function forPoints(scene, visit) {
+  const p = new THREE.Vector3();
   scene.updateMatrixWorld(true);
   scene.traverse(node => {
     if (!node.isMesh) return;
@@ -47,15 +47,32 @@ function boxOf(scene) {
       for (let i = 0; i < base.count; ++i) {
         p.fromBufferAttribute(base, i);
         if (k >= 0) p.x += targets[k].getX(i), p.y += targets[k].getY(i), p.z += targets[k].getZ(i);
-        box.expandByPoint(p.applyMatrix4(node.parent.matrixWorld));
+        visit(p.applyMatrix4(node.parent.matrixWorld));
       }
   });
-  return box;
+}
+
+/// Moves a camera back along its line of sight until it sees all points of all frames, with a margin.
+function frameAll(scene, camera, target, towards) {
+  camera.position.copy(target).add(towards);
+  camera.lookAt(target);
+  const up = Math.tan(camera.fov * Math.PI / 360) / 1.08, across = up * camera.aspect;
+  const turn = camera.quaternion.clone().invert(), q = new THREE.Vector3();
+  let distance = 0, behind = 0;
+  forPoints(scene, p => {
+    q.copy(p).sub(target).applyQuaternion(turn);
+    distance = Math.max(distance, q.z + Math.abs(q.x) / across, q.z + Math.abs(q.y) / up);
+    behind = Math.max(behind, q.length());
+  });
+  camera.position.copy(target).addScaledVector(towards, distance);
+  camera.near = distance / 100;
+  camera.far = distance + 10 * behind;
+  camera.updateProjectionMatrix();
 }
 
 function addLights(scene, camera) {
-  scene.add(new THREE.HemisphereLight(0xffffff, 0x8a8078, 1.4));
-  const key = new THREE.DirectionalLight(0xffffff, 2.2), fill = new THREE.DirectionalLight(0xdfe8ff, 0.7);
+  scene.add(new THREE.HemisphereLight(0xffffff, 0x6a6058, 0.9));
+  const key = new THREE.DirectionalLight(0xfff6ea, 1.9), fill = new THREE.DirectionalLight(0xdfe8ff, 0.5);
   key.position.set(-0.6, 0.9, 0.8);
   fill.position.set(1, 0.1, 0.4);
   camera.add(key, fill);
@@ -95,12 +112,11 @@ function startPlayer() {
   new GLTFLoader().parse(decode(data.textContent), '', gltf => {
     scene.add(gltf.scene);
     gltf.scene.traverse(node => { if (node.isMesh) node.frustumCulled = false; });
-    const sphere = boxOf(gltf.scene).getBoundingSphere(new THREE.Sphere());
-    const distance = sphere.radius / Math.sin(camera.fov * Math.PI / 360);
-    controls.target.copy(sphere.center);
-    camera.position.copy(sphere.center).addScaledVector(new THREE.Vector3(0.55, 0.3, 1).normalize(), distance);
-    camera.near = distance / 100;
-    camera.far = distance * 10;
+    const box = new THREE.Box3();
+    forPoints(gltf.scene, p => box.expandByPoint(p));
+    box.getCenter(controls.target);
+    resize();
+    frameAll(gltf.scene, camera, controls.target, new THREE.Vector3(0.55, 0.3, 1).normalize());
     controls.update();
     const mixer = new THREE.AnimationMixer(gltf.scene), shown = report.viewer.frames;
     const actions = gltf.animations.map(clip => mixer.clipAction(clip).setLoop(THREE.LoopOnce));
@@ -114,7 +130,6 @@ function startPlayer() {
       mixer.setTime(i + share);
       draw();
     });
-    resize();
     setPlace(place);
     document.body.dataset.player = 'ready';
   }, error => say('the shapes cannot be read: ' + error.message));
