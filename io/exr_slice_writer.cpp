@@ -24,11 +24,14 @@
 #include <half.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_pipeline.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <type_traits>
+#include <utility>
 
 namespace slicemorph {
 namespace {
@@ -127,6 +130,31 @@ std::string numberedName(int number) {
   return name;
 }
 
+/// Makes a file of parts with `headers`; `fill` writes them.
+template <typename Fill>
+void writeFile(const std::string& path, const std::vector<Imf::Header>& headers, int threads,
+               const Fill& fill) {
+  AtomicFile output(path);
+  ExrStream stream(output, path);
+  try {
+    Imf::MultiPartOutputFile file(stream, headers.data(), int(headers.size()), false, threads);
+    fill(file);
+  } catch (const Iex::BaseExc& error) {
+    throw IoError(path + ": the EXR cannot be written: " + error.what());
+  }
+  stream.flush();
+  output.commit();
+}
+
+size_t threadCount() { return tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism); }
+
+/// Of 9: a fifth faster than OpenEXR's own 4, for 1 % larger files.
+constexpr int kZipLevel = 2;
+
+/// Slices that are sampled together: as many as a leaf is wide, and not more than this.
+constexpr size_t kMostTogether = 8;
+constexpr double kMostBytes = 64 << 20;
+
 /// Writes the slices of one set.
 class Writer {
  public:
@@ -146,6 +174,7 @@ class Writer {
         data({0, 0}, {plane.width - 1, plane.height - 1});
     Imf::Header header(display, data);
     header.compression() = compressionOf(options_.compression);
+    header.zipCompressionLevel() = kZipLevel;
     header.setType(options_.tile > 0 ? Imf::TILEDIMAGE : Imf::SCANLINEIMAGE);
     header.setName(numberedName(plane.index + 1));
     if (options_.tile > 0)
@@ -169,23 +198,28 @@ class Writer {
     return header;
   }
 
-  /// What a slice's channels hold, in the order of the grids; then the coverage.
-  std::vector<SectionValues> sample(size_t n) const {
-    const SectionPlane& plane = planes_[n];
-    std::vector<SectionValues> layers;
-    for (const SliceGrid& grid : grids_) layers.push_back(sampleSection(*grid.grid, plane));
-    if (!anyDistance_) return layers;
-    // Share of a pixel inside, for a surface that crosses it straight.
-    SectionValues coverage{1, std::vector<float>(size_t(plane.width) * size_t(plane.height), 0.0f)};
-    const float pixel = float(plane.pixelSize);
-    for (size_t g = 0; g < grids_.size(); ++g) {
-      if (!isDistance(*grids_[g].grid)) continue;
-      for (size_t i = 0; i < coverage.values.size(); ++i)
-        coverage.values[i] =
-            std::max(coverage.values[i], std::clamp(0.5f - layers[g].values[i] / pixel, 0.0f, 1.0f));
+  /// What the channels of slices `first` to `last` - 1 hold, in the order of the grids; then the coverage.
+  std::vector<std::vector<SectionValues>> sample(size_t first, size_t last) const {
+    const std::vector<SectionPlane> planes(planes_.begin() + long(first), planes_.begin() + long(last));
+    std::vector<std::vector<SectionValues>> slices(planes.size());
+    for (const SliceGrid& grid : grids_) {
+      std::vector<SectionValues> layer = sampleSections(*grid.grid, planes);
+      for (size_t n = 0; n < planes.size(); ++n) slices[n].push_back(std::move(layer[n]));
     }
-    layers.push_back(std::move(coverage));
-    return layers;
+    for (size_t n = 0; n < planes.size() && anyDistance_; ++n) slices[n].push_back(coverage(planes[n], slices[n]));
+    return slices;
+  }
+
+  /// As many slices that follow each other as are sampled together: some that lie in the same leaves, if they are not huge.
+  size_t batch(size_t threads) const {
+    const double bytes = 16.0 * double(size_.x) * double(size_.y) * double(grids_.size());
+    const size_t even = (planes_.size() + 2 * threads - 1) / (2 * threads);
+    return std::clamp(std::min(size_t(kMostBytes / bytes), even), size_t(1), kMostTogether);
+  }
+
+  /// One slice, a file of its own. No threads of OpenEXR's: the caller writes one file a task.
+  void writeOne(const std::string& path, size_t n, const std::vector<SectionValues>& layers) const {
+    writeFile(path, {header(n)}, 0, [&](Imf::MultiPartOutputFile& file) { write(file, 0, n, layers); });
   }
 
   void write(Imf::MultiPartOutputFile& file, int part, size_t n,
@@ -222,6 +256,19 @@ class Writer {
   }
 
  private:
+  /// The share of every pixel that is inside, for a surface that crosses it straight.
+  SectionValues coverage(const SectionPlane& plane, const std::vector<SectionValues>& layers) const {
+    SectionValues coverage{1, std::vector<float>(size_t(plane.width) * size_t(plane.height), 0.0f)};
+    const float pixel = float(plane.pixelSize);
+    for (size_t g = 0; g < grids_.size(); ++g) {
+      if (!isDistance(*grids_[g].grid)) continue;
+      for (size_t i = 0; i < coverage.values.size(); ++i)
+        coverage.values[i] =
+            std::max(coverage.values[i], std::clamp(0.5f - layers[g].values[i] / pixel, 0.0f, 1.0f));
+    }
+    return coverage;
+  }
+
   Imf::PixelType pixelType(const openvdb::GridBase& grid) const {
     return options_.halfFloat && !isExact(grid) ? Imf::HALF : Imf::FLOAT;
   }
@@ -252,22 +299,6 @@ class Writer {
   bool anyDistance_ = false;
 };
 
-/// Makes a file of parts with `headers`; `fill` writes them.
-template <typename Fill>
-void writeFile(const std::string& path, const std::vector<Imf::Header>& headers, int threads,
-               const Fill& fill) {
-  AtomicFile output(path);
-  ExrStream stream(output, path);
-  try {
-    Imf::MultiPartOutputFile file(stream, headers.data(), int(headers.size()), false, threads);
-    fill(file);
-  } catch (const Iex::BaseExc& error) {
-    throw IoError(path + ": the EXR cannot be written: " + error.what());
-  }
-  stream.flush();
-  output.commit();
-}
-
 }  // namespace
 
 const std::vector<std::string>& exrCompressions() {
@@ -282,10 +313,25 @@ const std::vector<std::string>& exrCompressions() {
 void writeSliceExr(const std::string& path, const std::vector<SliceGrid>& grids,
                    const std::vector<SectionPlane>& planes, size_t n, const SliceExrOptions& options) {
   const Writer writer(grids, planes, options);
-  const std::vector<SectionValues> layers = writer.sample(n);
-  // No threads of OpenEXR's own: the caller writes one file a task.
-  writeFile(path, {writer.header(n)}, 0,
-            [&](Imf::MultiPartOutputFile& file) { writer.write(file, 0, n, layers); });
+  writer.writeOne(path, n, writer.sample(n, n + 1)[0]);
+}
+
+void writeSliceFiles(const std::function<std::string(size_t)>& path, const std::vector<SliceGrid>& grids,
+                     const std::vector<SectionPlane>& planes, const SliceExrOptions& options, Progress& progress) {
+  const Writer writer(grids, planes, options);
+  const size_t batch = writer.batch(threadCount());
+  std::atomic<size_t> done{0};
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, (planes.size() + batch - 1) / batch, 1), [&](const auto& range) {
+    for (size_t b = range.begin(); b < range.end(); ++b) {
+      const size_t first = b * batch, last = std::min(first + batch, planes.size());
+      const std::vector<std::vector<SectionValues>> slices = writer.sample(first, last);
+      for (size_t n = first; n < last; ++n) {
+        if (progress.cancelled()) throw Cancelled();
+        writer.writeOne(path(n), n, slices[n - first]);
+        progress.report("slicing", double(++done) / double(planes.size()));
+      }
+    }
+  }, tbb::simple_partitioner());
 }
 
 void writeSlicesExr(const std::string& path, const std::vector<SliceGrid>& grids,
@@ -294,17 +340,31 @@ void writeSlicesExr(const std::string& path, const std::vector<SliceGrid>& grids
   const Writer writer(grids, planes, options);
   std::vector<Imf::Header> headers;
   for (size_t n = 0; n < planes.size(); ++n) headers.push_back(writer.header(n));
-  const size_t threads = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  const size_t threads = threadCount(), batch = writer.batch(threads);
   Imf::setGlobalThreadCount(int(threads));
   writeFile(path, headers, int(threads), [&](Imf::MultiPartOutputFile& file) {
-    const size_t batch = 2 * threads;
-    for (size_t first = 0; first < planes.size(); first += batch) {
-      if (progress.cancelled()) throw Cancelled();
-      progress.report("slicing", double(first) / double(planes.size()));
-      std::vector<std::vector<SectionValues>> layers(std::min(batch, planes.size() - first));
-      tbb::parallel_for(size_t(0), layers.size(), [&](size_t i) { layers[i] = writer.sample(first + i); });
-      for (size_t i = 0; i < layers.size(); ++i) writer.write(file, int(first + i), first + i, layers[i]);
-    }
+    // The next slices are sampled while some are written.
+    using Slices = std::vector<std::vector<SectionValues>>;
+    size_t next = 0, written = 0;
+    tbb::parallel_pipeline(
+        threads + 1,
+        tbb::make_filter<void, size_t>(tbb::filter_mode::serial_in_order,
+                                       [&](tbb::flow_control& flow) {
+                                         if (next >= planes.size()) flow.stop();
+                                         return std::exchange(next, next + batch);
+                                       }) &
+            tbb::make_filter<size_t, Slices>(tbb::filter_mode::parallel,
+                                             [&](size_t first) {
+                                               return writer.sample(first, std::min(first + batch, planes.size()));
+                                             }) &
+            tbb::make_filter<Slices, void>(tbb::filter_mode::serial_in_order, [&](const Slices& slices) {
+              if (progress.cancelled()) throw Cancelled();
+              progress.report("slicing", double(written) / double(planes.size()));
+              for (const std::vector<SectionValues>& layers : slices) {
+                writer.write(file, int(written), written, layers);
+                ++written;
+              }
+            }));
   });
 }
 

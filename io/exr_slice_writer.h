@@ -4,6 +4,7 @@
 #include "engine/slices/section_plane.h"
 #include "io/exr_slice.h"
 
+#include <functional>
 #include <optional>
 
 namespace slicemorph {
@@ -26,6 +27,10 @@ const std::vector<std::string>& exrCompressions();
 /// floats cannot hold.
 void writeSliceExr(const std::string& path, const std::vector<SliceGrid>& grids,
                    const std::vector<SectionPlane>& planes, size_t n, const SliceExrOptions& options = {});
+
+/// All slices, each in a file of its own; uses all threads. Throws as above, and Cancelled.
+void writeSliceFiles(const std::function<std::string(size_t)>& path, const std::vector<SliceGrid>& grids,
+                     const std::vector<SectionPlane>& planes, const SliceExrOptions& options, Progress& progress);
 
 /// All slices as parts of one file, `slice.0001` and so on; uses all threads. Throws as above, and Cancelled.
 void writeSlicesExr(const std::string& path, const std::vector<SliceGrid>& grids,

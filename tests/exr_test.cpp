@@ -237,8 +237,8 @@ TEST(Exr, PictureHasItsFurtherChannels) {
   Imf::InputFile file(path.c_str());
   EXPECT_EQ(readChannel(file, "mask"), image.mask);
   EXPECT_EQ(readChannel(file, "Z"), image.depth);
-  EXPECT_EQ(readChannel(file, "N.X"), (std::vector<float>{0, 0.1f}));
-  EXPECT_EQ(readChannel(file, "N.Z"), (std::vector<float>{0, 0.3f}));
+  EXPECT_EQ(readChannel(file, "N.X"), (std::vector<float>{0, half(0.1f)}));
+  EXPECT_EQ(readChannel(file, "N.Z"), (std::vector<float>{0, half(0.3f)}));
   std::filesystem::remove(path);
 }
 
@@ -393,7 +393,7 @@ TEST(Exr, PictureIsLinearAndWholeOrNotThere) {
   const std::string path = testing::TempDir() + "slicemorph_exr_picture.exr";
   writePictureExr(path, {2, 1, {0.1f, 0.2f, 0.3f, 1, 4, 5, 6, 0.5f}});
   Imf::InputFile file(path.c_str());
-  EXPECT_EQ(readChannel(file, "R"), (std::vector<float>{0.1f, 4}));
+  EXPECT_EQ(readChannel(file, "R"), (std::vector<float>{half(0.1f), 4}));
   EXPECT_EQ(readChannel(file, "A"), (std::vector<float>{1, 0.5f}));
   std::filesystem::remove(path);
   EXPECT_THROW(writePictureExr(testing::TempDir() + "no/such/folder/a.exr", {1, 1, {0, 0, 0, 1}}), IoError);

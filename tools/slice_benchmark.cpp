@@ -23,6 +23,7 @@ using namespace slicemorph;
 
 namespace {
 
+constexpr size_t kTogether = 8;
 constexpr const char* kChannels[] = {"density.Y", "vel.X", "vel.Y", "vel.Z"};
 
 /// A value at every voxel of a cube, by the voxel's place in units of the cube's half side.
@@ -84,15 +85,18 @@ int main(int argc, char** argv) {
   for (const Vec3d& axis : {Vec3d(0, 0, 1), Vec3d(1, 2, 3)}) {
     const auto planes = sectionPlanes({density, velocity}, {axis, side, 0});
     Stopwatch watch;
-    tbb::parallel_for(size_t(0), planes.size(),
-                      [&](size_t n) { writeSliceExr(pathOf(folder, n), grids, planes, n); });
-    const double ours = watch.lap();
     Progress silent;
+    writeSliceFiles([&](size_t n) { return pathOf(folder, n); }, grids, planes, {}, silent);
+    const double ours = watch.lap();
     writeSlicesExr(folder + "/all.exr", grids, planes, {}, silent);
     const double parts = watch.lap();
     std::vector<std::vector<SectionValues>> layers(planes.size());
-    tbb::parallel_for(size_t(0), planes.size(), [&](size_t n) {
-      for (const SliceGrid& grid : grids) layers[n].push_back(sampleSection(*grid.grid, planes[n]));
+    tbb::parallel_for(size_t(0), planes.size() / kTogether, [&](size_t b) {
+      const auto first = planes.begin() + long(b * kTogether);
+      for (const SliceGrid& grid : grids) {
+        std::vector<SectionValues> values = sampleSections(*grid.grid, {first, first + kTogether});
+        for (size_t n = 0; n < kTogether; ++n) layers[b * kTogether + n].push_back(std::move(values[n]));
+      }
     });
     const double sampling = watch.lap();
     tbb::parallel_for(size_t(0), planes.size(),

@@ -7,9 +7,6 @@
 #include "tools/slice_options.h"
 #include "tools/terminal_progress.h"
 
-#include <tbb/parallel_for.h>
-
-#include <atomic>
 #include <cstdio>
 
 namespace slicemorph {
@@ -65,12 +62,7 @@ void writeFiles(const OutputName& name, const std::vector<SliceGrid>& grids,
                 const std::vector<SectionPlane>& planes, const SliceSettings& s) {
   TerminalProgress progress(s.quiet);
   if (!name.isSequence()) return writeSlicesExr(name.path(1), grids, planes, s.slices.exr, progress);
-  std::atomic<size_t> done{0};
-  tbb::parallel_for(size_t(0), planes.size(), [&](size_t i) {
-    if (progress.cancelled()) throw Cancelled();
-    writeSliceExr(name.path(int(i) + 1), grids, planes, i, s.slices.exr);
-    progress.report("slicing", double(++done) / double(planes.size()));
-  });
+  writeSliceFiles([&](size_t n) { return name.path(int(n) + 1); }, grids, planes, s.slices.exr, progress);
 }
 
 void runSlice(SliceSettings& s) {
