@@ -4,9 +4,11 @@
 
 #include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/RayIntersector.h>
+#include <openvdb/tree/LeafManager.h>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 #include <tbb/partitioner.h>
 
 #include <algorithm>
@@ -285,15 +287,22 @@ class Part {
 }  // namespace
 
 openvdb::BBoxd surfaceBox(const FloatGrid& levelSet) {
-  openvdb::CoordBBox box;
-  for (auto it = levelSet.cbeginValueOn(); it; ++it) {
-    if (*it >= 0) continue;
-    if (it.isVoxelValue()) {
-      box.expand(it.getCoord());
-    } else {
-      box.expand(it.getBoundingBox());
-    }
-  }
+  const openvdb::tree::LeafManager<const openvdb::FloatTree> leaves(levelSet.tree());
+  openvdb::CoordBBox box = tbb::parallel_reduce(
+      leaves.leafRange(32), openvdb::CoordBBox(),
+      [](const auto& range, openvdb::CoordBBox part) {
+        for (auto leaf = range.begin(); leaf; ++leaf)
+          for (auto value = leaf->cbeginValueOn(); value; ++value)
+            if (*value < 0) part.expand(value.getCoord());
+        return part;
+      },
+      [](openvdb::CoordBBox a, const openvdb::CoordBBox& b) {
+        a.expand(b);
+        return a;
+      });
+  auto tile = levelSet.cbeginValueOn();
+  for (tile.setMaxDepth(openvdb::FloatTree::ValueOnCIter::LEAF_DEPTH - 1); tile; ++tile)
+    if (*tile < 0) box.expand(tile.getBoundingBox());
   if (box.empty())
     throw GeometryError("grid \"" + levelSet.getName() + "\" has no inside: there is nothing to see");
   const openvdb::BBoxd index(box.min().asVec3d() - Vec3d(1.0), box.max().asVec3d() + Vec3d(1.0));

@@ -53,11 +53,11 @@ ValueRange rangeOf(const FloatGrid& grid) {
   return range;
 }
 
-/// Mean length of the gradient next to the surface, in value per voxel, over some thousand leaves; 0 where there is no
+/// Mean length of the gradient next to the surface, in value per voxel, over some hundred leaves or more; 0 where there is no
 /// surface.
 double meanSlope(const FloatGrid& grid, double voxelSize) {
   const openvdb::tree::LeafManager<const openvdb::FloatTree> leaves(grid.tree());
-  const size_t stride = leaves.leafCount() / 4096 + 1;
+  const size_t stride = leaves.leafCount() / 1024 + 1;
   using Sum = std::pair<double, size_t>;
   const Sum all = tbb::parallel_deterministic_reduce(
       leaves.leafRange(32), Sum(0, 0),

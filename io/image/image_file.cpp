@@ -1,8 +1,7 @@
 #include "io/image/image_file.h"
 
 #include "engine/errors.h"
-#include "io/image/dicom_reader.h"
-#include "io/image/itk_reader.h"
+#include "io/image/itk_library.h"
 #include "io/image/nifti_reader.h"
 #include "io/image/stack_reader.h"
 #include "io/mesh_reader.h"
@@ -52,15 +51,15 @@ std::vector<ImageFile> listSeries(const InputName& name) {
   std::error_code ignored;
   if (!name.grid.empty() || !std::filesystem::is_directory(name.path, ignored)) {
     std::vector<std::string> notes;
-    ImageFile file = readDicomSeries(name.path, chooseDicomSeries(name.path, name.grid, notes));
+    ImageFile file = itkReaders().dicomSeries(name.path, itkReaders().chooseSeries(name.path, name.grid, notes));
     file.name = name.path + (name.grid.empty() ? "" : ":" + name.grid);
     file.notes.insert(file.notes.begin(), notes.begin(), notes.end());
     return {std::move(file)};
   }
-  const DicomFolder folder = scanDicomFolder(name.path);
+  const DicomFolder folder = itkReaders().dicomFolder(name.path);
   std::vector<ImageFile> files;
   for (size_t i = 0; i < folder.series.size(); ++i) {
-    files.push_back(readDicomSeries(name.path, folder.series[i]));
+    files.push_back(itkReaders().dicomSeries(name.path, folder.series[i]));
     files.back().name = name.path + ":" + std::to_string(i + 1);
     if (i == 0) files[0].notes.insert(files[0].notes.begin(), folder.notes.begin(), folder.notes.end());
   }
@@ -92,15 +91,15 @@ ImageFile readImage(const std::string& input, const ImageOptions& options) {
       file = readNifti(name.path, volumeOf(name));
       break;
     case Format::kNrrd:
-      file = readNrrd(name.path, volumeOf(name));
+      file = itkReaders().nrrd(name.path, volumeOf(name));
       break;
     case Format::kMetaImage:
-      file = readMetaImage(name.path, volumeOf(name));
+      file = itkReaders().metaImage(name.path, volumeOf(name));
       break;
     case Format::kDicom: {
       std::vector<std::string> notes;
-      const DicomSeries series = chooseDicomSeries(name.path, name.grid, notes);
-      file = readDicomSeries(name.path, series);
+      const DicomSeries series = itkReaders().chooseSeries(name.path, name.grid, notes);
+      file = itkReaders().dicomSeries(name.path, series);
       file.notes.insert(file.notes.begin(), notes.begin(), notes.end());
       break;
     }

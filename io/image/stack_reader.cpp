@@ -1,13 +1,13 @@
 #include "io/image/stack_reader.h"
 
 #include "engine/errors.h"
+#include "io/image/load_library.h"
 #include "io/image/picture_plugin.h"
 #include "io/image/raw_values.h"
 #include "io/sequence.h"
 
 #include <tbb/parallel_for.h>
 
-#include <dlfcn.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -17,19 +17,9 @@
 namespace slicemorph {
 namespace {
 
-/// The library of pictures lies beside the program, or where SLICEMORPH_PICTURES says.
 SlicemorphReadPicture loadPlugin() {
-  static const SlicemorphReadPicture function = [] {
-    std::error_code ignored;
-    const auto beside =
-        std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path() / "libslicemorph_pictures.so";
-    const char* told = std::getenv("SLICEMORPH_PICTURES");
-    void* library = dlopen(told ? told : beside.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (!library) throw IoError(std::string("pictures cannot be read: ") + dlerror());
-    auto* found = reinterpret_cast<SlicemorphReadPicture>(dlsym(library, "slicemorphReadPicture"));
-    if (!found) throw IoError(std::string("pictures cannot be read: ") + dlerror());
-    return found;
-  }();
+  static const auto function = reinterpret_cast<SlicemorphReadPicture>(
+      functionOf("libslicemorph_pictures.so", "SLICEMORPH_PICTURES", "slicemorphReadPicture", "pictures"));
   return function;
 }
 

@@ -1,0 +1,7 @@
+#include "io/image/itk_library.h"
+
+const slicemorph::ItkReaders* slicemorphItkReaders() {
+  using namespace slicemorph;
+  static const ItkReaders readers{readNrrd, readMetaImage, scanDicomFolder, chooseDicomSeries, readDicomSeries};
+  return &readers;
+}
