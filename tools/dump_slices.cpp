@@ -82,6 +82,12 @@ void drawContour(std::ostream& svg, const Contour& contour, const std::string& c
       << (contour.hole ? 1 : 2) << "\"" << (colour == kGrey ? " stroke-dasharray=\"5 4\"" : "") << "/>\n";
 }
 
+/// Long paths would run into each other.
+std::string withoutFolder(const std::string& path) {
+  const size_t slash = path.find_last_of('/', path.size() < 2 ? 0 : path.size() - 2);
+  return slash == std::string::npos ? path : path.substr(slash + 1);
+}
+
 std::string drawSlice(const SlicePicture& slice, size_t number, size_t count, const View& view,
                       const std::vector<std::string>& names) {
   const auto colours = chooseColours(slice);
@@ -89,12 +95,13 @@ std::string drawSlice(const SlicePicture& slice, size_t number, size_t count, co
   std::ostringstream svg;
   svg << std::fixed;
   svg.precision(2);
-  svg << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" << kPanel * double(panels) << "\" height=\""
-      << kPanel + kHeader << "\" font-family=\"sans-serif\" font-size=\"13\">\n"
+  const double width = kPanel * double(panels), height = kPanel + kHeader;
+  svg << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" << width << "\" height=\"" << height << "\" viewBox=\"0 0 "
+      << width << " " << height << "\" font-family=\"sans-serif\" font-size=\"13\">\n"
       << "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
   for (size_t k = 0; k < panels; ++k) {
     svg << "<text x=\"" << kPanel * double(k) + 8 << "\" y=\"18\">"
-        << escape(k < names.size() ? names[k] : "");
+        << escape(k < names.size() ? withoutFolder(names[k]) : "");
     if (k == 0) svg << " - slice " << number << " of " << count << ", u = " << slice.u;
     svg << "</text>\n";
     // Outer contours first: a hole lies on top of what it is a hole in.

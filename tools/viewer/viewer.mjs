@@ -172,6 +172,7 @@ function curve(title, series, options = {}) {
   const width = 360, height = 210, left = 58, right = 12, top = 34, bottom = 26;
   let low = Math.min(...values, options.from ?? Infinity), high = Math.max(...values);
   if (options.whole) low = Math.min(low, 0), high = Math.max(high, low + 2);
+  if (high === 0 && low === 0) high = 1;
   if (high - low < 1e-9 * Math.max(Math.abs(high), 1e-30)) low -= Math.abs(low) / 10 || 1, high += Math.abs(high) / 10 || 1;
   const step = options.whole ? Math.max(1, niceStep(high - low)) : niceStep(high - low);
   low = Math.floor(low / step + 1e-9) * step;
@@ -229,6 +230,7 @@ function table(id, rows) {
 }
 
 function text(value) {
+  if (Array.isArray(value) && !value.length) return '-';
   if (Array.isArray(value)) return value.length > 12 ? value.length + ' values' : value.map(text).join(', ');
   if (value && typeof value === 'object') return Object.entries(value).map(([k, v]) => k + ' ' + text(v)).join(', ');
   return value === null || value === '' ? '-' : number(value);
