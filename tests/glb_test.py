@@ -14,6 +14,7 @@ import sys
 import tempfile
 import time
 
+sys.path.append("/usr/lib/python3/dist-packages")
 import numpy as np
 import pyopenvdb as vdb
 

@@ -11,7 +11,8 @@ namespace slicemorph {
 /// stack of planes serve all frames.
 class FrameImages {
  public:
-  explicit FrameImages(const MorphSettings& settings) : settings_(settings) {}
+  /// `cancel`: asked whether the job is to end.
+  FrameImages(const MorphSettings& settings, const Progress& cancel) : settings_(settings), cancel_(cancel) {}
 
   /// Looks where the shapes will be in all frames and chooses camera, look or planes, once the maker has been moved to
   /// the first frame. Reads the files of sequences for that.
@@ -22,14 +23,17 @@ class FrameImages {
   std::vector<std::string> takeNotes() { return std::exchange(notes_, {}); }
 
  private:
-  void survey(const LoadedObject& input);
-  void surveyBetween(const FrameMaker& maker);
-  void placePlanes(const FrameMaker& maker);
+  openvdb::BBoxd survey(const LoadedObject& input, bool asFog);
+  openvdb::BBoxd surveyGrids(const LoadedObject& input);
+  void surveyBetween(const FrameMaker& maker, const std::vector<openvdb::BBoxd>& reach);
   void writePictureOf(const FrameJob& job, const MorphFrame& frame);
   void writeSlicesOf(const FrameJob& job, const MorphFrame& frame);
 
   const MorphSettings& settings_;
-  std::vector<openvdb::BBoxd> boxes_;  ///< world, of the shapes in all frames
+  const Progress& cancel_;
+  std::vector<openvdb::BBoxd> boxes_;  ///< world, of what is to be seen in all frames
+  double finest_ = 0;                  ///< voxel size of the grids that are sliced, world units
+  double fastest_ = 0;                 ///< world units from frame to frame
   std::vector<FogMeasure> fogs_;
   Camera camera_;
   FogLook look_;

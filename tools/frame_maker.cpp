@@ -128,6 +128,7 @@ void FrameMaker::chooseGrids(bool first) {
     for (const std::string& grid : settings_.grids)
       if (grid != "surface" && grid != name) throw InputError("--grids: there is no grid '" + grid + "'; there are surface, " + name);
     surfaceWanted_ = asked("surface") && settings_.method != Method::kDissolve;
+    if (!surfaceWanted_ && !asked(name)) throw InputError("--grids surface: --method dissolve makes no surface");
     images_ = !holdsGrids || asked(name);
     return;
   }

@@ -51,7 +51,7 @@ GridFigures figuresOf(const GridBase& grid) {
 class FrameRun {
  public:
   FrameRun(const MorphSettings& settings, FrameMaker& maker, TerminalProgress& progress)
-      : settings_(settings), maker_(maker), progress_(progress), log_(settings), page_(settings), images_(settings) {}
+      : settings_(settings), maker_(maker), progress_(progress), log_(settings), page_(settings), images_(settings, progress) {}
 
   /// Returns the rows of the report, none where none is asked for.
   std::vector<Json> run() {
@@ -123,8 +123,6 @@ class FrameRun {
     figures.seconds.evaluate = watch.lap();
     if (measured()) measure(frame, figures);
     figures.seconds.measure = watch.lap();
-    if (settings_.hasPage() && page_.has(i)) addToPage(i, frame.shape.surface);
-    watch.lap();
     if (settings_.toFrameImages()) {
       images_.write(job, frame);
       takeNotes(images_.takeNotes());
@@ -144,6 +142,7 @@ class FrameRun {
       writeVdb(job.path, frame.grids, options);
     }
     figures.seconds.write = watch.lap();
+    if (settings_.hasPage() && page_.has(i)) addToPage(i, frame.shape.surface);
     if (!measured()) return Json();
     std::vector<ShapeMeasures> inputs;
     for (const LoadedObject& input : maker_.inputs()) inputs.push_back(measuresOf(input.object.levelSet));

@@ -77,7 +77,8 @@ Json describeJob(const MorphSettings& s) {
   if (s.toFrameImages()) {
     job["exr"] = s.exrContent == ExrContent::kSlices ? "slices" : "picture";
     job["imageOptions"] = Json::object();
-    for (const auto& [name, value] : s.imageOptions) job["imageOptions"][name] = value;
+    for (const auto* options : {&s.pictureOptions, &s.sliceOptions})
+      for (const auto& [name, value] : *options) job["imageOptions"][name] = value;
   }
   job["grids"] = s.grids;
   job["conserve"] = s.conserve;

@@ -28,7 +28,7 @@ struct MorphOptionSet::Values {
   std::string velocity = "vel", velocityUnit = "second", glbUp = "y", glbUnit = "m", exrContent = "picture";
   PictureOptions picture;
   SliceOptions exrSlices;
-  std::vector<JobOption> imageOptions;
+  std::vector<JobOption> pictureOptions, sliceOptions;
   bool quiet = false, resume = false, conserve = false, addVelocity = false;
 
   SamplingOptions sampling;
@@ -115,17 +115,26 @@ void setRates(std::vector<FrameJob>& frames, double framesPerSecond) {
   }
 }
 
-std::string joined(const std::vector<std::string>& texts) {
-  std::string all;
-  for (const std::string& text : texts) all += (all.empty() ? "" : " ") + text;
-  return all;
+/// Options that were given, with their values.
+std::vector<std::pair<std::string, std::string>> given(const std::vector<JobOption>& options) {
+  std::vector<std::pair<std::string, std::string>> list;
+  for (const JobOption& option : options) {
+    if (!option.option->count()) continue;
+    std::string all;
+    for (const std::string& text : option.option->results()) all += (all.empty() ? "" : " ") + text;
+    list.push_back({option.key, all});
+  }
+  return list;
 }
 
 /// Options of pictures and slices are for outputs that are some.
 void checkImageOptions(const MorphSettings& s) {
   const bool slices = s.exrContent == ExrContent::kSlices;
-  if (!s.imageOptions.empty() && !s.toFrameImages())
-    throw InputError("--" + s.imageOptions[0].first + " is for outputs that are .exr or .png, not for " + s.output);
+  if (!s.pictureOptions.empty() && !s.toPictures())
+    throw InputError("--" + s.pictureOptions[0].first + " is for pictures, .exr or .png, not for " +
+                     (s.toFrameImages() ? "--exr slices" : s.output));
+  if (!s.sliceOptions.empty() && !(s.toFrameImages() && slices))
+    throw InputError("--" + s.sliceOptions[0].first + " is for outputs that are .exr, with --exr slices");
   if (slices && OutputName(s.output).extension() != ".exr")
     throw InputError("--exr slices is for outputs that are .exr, not for " + s.output);
   if (slices && s.exrSlices.spine && s.method == Method::kDissolve)
@@ -189,7 +198,7 @@ MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Val
       "slices|sdf|levelset|dissolve")
       ->check(oneOf({"slices", "sdf", "levelset", "dissolve"}));
   v.gridsGiven = add("grids", v.grids, JobType::kText,
-                     "Grids of VDB outputs, `surface` for the shape's level set (all; the surface where no input is fog)",
+                     "Grids of VDBs, slices and pictures, `surface` for the shape's level set (all; the surface where no input is fog)",
                      "a,b,...");
   remember("conserve", JobType::kFlag,
            command.add_flag("--conserve", v.conserve,
@@ -207,9 +216,10 @@ MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Val
   add("exr", v.exrContent, JobType::kText,
       "What .exr frames hold: a rendered picture, or slices of all grids, one part each (picture)", "picture|slices")
       ->check(oneOf({"picture", "slices"}));
-  v.imageOptions = addPictureOptions(command, v.picture);
-  for (const JobOption& option : addSliceOptions(command, v.exrSlices, "exr-")) v.imageOptions.push_back(option);
-  v.jobOptions.insert(v.jobOptions.end(), v.imageOptions.begin(), v.imageOptions.end());
+  v.pictureOptions = addPictureOptions(command, v.picture);
+  v.sliceOptions = addSliceOptions(command, v.exrSlices, "exr-");
+  for (const auto* options : {&v.pictureOptions, &v.sliceOptions})
+    v.jobOptions.insert(v.jobOptions.end(), options->begin(), options->end());
   v.threadsGiven = remember("threads", JobType::kInteger, addThreadsOption(command, v.threads));
   remember("report", JobType::kTexts,
            command.add_option("--report", v.reports,
@@ -300,9 +310,16 @@ MorphSettings MorphOptionSet::settings() {
   s.picture = v.picture, s.exrSlices = v.exrSlices;
   checkPictureOptions(s.picture);
   checkSliceOptions(s.exrSlices);
-  for (const JobOption& option : v.imageOptions)
-    if (option.option->count()) s.imageOptions.push_back({option.key, joined(option.option->results())});
+  s.pictureOptions = given(v.pictureOptions), s.sliceOptions = given(v.sliceOptions);
   checkImageOptions(s);
+  if (s.toPictures() && images && s.method == Method::kDissolve)
+    throw InputError("--method dissolve of images makes no surface that could be drawn; the output can be --exr slices or an image");
+  if (s.toPictures() && v.velocityGiven->count())
+    throw InputError("--velocity " + v.velocity + " is for outputs that hold grids; " + s.output + " is a picture");
+  const bool onlySurface = std::all_of(s.grids.begin(), s.grids.end(), [](const std::string& g) { return g == "surface"; });
+  if (!onlySurface && !isImageOutput(s.output) && (!s.holdsGrids() || s.method == Method::kSdf || s.method == Method::kLevelSet))
+    throw InputError("--grids " + v.grids + ": " +
+                     (s.holdsGrids() ? "this --method makes the surface alone" : s.output + " holds the surface alone"));
   if (s.toPictures()) s.velocity.name = "none";
   s.glb.zUp = v.glbUp == "z";
   s.glb.metres = v.glbUnit == "mm" ? 1e-3 : v.glbUnit == "cm" ? 1e-2 : 1;

@@ -59,7 +59,7 @@ struct MorphSettings {
   ExrContent exrContent = ExrContent::kPicture;
   PictureOptions picture;            ///< of .exr and .png outputs
   SliceOptions exrSlices;            ///< of .exr outputs that hold slices
-  std::vector<std::pair<std::string, std::string>> imageOptions;  ///< those of them that were given, with their values
+  std::vector<std::pair<std::string, std::string>> pictureOptions, sliceOptions;  ///< those that were given, with values
   std::vector<Landmark> checkLandmarks;  ///< only measured, not used
   bool quiet = false, resume = false;
   std::shared_ptr<void> threadLimit;

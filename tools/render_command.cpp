@@ -143,7 +143,9 @@ void renderAll(const std::vector<RenderInput>& inputs, const RenderSettings& s) 
                          : renderSurface(*subject.surface, from, s.picture.render);
     });
     tell(output.add(picture, shot.number));
-    if (!s.sheet.empty()) tiles.push_back({std::move(picture), shot.caption});
+    if (s.sheet.empty()) continue;
+    for (auto* unused : {&picture.mask, &picture.depth, &picture.normal}) *unused = {};
+    tiles.push_back({std::move(picture), shot.caption});
   }
   tell(output.finish());
   if (s.sheet.empty()) return;

@@ -1,5 +1,6 @@
 #include "tools/report_page.h"
 
+#include "engine/errors.h"
 #include "engine/follow/moving_mesh.h"
 #include "engine/render/contact_sheet.h"
 #include "engine/render/render.h"
@@ -73,10 +74,14 @@ PageShapes::PageShapes(const MorphSettings& settings)
 bool PageShapes::has(size_t frame) const { return std::binary_search(frames_.begin(), frames_.end(), frame); }
 
 void PageShapes::add(size_t frame, const FloatGrid& surface) {
-  const Vec3d size = surfaceBox(surface).extents();
-  const double voxel = std::max(surface.voxelSize()[0], std::max({size[0], size[1], size[2]}) / kVoxels);
+  try {
+    const Vec3d size = surfaceBox(surface).extents();
+    const double voxel = std::max(surface.voxelSize()[0], std::max({size[0], size[1], size[2]}) / kVoxels);
+    surfaces_.push_back(toLevelSet(surface.copy(), voxel).grid);
+  } catch (const GeometryError&) {
+    return;  // too thin to be seen at this size
+  }
   added_.push_back(frame);
-  surfaces_.push_back(toLevelSet(surface.copy(), voxel).grid);
 }
 
 PageParts PageShapes::finish(const MorphPlan* plan, Progress& progress) {

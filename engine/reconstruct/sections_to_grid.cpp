@@ -40,6 +40,12 @@ double backgroundOf(const GridBase& like) {
   return background;
 }
 
+/// Weights of the values at -1, 0, 1, 2.
+std::array<float, 4> catmullRom(float t) {
+  const float t2 = t * t, t3 = t2 * t;
+  return {(-t3 + 2 * t2 - t) / 2, (3 * t3 - 5 * t2 + 2) / 2, (-3 * t3 + 4 * t2 + t) / 2, (t3 - t2) / 2};
+}
+
 /// One component of one slice; beyond its pixels the background.
 struct Picture {
   const SectionPlane* plane;
@@ -57,8 +63,29 @@ struct Picture {
     const float below = at(i, j + 1) + x * (at(i + 1, j + 1) - at(i, j + 1));
     return above + y * (below - above);
   }
+  /// By Catmull-Rom splines: what curves between the pixels keeps its bulge.
+  float cubic(const Vec3d& p) const {
+    const int i = int(std::floor(p[0])), j = int(std::floor(p[1]));
+    const std::array<float, 4> across = catmullRom(float(p[0] - i)), down = catmullRom(float(p[1] - j));
+    float sum = 0;
+    for (int y = 0; y < 4; ++y) {
+      float row = 0;
+      for (int x = 0; x < 4; ++x) row += across[size_t(x)] * at(i + x - 1, j + y - 1);
+      sum += down[size_t(y)] * row;
+    }
+    return sum;
+  }
   float nearest(const Vec3d& p) const { return at(int(std::floor(p[0] + 0.5)), int(std::floor(p[1] + 0.5))); }
 };
+
+/// Whether planes are parallel and as far apart from each other.
+bool areEven(const std::vector<SectionPlane>& planes) {
+  for (size_t n = 1; n < planes.size(); ++n) {
+    const double gap = planes[0].distance(planes[1].origin), here = planes[n - 1].distance(planes[n].origin);
+    if (planes[n].normal.dot(planes[0].normal) < 1 - 1e-9 || std::abs(here - gap) > 1e-3 * std::abs(gap)) return false;
+  }
+  return true;
+}
 
 /// The slices of one grid as a function of space.
 class Field {
@@ -70,6 +97,7 @@ class Field {
         background_(background),
         whole_(whole),
         distance_(distance),
+        evenly_(areEven(planes)),
         slabs_(planes, reach) {}
 
   const SectionSlabs& slabs() const { return slabs_; }
@@ -81,9 +109,15 @@ class Field {
     const Picture a = picture(place.slab, component, background),
                   b = picture(place.slab + 1, component, background);
     if (distance_) {
-      const float first = a.linear(place.first), second = b.linear(place.second);
+      const float first = a.cubic(place.first), second = b.cubic(place.second);
       // Beyond the ends the distances go on, up to a flat cap in the middle of the next gap.
-      const float on = first + float(place.share) * (second - first);
+      float on = first + float(place.share) * (second - first);
+      if (evenly_ && place.slab > 0 && place.slab + 2 < planes_.size() && place.beyond < 0) {
+        const float before = picture(place.slab - 1, component, background).cubic(onPlane(place.slab - 1, world));
+        const float after = picture(place.slab + 2, component, background).cubic(onPlane(place.slab + 2, world));
+        const std::array<float, 4> w = catmullRom(float(place.share));
+        on = w[0] * before + w[1] * first + w[2] * second + w[3] * after;
+      }
       return std::clamp(std::max(on, float(place.beyond)), -background, background);
     }
     if (place.beyond > 0) return background;
@@ -94,6 +128,12 @@ class Field {
   }
 
  private:
+  /// The pixel that lies nearest to a place.
+  Vec3d onPlane(size_t n, const Vec3d& world) const {
+    const SectionPlane& plane = planes_[n];
+    const Vec3d d = (world - plane.origin) / plane.pixelSize;
+    return {d.dot(plane.xAxis), d.dot(plane.yAxis), 0};
+  }
   Picture picture(size_t n, int component, float background) const {
     const SectionPlane& plane = planes_[n];
     const size_t count = size_t(plane.width) * size_t(plane.height);
@@ -103,7 +143,7 @@ class Field {
   const std::vector<SectionPlane>& planes_;
   const SlicedGrid& sliced_;
   Vec3d background_;
-  bool whole_, distance_;
+  bool whole_, distance_, evenly_;
   SectionSlabs slabs_;
 };
 

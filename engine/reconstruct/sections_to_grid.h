@@ -19,8 +19,9 @@ std::vector<size_t> orderOfSections(const std::vector<SectionPlane>& planes);
 /// along the line that stands evenly on both, in them bilinear (whole numbers and flags: the nearest pixel of
 /// the nearer slice), so that what is linear in space comes back as it was. Slices may lean; where several
 /// pairs hold a place, the one whose images have it nearest to their middle counts. Beyond the first and the
-/// last slice values hold for half the gap. `planes`: in their order. Level sets are made distances again in
-/// a band of three voxels; where they would reach too little they throw InputError naming the voxel size that
+/// last slice values hold for half the gap. `planes`: in their order. Distances are taken along Catmull-Rom
+/// splines, in the slices and, where these are parallel and as far apart, across four of them; level sets are
+/// made distances again in a band of three voxels; where they would reach too little they throw InputError naming the voxel size that
 /// they serve. Throws InputError for too many voxels.
 openvdb::GridBase::Ptr gridOfSections(const std::vector<SectionPlane>& planes, const SlicedGrid& sliced,
                                       double voxelSize);

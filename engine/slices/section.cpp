@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <string>
 #include <type_traits>
 
 namespace slicemorph {
@@ -23,17 +25,17 @@ class LinearSampler {
 
   Value operator()(const Vec3d& p) {
     int in[3];  // the first of the eight voxels, in its leaf
-    Number share[3];
+    double share[3];
     Coord leaf;
     for (int a = 0; a < 3; ++a) {
       // std::floor is a call where the compiler may not count on SSE 4.1.
       const int towardsZero = int(p[a]), base = towardsZero - (p[a] < towardsZero);
       in[a] = base & kMask, leaf[a] = base & ~kMask;
-      share[a] = Number(p[a] - base);
+      share[a] = p[a] - base;
     }
     if (leaf != leaf_ || !entered_) enter(leaf);
-    const Number yz = share[1] * share[2], xz = share[0] * share[2], xy = share[0] * share[1], xyz = xy * share[2];
-    const Number weight[8] = {1 - share[0] - share[1] - share[2] + xy + xz + yz - xyz,
+    const double yz = share[1] * share[2], xz = share[0] * share[2], xy = share[0] * share[1], xyz = xy * share[2];
+    const double weight[8] = {0,  // of the first one; the others' differences from it count: constants stay themselves
                               share[2] - xz - yz + xyz,
                               share[1] - xy - yz + xyz,
                               yz - xyz,
@@ -64,11 +66,13 @@ class LinearSampler {
   static constexpr int kLog = int(Leaf::LOG2DIM), kSide = int(Leaf::DIM), kMask = kSide - 1;
   static constexpr int kZ = kCount, kY = kSide * kZ, kX = kSide * kY;  ///< numbers from voxel to voxel
 
-  static Value sum(const Number (&weight)[8], const Number* const (&at)[8]) {
+  static Value sum(const double (&weight)[8], const Number* const (&at)[8]) {
     Number result[kCount];
-    for (int c = 0; c < kCount; ++c)
-      result[c] = ((weight[0] * at[0][c] + weight[1] * at[1][c]) + (weight[2] * at[2][c] + weight[3] * at[3][c])) +
-                  ((weight[4] * at[4][c] + weight[5] * at[5][c]) + (weight[6] * at[6][c] + weight[7] * at[7][c]));
+    for (int c = 0; c < kCount; ++c) {
+      const double from = at[0][c];
+      const auto part = [&](int n) { return weight[n] * (at[n][c] - from); };
+      result[c] = Number(from + ((part(1) + (part(2) + part(3))) + ((part(4) + part(5)) + (part(6) + part(7)))));
+    }
     if constexpr (kCount == 1)
       return result[0];
     else
@@ -128,6 +132,14 @@ void forPixels(const openvdb::GridBase& grid, const std::vector<SectionPlane>& p
             sample(steps[n].at(i, j), n, size_t(j) * size_t(planes[n].width) + size_t(i));
 }
 
+/// Whole numbers go into floats.
+void checkExact(const openvdb::GridBase& grid, double value) {
+  constexpr double kLargest = 1 << 24;
+  if (std::abs(value) > kLargest)
+    throw InputError("grid '" + grid.getName() + "' holds " + std::to_string(std::int64_t(value)) +
+                     ", and float channels hold whole numbers only up to 16777216; leave it out with --grids");
+}
+
 template <typename Grid>
 void sampleGrid(const Grid& grid, const std::vector<SectionPlane>& planes, std::vector<SectionValues>& results) {
   using Value = typename Grid::ValueType;
@@ -156,7 +168,11 @@ void sampleGrid(const Grid& grid, const std::vector<SectionPlane>& planes, std::
       }
   } else {
     const auto accessor = grid.getConstAccessor();
-    forPixels(grid, planes, [&](const Vec3d& p, size_t n, size_t i) { put(n, i, accessor.getValue(Coord::round(p))); });
+    forPixels(grid, planes, [&](const Vec3d& p, size_t n, size_t i) {
+      const auto value = accessor.getValue(Coord::round(p));
+      if constexpr (!openvdb::VecTraits<Value>::IsVec && sizeof(value) > 2) checkExact(grid, double(value));
+      put(n, i, value);
+    });
   }
 }
 

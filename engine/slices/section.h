@@ -13,7 +13,7 @@ struct SectionValues {
 
 /// Samples one slice; thread-safe. Numbers and vectors are trilinear (staggered vectors face by face), whole
 /// numbers and flags the nearest voxel's; all as the grid stores them: a signed distance, a density. Throws
-/// InputError for grids that are not sliceable (see object_boxes.h).
+/// InputError for grids that are not sliceable (see object_boxes.h), and for whole numbers beyond 2^24.
 SectionValues sampleSection(const openvdb::GridBase& grid, const SectionPlane& plane);
 
 /// The same of several slices, which is faster where they are near each other.

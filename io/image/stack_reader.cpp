@@ -8,10 +8,8 @@
 
 #include <tbb/parallel_for.h>
 
-
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
 #include <memory>
 
 namespace slicemorph {
