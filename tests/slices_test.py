@@ -8,10 +8,13 @@ these are not installed.
 """
 import math
 import os
+import resource
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 
 sys.path.append("/usr/lib/python3/dist-packages")
 import numpy as np
@@ -246,6 +249,36 @@ def morph_slices_hold_all_of_the_fog(d):
     assert abs(total / exact - 1) < 0.02, (total, exact)
 
 
+def what_cannot_be_written_leaves_nothing(d):
+    """A disk that is full after so many bytes, of slices and of pictures; and Ctrl-C in the middle."""
+    make_volume(d + "/v.vdb")
+    os.mkdir(d + "/out")
+    run("slice", d + "/v.vdb", "-o", d + "/whole.exr", "--slices", 6)
+    size = os.path.getsize(d + "/whole.exr")
+
+    def full_after(size):
+        def limit():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+        return limit
+
+    jobs = [(["slice", d + "/v.vdb", "-o", d + "/out/s.exr", "--slices", 6], n) for n in (0, 5000, size // 2, size - 100, size - 1)]
+    jobs += [(["slice", d + "/v.vdb", "-o", d + "/out/s.####.exr", "--slices", 6], 5000),
+             (["render", d + "/v.vdb:surface", "-o", d + "/out/r.exr", "--size", "200x200"], 3000)]
+    for words, limit in jobs:
+        result = subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True, preexec_fn=full_after(limit))
+        assert result.returncode == 1 and ".exr" in result.stderr, (words, limit, result.returncode, result.stderr)
+        assert os.listdir(d + "/out") == [], (words, limit, os.listdir(d + "/out"))
+    job = subprocess.Popen([PROGRAM, "slice", d + "/v.vdb", "-o", d + "/out/s.exr", "--slices", "3000", "--pixel-size", "0.1"],
+                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    until = time.time() + 60
+    while not os.listdir(d + "/out") and time.time() < until:
+        time.sleep(0.01)
+    assert job.poll() is None and os.listdir(d + "/out"), "it ended before it could be interrupted"
+    job.send_signal(signal.SIGINT)
+    assert job.wait(60) != 0 and os.listdir(d + "/out") == [], os.listdir(d + "/out")
+
+
 def lost_slices_are_told(d):
     make_volume(d + "/v.vdb")
     run("slice", d + "/v.vdb", "-o", d + "/s.####.exr", "--slices", 9)
@@ -295,7 +328,7 @@ def morph_straight_to_images(d):
 
 CASES = [morph_straight_to_images,values_are_trilinear, parts_tiles_half_planes, oiiotool_reads_all, rebuilt_within_a_tenth_of_a_voxel,
          same_bytes_for_any_threads, constants_stay_themselves, frames_are_not_mixed,
-         morph_slices_hold_all_of_the_fog, lost_slices_are_told]
+         morph_slices_hold_all_of_the_fog, what_cannot_be_written_leaves_nothing, lost_slices_are_told]
 
 
 def main():
