@@ -146,7 +146,9 @@ void writeFile(const std::string& path, const std::vector<Imf::Header>& headers,
   output.commit();
 }
 
-size_t threadCount() { return tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism); }
+size_t threadCount() {
+  return tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+}
 
 /// Of 9: a fifth faster than OpenEXR's own 4, for 1 % larger files.
 constexpr int kZipLevel = 2;
@@ -206,11 +208,13 @@ class Writer {
       std::vector<SectionValues> layer = sampleSections(*grid.grid, planes);
       for (size_t n = 0; n < planes.size(); ++n) slices[n].push_back(std::move(layer[n]));
     }
-    for (size_t n = 0; n < planes.size() && anyDistance_; ++n) slices[n].push_back(coverage(planes[n], slices[n]));
+    for (size_t n = 0; n < planes.size() && anyDistance_; ++n)
+      slices[n].push_back(coverage(planes[n], slices[n]));
     return slices;
   }
 
-  /// As many slices that follow each other as are sampled together: some that lie in the same leaves, if they are not huge.
+  /// As many slices that follow each other as are sampled together: some that lie in the same leaves, if they
+  /// are not huge.
   size_t batch(size_t threads) const {
     const double bytes = 16.0 * double(size_.x) * double(size_.y) * double(grids_.size());
     const size_t even = (planes_.size() + 2 * threads - 1) / (2 * threads);
@@ -317,21 +321,25 @@ void writeSliceExr(const std::string& path, const std::vector<SliceGrid>& grids,
 }
 
 void writeSliceFiles(const std::function<std::string(size_t)>& path, const std::vector<SliceGrid>& grids,
-                     const std::vector<SectionPlane>& planes, const SliceExrOptions& options, Progress& progress) {
+                     const std::vector<SectionPlane>& planes, const SliceExrOptions& options,
+                     Progress& progress) {
   const Writer writer(grids, planes, options);
   const size_t batch = writer.batch(threadCount());
   std::atomic<size_t> done{0};
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, (planes.size() + batch - 1) / batch, 1), [&](const auto& range) {
-    for (size_t b = range.begin(); b < range.end(); ++b) {
-      const size_t first = b * batch, last = std::min(first + batch, planes.size());
-      const std::vector<std::vector<SectionValues>> slices = writer.sample(first, last);
-      for (size_t n = first; n < last; ++n) {
-        if (progress.cancelled()) throw Cancelled();
-        writer.writeOne(path(n), n, slices[n - first]);
-        progress.report("slicing", double(++done) / double(planes.size()));
-      }
-    }
-  }, tbb::simple_partitioner());
+  tbb::parallel_for(
+      tbb::blocked_range<size_t>(0, (planes.size() + batch - 1) / batch, 1),
+      [&](const auto& range) {
+        for (size_t b = range.begin(); b < range.end(); ++b) {
+          const size_t first = b * batch, last = std::min(first + batch, planes.size());
+          const std::vector<std::vector<SectionValues>> slices = writer.sample(first, last);
+          for (size_t n = first; n < last; ++n) {
+            if (progress.cancelled()) throw Cancelled();
+            writer.writeOne(path(n), n, slices[n - first]);
+            progress.report("slicing", double(++done) / double(planes.size()));
+          }
+        }
+      },
+      tbb::simple_partitioner());
 }
 
 void writeSlicesExr(const std::string& path, const std::vector<SliceGrid>& grids,
@@ -348,23 +356,19 @@ void writeSlicesExr(const std::string& path, const std::vector<SliceGrid>& grids
     size_t next = 0, written = 0;
     tbb::parallel_pipeline(
         threads + 1,
-        tbb::make_filter<void, size_t>(tbb::filter_mode::serial_in_order,
-                                       [&](tbb::flow_control& flow) {
-                                         if (next >= planes.size()) flow.stop();
-                                         return std::exchange(next, next + batch);
-                                       }) &
-            tbb::make_filter<size_t, Slices>(tbb::filter_mode::parallel,
-                                             [&](size_t first) {
-                                               return writer.sample(first, std::min(first + batch, planes.size()));
-                                             }) &
-            tbb::make_filter<Slices, void>(tbb::filter_mode::serial_in_order, [&](const Slices& slices) {
-              if (progress.cancelled()) throw Cancelled();
-              progress.report("slicing", double(written) / double(planes.size()));
-              for (const std::vector<SectionValues>& layers : slices) {
-                writer.write(file, int(written), written, layers);
-                ++written;
-              }
-            }));
+        tbb::make_filter<void, size_t>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& flow) {
+          if (next >= planes.size()) flow.stop();
+          return std::exchange(next, next + batch);
+        }) & tbb::make_filter<size_t, Slices>(tbb::filter_mode::parallel, [&](size_t first) {
+          return writer.sample(first, std::min(first + batch, planes.size()));
+        }) & tbb::make_filter<Slices, void>(tbb::filter_mode::serial_in_order, [&](const Slices& slices) {
+          if (progress.cancelled()) throw Cancelled();
+          progress.report("slicing", double(written) / double(planes.size()));
+          for (const std::vector<SectionValues>& layers : slices) {
+            writer.write(file, int(written), written, layers);
+            ++written;
+          }
+        }));
   });
 }
 

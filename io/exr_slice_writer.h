@@ -30,7 +30,8 @@ void writeSliceExr(const std::string& path, const std::vector<SliceGrid>& grids,
 
 /// All slices, each in a file of its own; uses all threads. Throws as above, and Cancelled.
 void writeSliceFiles(const std::function<std::string(size_t)>& path, const std::vector<SliceGrid>& grids,
-                     const std::vector<SectionPlane>& planes, const SliceExrOptions& options, Progress& progress);
+                     const std::vector<SectionPlane>& planes, const SliceExrOptions& options,
+                     Progress& progress);
 
 /// All slices as parts of one file, `slice.0001` and so on; uses all threads. Throws as above, and Cancelled.
 void writeSlicesExr(const std::string& path, const std::vector<SliceGrid>& grids,

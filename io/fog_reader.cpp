@@ -33,15 +33,18 @@ FloatGrid::ConstPtr readDensity(const VdbFile& file, size_t index, const std::st
   return grid;
 }
 
-/// The fog of a density with what else is drawn. `find(name)`: a grid, null where there is none that can be drawn.
+/// The fog of a density with what else is drawn. `find(name)`: a grid, null where there is none that can be
+/// drawn.
 template <typename Find>
 Fog withDrawn(const FloatGrid::ConstPtr& density, const Find& find) {
   Fog fog;
   fog.density = density;
   for (const char* name : kHeatNames)
-    if (const openvdb::GridBase::Ptr grid = fog.heat ? nullptr : find(name); grid && isScalar(*grid)) fog.heat = asFloatGrid(grid);
+    if (const openvdb::GridBase::Ptr grid = fog.heat ? nullptr : find(name); grid && isScalar(*grid))
+      fog.heat = asFloatGrid(grid);
   for (const char* name : kColourNames)
-    if (const openvdb::GridBase::Ptr grid = fog.colour ? nullptr : find(name); grid && grid->isType<openvdb::Vec3SGrid>())
+    if (const openvdb::GridBase::Ptr grid = fog.colour ? nullptr : find(name);
+        grid && grid->isType<openvdb::Vec3SGrid>())
       fog.colour = openvdb::gridPtrCast<openvdb::Vec3SGrid>(grid);
   return fog;
 }
@@ -64,11 +67,13 @@ std::optional<Fog> readFog(const std::string& input) {
 }
 
 Fog fogOf(const openvdb::GridBase::ConstPtr& density, const openvdb::GridCPtrVec& grids) {
-  return withDrawn(asFloatGrid(openvdb::ConstPtrCast<openvdb::GridBase>(density)), [&](const std::string& wanted) -> openvdb::GridBase::Ptr {
-    for (const openvdb::GridBase::ConstPtr& grid : grids)
-      if (grid != density && grid->getName() == wanted) return openvdb::ConstPtrCast<openvdb::GridBase>(grid);
-    return nullptr;
-  });
+  return withDrawn(asFloatGrid(openvdb::ConstPtrCast<openvdb::GridBase>(density)),
+                   [&](const std::string& wanted) -> openvdb::GridBase::Ptr {
+                     for (const openvdb::GridBase::ConstPtr& grid : grids)
+                       if (grid != density && grid->getName() == wanted)
+                         return openvdb::ConstPtrCast<openvdb::GridBase>(grid);
+                     return nullptr;
+                   });
 }
 
 bool isDrawn(const std::string& name) {

@@ -17,9 +17,11 @@ namespace {
 using openvdb::Vec3s;
 using Points = std::vector<Vec3s>;
 
-static_assert(sizeof(Vec3s) == 12 && sizeof(openvdb::Vec3I) == 12, "vectors are written as they lie in memory");
+static_assert(sizeof(Vec3s) == 12 && sizeof(openvdb::Vec3I) == 12,
+              "vectors are written as they lie in memory");
 
-/// Unit normals of the points, of the faces around them by area. A point without a face of any area has `instead`'s.
+/// Unit normals of the points, of the faces around them by area. A point without a face of any area has
+/// `instead`'s.
 Points normalsOf(const std::vector<openvdb::Vec3I>& triangles, const Points& points, const Points* instead) {
   std::vector<Vec3d> sums(points.size(), Vec3d(0.0));
   for (const openvdb::Vec3I& t : triangles) {
@@ -49,13 +51,15 @@ std::string frameName(size_t frame) {
 double sizeOf(const std::vector<MovingMesh>& meshes) {
   double bytes = 0;
   for (const MovingMesh& m : meshes)
-    bytes += 12.0 * double(m.triangles.size()) + 24.0 * double(m.points.size()) * double(m.points.front().size());
+    bytes +=
+        12.0 * double(m.triangles.size()) + 24.0 * double(m.points.size()) * double(m.points.front().size());
   return bytes;
 }
 
 class GlbBuilder {
  public:
-  GlbBuilder(double framesPerSecond, const GlbSpace& space, size_t bytes) : framesPerSecond_(framesPerSecond) {
+  GlbBuilder(double framesPerSecond, const GlbSpace& space, size_t bytes)
+      : framesPerSecond_(framesPerSecond) {
     model_.asset.version = "2.0";
     model_.asset.generator = "slicemorph";
     model_.buffers.resize(1);
@@ -67,7 +71,9 @@ class GlbBuilder {
   void add(const MovingMesh& moving, size_t frameCount) {
     const size_t count = moving.points.size(), last = moving.first + count - 1;
     const bool still = count == 1;
-    const std::string name = count == frameCount ? "morph" : frameName(moving.first) + (still ? "" : "-" + frameName(last).substr(6));
+    const std::string name = count == frameCount
+                                 ? "morph"
+                                 : frameName(moving.first) + (still ? "" : "-" + frameName(last).substr(6));
     tinygltf::Primitive primitive;
     primitive.mode = TINYGLTF_MODE_TRIANGLES;
     primitive.material = 0;
@@ -169,14 +175,16 @@ class GlbBuilder {
                                   TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TARGET_ARRAY_BUFFER);
     if (!bounded) return index;
     Vec3s low = vectors.front(), high = low;
-    for (const Vec3s& v : vectors) low = openvdb::math::minComponent(low, v), high = openvdb::math::maxComponent(high, v);
+    for (const Vec3s& v : vectors)
+      low = openvdb::math::minComponent(low, v), high = openvdb::math::maxComponent(high, v);
     model_.accessors[size_t(index)].minValues = {low[0], low[1], low[2]};
     model_.accessors[size_t(index)].maxValues = {high[0], high[1], high[2]};
     return index;
   }
 
   int addNumbers(const std::vector<float>& numbers, int type = TINYGLTF_TYPE_SCALAR) {
-    return addAccessor(numbers.data(), numbers.size() * 4, numbers.size() / (type == TINYGLTF_TYPE_VEC3 ? 3 : 1), type,
+    return addAccessor(numbers.data(), numbers.size() * 4,
+                       numbers.size() / (type == TINYGLTF_TYPE_VEC3 ? 3 : 1), type,
                        TINYGLTF_COMPONENT_TYPE_FLOAT, 0);
   }
 
@@ -236,15 +244,17 @@ class GlbBuilder {
 };
 
 /// `name`: for messages.
-void write(const std::vector<MovingMesh>& meshes, double framesPerSecond, const GlbSpace& space, const std::string& name,
-           std::ostream& stream) {
+void write(const std::vector<MovingMesh>& meshes, double framesPerSecond, const GlbSpace& space,
+           const std::string& name, std::ostream& stream) {
   const auto nothing = [](const MovingMesh& m) { return m.triangles.empty(); };
   if (std::all_of(meshes.begin(), meshes.end(), nothing))
-    throw IoError(name + " cannot be written: " + (meshes.size() > 1 ? "no frame has a surface" : "there is no surface"));
+    throw IoError(name + " cannot be written: " +
+                  (meshes.size() > 1 ? "no frame has a surface" : "there is no surface"));
   const double bytes = sizeOf(meshes);
   if (bytes > 0.99 * double(std::numeric_limits<std::uint32_t>::max()))
     throw IoError(name + " cannot be written: it would have " + std::to_string(size_t(bytes / 1e6)) +
-                  " MB and .glb holds at most 4 GiB; use fewer frames, a lower --resolution or a file a frame (name.####.glb)");
+                  " MB and .glb holds at most 4 GiB; use fewer frames, a lower --resolution or a file a "
+                  "frame (name.####.glb)");
   const size_t frames = meshes.back().first + meshes.back().points.size();
   GlbBuilder builder(framesPerSecond, space, size_t(bytes));
   for (const MovingMesh& mesh : meshes)
@@ -257,7 +267,8 @@ void write(const std::vector<MovingMesh>& meshes, double framesPerSecond, const 
 
 }  // namespace
 
-void writeGlb(const std::string& path, const std::vector<MovingMesh>& meshes, double framesPerSecond, const GlbSpace& space) {
+void writeGlb(const std::string& path, const std::vector<MovingMesh>& meshes, double framesPerSecond,
+              const GlbSpace& space) {
   AtomicFile file(path);
   write(meshes, framesPerSecond, space, path, file.stream());
   file.commit();

@@ -17,7 +17,8 @@ namespace {
 
 /// Points of each input's surface that are followed through the frames, at most.
 constexpr size_t kMostPoints = 4000;
-/// Of the largest box's diagonal: what shapes may reach beyond the places that are known, and their fog's soft rim.
+/// Of the largest box's diagonal: what shapes may reach beyond the places that are known, and their fog's
+/// soft rim.
 constexpr double kMargin = 0.02;
 
 openvdb::BBoxd boxAround(const std::vector<openvdb::BBoxd>& boxes) {
@@ -55,7 +56,8 @@ void addCorners(const openvdb::BBoxd& box, std::vector<Vec3d>& points) {
 openvdb::BBoxd boxOf(const ImageLattice& lattice) {
   openvdb::BBoxd box;
   for (int c = 0; c < 8; ++c)
-    box.expand(lattice.toWorld(Vec3d((c & 1) * (lattice.size[0] - 1), (c >> 1 & 1) * (lattice.size[1] - 1), (c >> 2) * (lattice.size[2] - 1))));
+    box.expand(lattice.toWorld(Vec3d((c & 1) * (lattice.size[0] - 1), (c >> 1 & 1) * (lattice.size[1] - 1),
+                                     (c >> 2) * (lattice.size[2] - 1))));
   return box;
 }
 
@@ -99,7 +101,8 @@ std::vector<SliceGrid> namedGrids(const openvdb::GridCPtrVec& grids) {
 
 void FrameImages::prepare(const FrameMaker& maker, Progress& progress) {
   const auto isFog = [](const LoadedObject& input) { return input.fog; };
-  const bool fog = settings_.method == Method::kDissolve || std::any_of(maker.inputs().begin(), maker.inputs().end(), isFog);
+  const bool fog = settings_.method == Method::kDissolve ||
+                   std::any_of(maker.inputs().begin(), maker.inputs().end(), isFog);
   std::vector<openvdb::BBoxd> reach;
   for (const LoadedObject& input : maker.inputs()) reach.push_back(survey(input, fog));
   surveyBetween(maker, reach);
@@ -119,7 +122,8 @@ void FrameImages::prepare(const FrameMaker& maker, Progress& progress) {
   if (settings_.exrContent == ExrContent::kSlices) {
     if (settings_.exrSlices.spine) return;
     SliceOptions slices = settings_.exrSlices;
-    if (slices.section.pixelSize == 0) slices.section.pixelSize = settings_.plan.voxelSize > 0 ? settings_.plan.voxelSize : finest_;
+    if (slices.section.pixelSize == 0)
+      slices.section.pixelSize = settings_.plan.voxelSize > 0 ? settings_.plan.voxelSize : finest_;
     planes_ = placeSlices(slices, {boxGrid(all)}, nullptr, notes_);
     return;
   }
@@ -127,7 +131,8 @@ void FrameImages::prepare(const FrameMaker& maker, Progress& progress) {
   camera_ = cameraFor(boxes_, settings_.picture);
   look_ = lookFor(fogs_, settings_.picture);
   if (!fogs_.empty() && !settings_.picture.extinctionGiven->count())
-    notes_.push_back("extinction of the fog: " + formatNumber(look_.extinction, 4) + " per world unit (--extinction sets another)");
+    notes_.push_back("extinction of the fog: " + formatNumber(look_.extinction, 4) +
+                     " per world unit (--extinction sets another)");
 }
 
 /// Where an input is in the world, with all that is shown of it.
@@ -166,7 +171,8 @@ openvdb::BBoxd FrameImages::surveyGrids(const LoadedObject& input) {
   for (size_t i = 0; i < input.file->entries().size(); ++i) {
     const openvdb::GridBase::Ptr header = input.file->readHeader(i);
     const std::vector<std::string>& wanted = settings_.grids;
-    const bool asked = wanted.empty() || std::count(wanted.begin(), wanted.end(), header ? header->getName() : "") > 0;
+    const bool asked =
+        wanted.empty() || std::count(wanted.begin(), wanted.end(), header ? header->getName() : "") > 0;
     if (!header || !isSliceable(*header) || !asked) continue;
     const openvdb::BBoxd own = boxInFile(*input.file, i);
     if (own.empty()) continue;
@@ -193,7 +199,8 @@ void FrameImages::surveyBetween(const FrameMaker& maker, const std::vector<openv
       openvdb::BBoxd box;
       for (const Vec3d& p : there) box.expand(p);
       boxes_.push_back(box);
-      for (size_t i = 0; i < before.size(); ++i) fastest_ = std::max(fastest_, (there[i] - before[i]).length());
+      for (size_t i = 0; i < before.size(); ++i)
+        fastest_ = std::max(fastest_, (there[i] - before[i]).length());
       before = there;
     }
   }
@@ -223,7 +230,8 @@ void FrameImages::writeSlicesOf(const FrameJob& job, const MorphFrame& frame) {
   OnlyCancel progress(cancel_);
   if (!planes_.empty()) return writeSlicesExr(job.path, grids, planes_, exr, progress);
   std::vector<std::string> notes;
-  writeSlicesExr(job.path, grids, placeSlices(settings_.exrSlices, frame.grids, frame.shape.surface, notes), exr, progress);
+  writeSlicesExr(job.path, grids, placeSlices(settings_.exrSlices, frame.grids, frame.shape.surface, notes),
+                 exr, progress);
   for (const std::string& note : notes) notes_.push_back("frame " + std::to_string(job.number) + ": " + note);
 }
 

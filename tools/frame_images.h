@@ -7,15 +7,15 @@
 
 namespace slicemorph {
 
-/// Puts a morph's frames straight into images: EXR slices of their grids, or pictures of them. One camera, one look and one
-/// stack of planes serve all frames.
+/// Puts a morph's frames straight into images: EXR slices of their grids, or pictures of them. One camera,
+/// one look and one stack of planes serve all frames.
 class FrameImages {
  public:
   /// `cancel`: asked whether the job is to end.
   FrameImages(const MorphSettings& settings, const Progress& cancel) : settings_(settings), cancel_(cancel) {}
 
-  /// Looks where the shapes will be in all frames and chooses camera, look or planes, once the maker has been moved to
-  /// the first frame. Reads the files of sequences for that.
+  /// Looks where the shapes will be in all frames and chooses camera, look or planes, once the maker has been
+  /// moved to the first frame. Reads the files of sequences for that.
   void prepare(const FrameMaker& maker, Progress& progress);
   /// Throws IoError; InputError for planes that do not cut the shapes.
   void write(const FrameJob& job, const MorphFrame& frame);

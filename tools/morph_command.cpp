@@ -51,7 +51,12 @@ GridFigures figuresOf(const GridBase& grid) {
 class FrameRun {
  public:
   FrameRun(const MorphSettings& settings, FrameMaker& maker, TerminalProgress& progress)
-      : settings_(settings), maker_(maker), progress_(progress), log_(settings), page_(settings), images_(settings, progress) {}
+      : settings_(settings),
+        maker_(maker),
+        progress_(progress),
+        log_(settings),
+        page_(settings),
+        images_(settings, progress) {}
 
   /// Returns the rows of the report, none where none is asked for.
   std::vector<Json> run() {
@@ -59,12 +64,14 @@ class FrameRun {
     const size_t count = settings_.frames.size();
     const bool moving = settings_.moving();
     for (size_t i = 0; i < count; ++i) {
-      const double step = (settings_.oneGlb() ? kFramesMade : 1) / double(count), from = moving ? double(i) * step : 0;
+      const double step = (settings_.oneGlb() ? kFramesMade : 1) / double(count),
+                   from = moving ? double(i) * step : 0;
       maker_.moveTo(i, from, moving ? from + kFramePlanned * step : kPlanned);
       if (i == 0 && settings_.toFrameImages()) prepareImages(moving ? from : kPlanned);
       takeNotes();
       if (progress_.cancelled()) throw Cancelled();
-      progress_.report("making frames", moving ? from + kFramePlanned * step : kPlanned + (1 - kPlanned) * double(i) * step);
+      progress_.report("making frames",
+                       moving ? from + kFramePlanned * step : kPlanned + (1 - kPlanned) * double(i) * step);
       const FrameJob& job = settings_.frames[i];
       const bool done = isDone(i);
       const Json row = done ? log_.row(job) : makeFrame(i);
@@ -132,7 +139,8 @@ class FrameRun {
       surfaces_.push_back({frame.shape.surface, job.weights});
     } else if (OutputName(job.path).extension() == ".glb") {
       Mesh mesh = surfaceOf(*frame.shape.surface);
-      writeGlb(job.path, {{0, std::move(mesh.triangles), {std::move(mesh.points)}}}, settings_.framesPerSecond, settings_.glb);
+      writeGlb(job.path, {{0, std::move(mesh.triangles), {std::move(mesh.points)}}},
+               settings_.framesPerSecond, settings_.glb);
     } else if (frame.grids.empty()) {
       writeSurface(job.path, *frame.shape.surface);
     } else {
@@ -174,7 +182,8 @@ class FrameRun {
       if (m.points.size() > 1) runs += "-" + std::to_string(m.first + m.points.size());
     }
     if (meshes.size() == 1)
-      return settings_.output + ": one mesh" + (meshes[0].points.size() > 1 ? " with a morph target for each frame" : "");
+      return settings_.output + ": one mesh" +
+             (meshes[0].points.size() > 1 ? " with a morph target for each frame" : "");
     return settings_.output + ": " + std::to_string(meshes.size()) +
            " meshes, each shown in its own frames, as none fits the surfaces of all: frames " + runs;
   }
@@ -182,7 +191,8 @@ class FrameRun {
   void measure(const MorphFrame& frame, FrameFigures& figures) {
     for (const GridBase::ConstPtr& grid : frame.grids) figures.grids.push_back(figuresOf(*grid));
     if (frame.image && maker_.inputs()[0].labels) figures.labels = measureLabels(*frame.image);
-    if (frame.image && !maker_.inputs()[0].labels) figures.labels = {measureAbove(*frame.image, maker_.iso())};
+    if (frame.image && !maker_.inputs()[0].labels)
+      figures.labels = {measureAbove(*frame.image, maker_.iso())};
     figures.voxelSize = frame.grids.empty() ? 0 : frame.grids[0]->voxelSize()[0];
     const FloatGrid::ConstPtr surface = frame.shape.surface;
     if (!surface) return;
@@ -208,7 +218,7 @@ class FrameRun {
   PageShapes page_;
   FrameImages images_;
   std::vector<SurfaceFrame> surfaces_;  ///< of all frames, for one .glb
-  FloatGrid::ConstPtr previous_;  ///< the frame before, kept for the report only
+  FloatGrid::ConstPtr previous_;        ///< the frame before, kept for the report only
   std::map<FloatGrid::ConstPtr, ShapeMeasures> measures_;
 };
 
@@ -220,14 +230,16 @@ void runMorph(const MorphSettings& settings) {
   ReportParts report;
   report.frames = run.run();
   if (settings.reports.empty()) return;
-  for (const LoadedObject& input : maker.inputs()) report.inputs.push_back(measureShape(*input.object.levelSet));
+  for (const LoadedObject& input : maker.inputs())
+    report.inputs.push_back(measureShape(*input.object.levelSet));
   report.notes = run.notes();
   report.page = run.page();
   report.loadSeconds = maker.loadSeconds(), report.planSeconds = maker.planSeconds();
   report.restDistance = maker.restDistance();
   if (const MorphPlan* plan = maker.slicePlan()) {
     if (!settings.plan.landmarks.empty()) report.landmarks = landmarkErrors(settings.plan.landmarks, *plan);
-    if (!settings.checkLandmarks.empty()) report.checkLandmarks = landmarkErrors(settings.checkLandmarks, *plan);
+    if (!settings.checkLandmarks.empty())
+      report.checkLandmarks = landmarkErrors(settings.checkLandmarks, *plan);
   }
   writeReports(settings, report);
 }
@@ -235,8 +247,8 @@ void runMorph(const MorphSettings& settings) {
 }  // namespace
 
 void addMorphCommand(CLI::App& program) {
-  CLI::App* command =
-      program.add_subcommand("morph", "Morph shapes, fog volumes or images into each other: a sequence, or one blend");
+  CLI::App* command = program.add_subcommand(
+      "morph", "Morph shapes, fog volumes or images into each other: a sequence, or one blend");
   const auto options = std::make_shared<MorphOptionSet>(*command);
   command->callback([options] { runMorph(options->settings()); });
 }

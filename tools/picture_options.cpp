@@ -134,7 +134,8 @@ std::vector<JobOption> addPictureOptions(CLI::App& command, PictureOptions& s) {
   add("camera", s.camera, JobType::kNumbers, "Place of the camera, world units (all is seen whole)", "X,Y,Z");
   add("look-at", s.lookAt, JobType::kNumbers,
       "Place that --camera looks at (middle of all that is to be seen)", "X,Y,Z");
-  s.fovGiven = add("fov", s.fov, JobType::kNumber, "Angle seen from bottom to top, 1 to 170 degrees (25)", "DEG");
+  s.fovGiven =
+      add("fov", s.fov, JobType::kNumber, "Angle seen from bottom to top, 1 to 170 degrees (25)", "DEG");
   flag("ortho", s.ortho, "Parallel rays, no perspective");
   add("light", s.light, JobType::kNumbers,
       "Direction in which the main light shines (from the camera's upper left)", "DX,DY,DZ");

@@ -19,7 +19,8 @@ extern "C" const char slicemorphPage[], slicemorphPageEnd[];
 __asm__(
     ".section .rodata\n"
     "slicemorphPage:\n"
-    ".incbin \"" SLICEMORPH_PAGE "\"\n"
+    ".incbin \"" SLICEMORPH_PAGE
+    "\"\n"
     "slicemorphPageEnd:\n"
     ".byte 0\n"
     ".previous\n");
@@ -48,7 +49,8 @@ std::string base64(std::string_view bytes) {
   text.reserve(bytes.size() * 4 / 3 + 4);
   for (size_t i = 0; i < bytes.size(); i += 3) {
     std::uint32_t group = 0;
-    for (size_t k = 0; k < 3; ++k) group = group << 8 | (i + k < bytes.size() ? std::uint8_t(bytes[i + k]) : 0);
+    for (size_t k = 0; k < 3; ++k)
+      group = group << 8 | (i + k < bytes.size() ? std::uint8_t(bytes[i + k]) : 0);
     for (size_t k = 0; k < 4; ++k) text += i + k > bytes.size() ? '=' : kDigits[group >> (18 - 6 * k) & 63];
   }
   return text;
@@ -62,7 +64,8 @@ std::string script(const std::string& id, const std::string& type, const std::st
 std::string inPage(const Json& json) {
   std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   for (size_t at = 0; (at = text.find("</", at)) != std::string::npos; at += 3) text.insert(at + 1, 1, '\\');
-  for (size_t at = 0; (at = text.find("<!", at)) != std::string::npos; at += 7) text.replace(at, 1, "\\u003c");
+  for (size_t at = 0; (at = text.find("<!", at)) != std::string::npos; at += 7)
+    text.replace(at, 1, "\\u003c");
   return text;
 }
 
@@ -86,8 +89,7 @@ void PageShapes::add(size_t frame, const FloatGrid& surface) {
 
 PageParts PageShapes::finish(const MorphPlan* plan, Progress& progress) {
   PageParts parts;
-  if (plan)
-    parts.slices = drawSlices(plan->slicePictures(), settings_.inputs);
+  if (plan) parts.slices = drawSlices(plan->slicePictures(), settings_.inputs);
   if (surfaces_.empty()) return parts;
   parts.frames = added_;
   std::vector<SurfaceFrame> frames;
@@ -118,9 +120,11 @@ std::string pageOf(const Json& report, const PageParts& parts) {
   figures["viewer"] = {{"frames", parts.frames}};
   std::string data = script("report", "application/json", inPage(figures));
   if (!parts.glb.empty()) data += script("glb", "text/plain", base64(parts.glb));
-  if (!parts.sheet.empty()) data += script("sheetData", "text/plain", "data:image/png;base64," + base64(parts.sheet));
+  if (!parts.sheet.empty())
+    data += script("sheetData", "text/plain", "data:image/png;base64," + base64(parts.sheet));
   if (!parts.slices.empty()) data += script("slices", "application/json", inPage(parts.slices));
-  const std::string_view page(slicemorphPage, size_t(slicemorphPageEnd - slicemorphPage)), mark = "<!--DATA-->";
+  const std::string_view page(slicemorphPage, size_t(slicemorphPageEnd - slicemorphPage)),
+      mark = "<!--DATA-->";
   const size_t at = page.find(mark);
   return std::string(page.substr(0, at)) + data + std::string(page.substr(at + mark.size()));
 }

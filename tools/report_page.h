@@ -17,7 +17,8 @@ struct PageParts {
   std::vector<std::string> slices;  ///< an SVG each
 };
 
-/// Collects a job's surfaces, coarse and of some frames only, and makes the page's shapes and pictures of them.
+/// Collects a job's surfaces, coarse and of some frames only, and makes the page's shapes and pictures of
+/// them.
 class PageShapes {
  public:
   explicit PageShapes(const MorphSettings& settings);
@@ -29,7 +30,7 @@ class PageShapes {
 
  private:
   const MorphSettings& settings_;
-  std::vector<size_t> frames_;         ///< that are shown
+  std::vector<size_t> frames_;  ///< that are shown
   std::vector<size_t> added_;
   std::vector<FloatGrid::Ptr> surfaces_;
 };

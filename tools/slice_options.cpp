@@ -53,7 +53,8 @@ void checkSliceOptions(SliceOptions& s) {
   for (const std::string& plane : s.planes) s.given.push_back(parsePlane(name + "plane", plane));
   const int ways = int(!s.given.empty()) + int(s.spine) + int(s.axisGiven->count() > 0);
   if (ways > 1)
-    throw InputError(name + "axis, " + name + "spine and " + name + "plane or " + name + "planes exclude each other");
+    throw InputError(name + "axis, " + name + "spine and " + name + "plane or " + name +
+                     "planes exclude each other");
   if (!s.given.empty() && s.countGiven->count())
     throw InputError(name + "slices " + std::to_string(s.section.count) +
                      ": the planes are given, their number too");

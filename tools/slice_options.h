@@ -22,14 +22,17 @@ struct SliceOptions {
   std::vector<PlaneInSpace> given = {};  ///< filled by the check
 };
 
-/// `--slices --axis --spine --plane --planes`, their names after a prefix, and `--pixel-size --half --compression
+/// `--slices --axis --spine --plane --planes`, their names after a prefix, and `--pixel-size --half
+/// --compression
 /// --tiles`. Returns them as a job file knows them.
-std::vector<JobOption> addSliceOptions(CLI::App& command, SliceOptions& options, const std::string& prefix = "");
-/// Reads the file of planes. Throws InputError naming the option, its value and what would be right, and IoError.
+std::vector<JobOption> addSliceOptions(CLI::App& command, SliceOptions& options,
+                                       const std::string& prefix = "");
+/// Reads the file of planes. Throws InputError naming the option, its value and what would be right, and
+/// IoError.
 void checkSliceOptions(SliceOptions& options);
 
-/// The planes through all of some grids. `shape`: whose spine leaning slices follow; null without --spine. Says in
-/// `notes` where it has none. Throws as the functions of place_sections.h.
+/// The planes through all of some grids. `shape`: whose spine leaning slices follow; null without --spine.
+/// Says in `notes` where it has none. Throws as the functions of place_sections.h.
 std::vector<SectionPlane> placeSlices(const SliceOptions& options, const openvdb::GridCPtrVec& grids,
                                       const FloatGrid::ConstPtr& shape, std::vector<std::string>& notes);
 

@@ -18,7 +18,8 @@ MovingMesh still(size_t frame, Mesh mesh) {
 
 class Follower {
  public:
-  Follower(const std::vector<SurfaceFrame>& frames, const MorphPlan& plan, const FollowLimits& limits, Progress& progress)
+  Follower(const std::vector<SurfaceFrame>& frames, const MorphPlan& plan, const FollowLimits& limits,
+           Progress& progress)
       : frames_(frames), plan_(plan), limits_(limits), progress_(progress) {}
 
   /// Frames `first` to `last` - 1, in their order.
@@ -36,7 +37,8 @@ class Follower {
     }
     size_t begin = middle, end = middle + 1;
     std::vector<std::vector<Vec3s>> before, after{mesh.points};
-    for (std::vector<Vec3s> there; end < last && carry(mesh, middle, end, there); ++end) after.push_back(std::move(there));
+    for (std::vector<Vec3s> there; end < last && carry(mesh, middle, end, there); ++end)
+      after.push_back(std::move(there));
     for (std::vector<Vec3s> there; begin > first && carry(mesh, middle, begin - 1, there); --begin)
       before.push_back(std::move(there));
     done_ += end - begin;

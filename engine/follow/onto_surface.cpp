@@ -13,14 +13,16 @@
 namespace slicemorph {
 namespace {
 
-/// Voxels: nearer than this a point is on the surface; further than that the band has no gradient to go along.
+/// Voxels: nearer than this a point is on the surface; further than that the band has no gradient to go
+/// along.
 constexpr double kThere = 1e-3, kFar = kHalfWidth - 1;
 constexpr int kMostSteps = 12;
 
 /// A level set's trilinear distance and its gradient at index coordinates, in voxels. For one task.
 class Distance {
  public:
-  explicit Distance(const FloatGrid& grid) : values_(grid.getConstAccessor()), unit_(1 / grid.voxelSize()[0]) {}
+  explicit Distance(const FloatGrid& grid)
+      : values_(grid.getConstAccessor()), unit_(1 / grid.voxelSize()[0]) {}
 
   double at(const Vec3d& p) const { return unit_ * openvdb::tools::BoxSampler::sample(values_, p); }
   Vec3d gradient(const Vec3d& p) const {
@@ -58,42 +60,46 @@ Vec3d alongGradient(Vec3d p, const Distance& distance) {
 std::vector<Vec3d> ontoSurface(std::vector<Vec3d> points, const FloatGrid& levelSet) {
   const openvdb::math::Transform& transform = levelSet.transform();
   std::vector<char> far(points.size());
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, points.size()), [&](const tbb::blocked_range<size_t>& part) {
-    const Distance distance(levelSet);
-    for (size_t i = part.begin(); i < part.end(); ++i)
-      far[i] = std::abs(distance.at(transform.worldToIndex(points[i]))) > kFar;
-  });
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, points.size()),
+                    [&](const tbb::blocked_range<size_t>& part) {
+                      const Distance distance(levelSet);
+                      for (size_t i = part.begin(); i < part.end(); ++i)
+                        far[i] = std::abs(distance.at(transform.worldToIndex(points[i]))) > kFar;
+                    });
   std::vector<openvdb::Vec3R> lost;
   for (size_t i = 0; i < points.size(); ++i)
     if (far[i]) lost.push_back(points[i]);
   if (!lost.empty()) {
     const auto nearest = openvdb::tools::ClosestSurfacePoint<FloatGrid>::create(levelSet);
     std::vector<float> distances;
-    if (!nearest || !nearest->searchAndReplace(lost, distances)) throw GeometryError("a frame has no surface");
+    if (!nearest || !nearest->searchAndReplace(lost, distances))
+      throw GeometryError("a frame has no surface");
     for (size_t i = 0, n = 0; i < points.size(); ++i)
       if (far[i]) points[i] = lost[n++];
   }
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, points.size()), [&](const tbb::blocked_range<size_t>& part) {
-    const Distance distance(levelSet);
-    for (size_t i = part.begin(); i < part.end(); ++i)
-      points[i] = transform.indexToWorld(alongGradient(transform.worldToIndex(points[i]), distance));
-  });
+  tbb::parallel_for(
+      tbb::blocked_range<size_t>(0, points.size()), [&](const tbb::blocked_range<size_t>& part) {
+        const Distance distance(levelSet);
+        for (size_t i = part.begin(); i < part.end(); ++i)
+          points[i] = transform.indexToWorld(alongGradient(transform.worldToIndex(points[i]), distance));
+      });
   return points;
 }
 
 double shareFacingInwards(const Mesh& mesh, const FloatGrid& levelSet) {
   const openvdb::math::Transform& transform = levelSet.transform();
   std::vector<double> facing(mesh.triangles.size());  // area, negative where it faces inwards
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, facing.size()), [&](const tbb::blocked_range<size_t>& part) {
-    const Distance distance(levelSet);
-    for (size_t i = part.begin(); i < part.end(); ++i) {
-      const openvdb::Vec3I& t = mesh.triangles[i];
-      const Vec3d a(mesh.points[t[0]]), b(mesh.points[t[1]]), c(mesh.points[t[2]]);
-      const Vec3d across = (b - a).cross(c - a) / 2;
-      const Vec3d out = distance.gradient(transform.worldToIndex((a + b + c) / 3));
-      facing[i] = std::copysign(across.length(), across.dot(out));
-    }
-  });
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, facing.size()),
+                    [&](const tbb::blocked_range<size_t>& part) {
+                      const Distance distance(levelSet);
+                      for (size_t i = part.begin(); i < part.end(); ++i) {
+                        const openvdb::Vec3I& t = mesh.triangles[i];
+                        const Vec3d a(mesh.points[t[0]]), b(mesh.points[t[1]]), c(mesh.points[t[2]]);
+                        const Vec3d across = (b - a).cross(c - a) / 2;
+                        const Vec3d out = distance.gradient(transform.worldToIndex((a + b + c) / 3));
+                        facing[i] = std::copysign(across.length(), across.dot(out));
+                      }
+                    });
   double inwards = 0, all = 0;
   for (const double area : facing) all += std::abs(area), inwards += std::max(-area, 0.0);
   return all > 0 ? inwards / all : 0;

@@ -82,7 +82,8 @@ struct Picture {
 bool areEven(const std::vector<SectionPlane>& planes) {
   for (size_t n = 1; n < planes.size(); ++n) {
     const double gap = planes[0].distance(planes[1].origin), here = planes[n - 1].distance(planes[n].origin);
-    if (planes[n].normal.dot(planes[0].normal) < 1 - 1e-9 || std::abs(here - gap) > 1e-3 * std::abs(gap)) return false;
+    if (planes[n].normal.dot(planes[0].normal) < 1 - 1e-9 || std::abs(here - gap) > 1e-3 * std::abs(gap))
+      return false;
   }
   return true;
 }
@@ -113,8 +114,10 @@ class Field {
       // Beyond the ends the distances go on, up to a flat cap in the middle of the next gap.
       float on = first + float(place.share) * (second - first);
       if (evenly_ && place.slab > 0 && place.slab + 2 < planes_.size() && place.beyond < 0) {
-        const float before = picture(place.slab - 1, component, background).cubic(onPlane(place.slab - 1, world));
-        const float after = picture(place.slab + 2, component, background).cubic(onPlane(place.slab + 2, world));
+        const float before =
+            picture(place.slab - 1, component, background).cubic(onPlane(place.slab - 1, world));
+        const float after =
+            picture(place.slab + 2, component, background).cubic(onPlane(place.slab + 2, world));
         const std::array<float, 4> w = catmullRom(float(place.share));
         on = w[0] * before + w[1] * first + w[2] * second + w[3] * after;
       }

@@ -6,8 +6,8 @@ namespace slicemorph {
 
 /// Slices of one grid, to be put together again.
 struct SlicedGrid {
-  openvdb::GridBase::ConstPtr
-      like;  ///< without voxels: type, class, name, background, metadata of what is made
+  /// without voxels: type, class, name, background, metadata of what is made.
+  openvdb::GridBase::ConstPtr like;
   std::vector<SectionValues> slices;  ///< one per plane
 };
 
@@ -21,8 +21,8 @@ std::vector<size_t> orderOfSections(const std::vector<SectionPlane>& planes);
 /// pairs hold a place, the one whose images have it nearest to their middle counts. Beyond the first and the
 /// last slice values hold for half the gap. `planes`: in their order. Distances are taken along Catmull-Rom
 /// splines, in the slices and, where these are parallel and as far apart, across four of them; level sets are
-/// made distances again in a band of three voxels; where they would reach too little they throw InputError naming the voxel size that
-/// they serve. Throws InputError for too many voxels.
+/// made distances again in a band of three voxels; where they would reach too little they throw InputError
+/// naming the voxel size that they serve. Throws InputError for too many voxels.
 openvdb::GridBase::Ptr gridOfSections(const std::vector<SectionPlane>& planes, const SlicedGrid& sliced,
                                       double voxelSize);
 

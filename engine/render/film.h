@@ -15,8 +15,8 @@ struct RenderOptions {
   int samples = 4;         ///< rays per pixel where something is to be seen, 1 to 64
   bool background = true;  ///< false: transparent (alpha 0, colour premultiplied)
   bool channels = false;   ///< mask, depth and normal are made, too
-  Vec3d light{0, 0,
-              0};  ///< direction in which the key light shines, world; zero: it goes along with the camera
+  /// Direction in which the key light shines, world; zero: it goes along with the camera.
+  Vec3d light{0, 0, 0};
   double intensity = 1;  ///< of the key light, 0 or more
 };
 

@@ -68,7 +68,8 @@ class Shader {
     Vec3d gradient(0.0);
     for (int c = 0; c < 8; ++c) {
       const int x = 1 + (c & 1), y = 1 + (c >> 1 & 1), z = 1 + (c >> 2);
-      const double weight = (x == 2 ? in[0] : 1 - in[0]) * (y == 2 ? in[1] : 1 - in[1]) * (z == 2 ? in[2] : 1 - in[2]);
+      const double weight =
+          (x == 2 ? in[0] : 1 - in[0]) * (y == 2 ? in[1] : 1 - in[1]) * (z == 2 ? in[2] : 1 - in[2]);
       gradient += weight * Vec3d(v[x + 1][y][z] - v[x - 1][y][z], v[x][y + 1][z] - v[x][y - 1][z],
                                  v[x][y][z + 1] - v[x][y][z - 1]);
     }
@@ -81,7 +82,9 @@ class Shader {
     int free = 0;
     for (int n = 0; n < rays; ++n) {
       const openvdb::Vec2d at = samplePosition(3 * (first + n) + 1);
-      const Vec3d light = (key_ + acrossKey_.a * (kSpread * (at.x() - 0.5)) + acrossKey_.b * (kSpread * (at.y() - 0.5))).unit();
+      const Vec3d light =
+          (key_ + acrossKey_.a * (kSpread * (at.x() - 0.5)) + acrossKey_.b * (kSpread * (at.y() - 0.5)))
+              .unit();
       if (normal.dot(light) <= 0) continue;
       // Two voxels off the surface, else it shadows itself in steps at the terminator.
       free += !intersector_.intersectsWS(ViewRay(world + normal * (2 * voxelSize_), light));
@@ -165,15 +168,15 @@ struct Hit {
   Vec3d world, normal, direction;
 };
 
-/// A square part of a picture. Its pixels' middles are looked at, and those around them. One place of four looks for the
-/// light; where these agree, those between have as much of it. More rays go through a pixel only where the shape ends or
-/// turns in it, or a shadow's edge crosses it.
+/// A square part of a picture. Its pixels' middles are looked at, and those around them. One place of four
+/// looks for the light; where these agree, those between have as much of it. More rays go through a pixel
+/// only where the shape ends or turns in it, or a shadow's edge crosses it.
 class Part {
  public:
   static constexpr int kSize = 64;
 
-  Part(int column, int row, Film& film, const CameraRays& rays, const RenderOptions& options, const Intersector& intersector,
-       const Shader& shader)
+  Part(int column, int row, Film& film, const CameraRays& rays, const RenderOptions& options,
+       const Intersector& intersector, const Shader& shader)
       : film_(film),
         rays_(rays),
         options_(options),
@@ -235,7 +238,8 @@ class Part {
     for (const int cy : {y0, y0 + ((y - top_) & 1) * 2})
       for (const int cx : {x0, x0 + ((x - left_) & 1) * 2}) {
         const bool known = cx <= right_ && cy <= bottom_ && at(cx, cy).lit >= 0;
-        if (!known || !alike(hit, at(cx, cy)) || (lit >= 0 && lit != at(cx, cy).lit)) return light(hit), hit.lit;
+        if (!known || !alike(hit, at(cx, cy)) || (lit >= 0 && lit != at(cx, cy).lit))
+          return light(hit), hit.lit;
         lit = at(cx, cy).lit;
       }
     if (lit > 0 && lit < 1) light(hit), lit = hit.lit;
@@ -248,7 +252,8 @@ class Part {
       if (!alike(hit, at(x + dx, y + dy))) return true;
     // Shadows have soft edges; the steep ones of what is near need more.
     for (const auto& [dx, dy] : {std::pair{-1, 0}, {0, -1}})
-      if (hit.there && x + dx >= left_ && y + dy >= top_ && std::abs(hit.lit - at(x + dx, y + dy).lit) > 0.5) return true;
+      if (hit.there && x + dx >= left_ && y + dy >= top_ && std::abs(hit.lit - at(x + dx, y + dy).lit) > 0.5)
+        return true;
     return false;
   }
 
@@ -321,14 +326,16 @@ Picture renderSurface(const FloatGrid& levelSet, const Camera& camera, const Ren
     return film.take();
   }
   const Intersector original(levelSet);
-  const int across = (options.width + Part::kSize - 1) / Part::kSize, down = (options.height + Part::kSize - 1) / Part::kSize;
+  const int across = (options.width + Part::kSize - 1) / Part::kSize,
+            down = (options.height + Part::kSize - 1) / Part::kSize;
   tbb::parallel_for(
       tbb::blocked_range<int>(0, across * down, 1),
       [&](const tbb::blocked_range<int>& range) {
         const Intersector intersector(original);
         const Shader shader(levelSet, rays.basis(), original, options);
         for (int n = range.begin(); n < range.end(); ++n)
-          Part(n % across * Part::kSize, n / across * Part::kSize, film, rays, options, intersector, shader).draw();
+          Part(n % across * Part::kSize, n / across * Part::kSize, film, rays, options, intersector, shader)
+              .draw();
       },
       tbb::simple_partitioner());
   return film.take();

@@ -34,20 +34,23 @@ class LinearSampler {
       share[a] = p[a] - base;
     }
     if (leaf != leaf_ || !entered_) enter(leaf);
-    const double yz = share[1] * share[2], xz = share[0] * share[2], xy = share[0] * share[1], xyz = xy * share[2];
-    const double weight[8] = {0,  // of the first one; the others' differences from it count: constants stay themselves
-                              share[2] - xz - yz + xyz,
-                              share[1] - xy - yz + xyz,
-                              yz - xyz,
-                              share[0] - xy - xz + xyz,
-                              xz - xyz,
-                              xy - xyz,
-                              xyz};
+    const double yz = share[1] * share[2], xz = share[0] * share[2], xy = share[0] * share[1],
+                 xyz = xy * share[2];
+    const double weight[8] = {
+        0,  // of the first one; the others' differences from it count: constants stay themselves
+        share[2] - xz - yz + xyz,
+        share[1] - xy - yz + xyz,
+        yz - xyz,
+        share[0] - xy - xz + xyz,
+        xz - xyz,
+        xy - xyz,
+        xyz};
     if (in[0] < kMask && in[1] < kMask && in[2] < kMask) {
       const int step = step_[0];
       const Number* from = values_[0] + step * (in[0] * kX + in[1] * kY + in[2] * kZ);
       const int x = step * kX, y = step * kY, z = step * kZ;
-      return sum(weight, {from, from + z, from + y, from + y + z, from + x, from + x + z, from + x + y, from + x + y + z});
+      return sum(weight, {from, from + z, from + y, from + y + z, from + x, from + x + z, from + x + y,
+                          from + x + y + z});
     }
     const auto at = [&](int n) {
       const int place[3] = {in[0] + (n >> 2), in[1] + (n >> 1 & 1), in[2] + (n & 1)};
@@ -71,7 +74,8 @@ class LinearSampler {
     for (int c = 0; c < kCount; ++c) {
       const double from = at[0][c];
       const auto part = [&](int n) { return weight[n] * (at[n][c] - from); };
-      result[c] = Number(from + ((part(1) + (part(2) + part(3))) + ((part(4) + part(5)) + (part(6) + part(7)))));
+      result[c] =
+          Number(from + ((part(1) + (part(2) + part(3))) + ((part(4) + part(5)) + (part(6) + part(7)))));
     }
     if constexpr (kCount == 1)
       return result[0];
@@ -113,8 +117,8 @@ struct Steps {
   Vec3d at(int i, int j) const { return origin + right * double(i) + down * double(j); }
 };
 
-/// The pixels of some slices, block by block and in each block slice by slice, so that what follows each other lies in the
-/// same leaves. `sample(index place, slice, pixel)`.
+/// The pixels of some slices, block by block and in each block slice by slice, so that what follows each
+/// other lies in the same leaves. `sample(index place, slice, pixel)`.
 template <typename Sample>
 void forPixels(const openvdb::GridBase& grid, const std::vector<SectionPlane>& planes, const Sample& sample) {
   constexpr int kBlock = 16;
@@ -136,12 +140,14 @@ void forPixels(const openvdb::GridBase& grid, const std::vector<SectionPlane>& p
 void checkExact(const openvdb::GridBase& grid, double value) {
   constexpr double kLargest = 1 << 24;
   if (std::abs(value) > kLargest)
-    throw InputError("grid '" + grid.getName() + "' holds " + std::to_string(std::int64_t(value)) +
-                     ", and float channels hold whole numbers only up to 16777216; leave it out with --grids");
+    throw InputError(
+        "grid '" + grid.getName() + "' holds " + std::to_string(std::int64_t(value)) +
+        ", and float channels hold whole numbers only up to 16777216; leave it out with --grids");
 }
 
 template <typename Grid>
-void sampleGrid(const Grid& grid, const std::vector<SectionPlane>& planes, std::vector<SectionValues>& results) {
+void sampleGrid(const Grid& grid, const std::vector<SectionPlane>& planes,
+                std::vector<SectionValues>& results) {
   using Value = typename Grid::ValueType;
   const auto put = [&](size_t slice, size_t pixel, const auto& value) {
     SectionValues& result = results[slice];
@@ -178,13 +184,15 @@ void sampleGrid(const Grid& grid, const std::vector<SectionPlane>& planes, std::
 
 }  // namespace
 
-std::vector<SectionValues> sampleSections(const openvdb::GridBase& grid, const std::vector<SectionPlane>& planes) {
+std::vector<SectionValues> sampleSections(const openvdb::GridBase& grid,
+                                          const std::vector<SectionPlane>& planes) {
   std::vector<SectionValues> results(planes.size());
   const bool known = grid.apply<SliceableTypes>([&](const auto& typed) {
     using Value = typename std::decay_t<decltype(typed)>::ValueType;
     for (size_t n = 0; n < planes.size(); ++n) {
       results[n].components = openvdb::VecTraits<Value>::IsVec ? 3 : 1;
-      results[n].values.resize(size_t(results[n].components) * size_t(planes[n].width) * size_t(planes[n].height));
+      results[n].values.resize(size_t(results[n].components) * size_t(planes[n].width) *
+                               size_t(planes[n].height));
     }
     sampleGrid(typed, planes, results);
   });

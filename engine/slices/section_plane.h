@@ -10,8 +10,8 @@ namespace slicemorph {
 struct SectionPlane {
   int index = 0;  ///< 0 to count - 1
   int count = 0;
-  double u =
-      0;  ///< -1 to 1 from the first slab of equal thickness to the last; of given planes by their number
+  /// -1 to 1 from the first slab of equal thickness to the last; of given planes by their number.
+  double u = 0;
   Vec3d origin{0, 0, 0};
   Vec3d xAxis{1, 0, 0};
   Vec3d yAxis{0, 1, 0};

@@ -5,8 +5,8 @@
 
 namespace slicemorph {
 
-/// The readers that need ITK and GDCM, as `libslicemorph_itk.so` offers them: these two cost a program's start as much as
-/// all other libraries together, so only that library links them.
+/// The readers that need ITK and GDCM, as `libslicemorph_itk.so` offers them: these two cost a program's
+/// start as much as all other libraries together, so only that library links them.
 struct ItkReaders {
   decltype(&readNrrd) nrrd;
   decltype(&readMetaImage) metaImage;

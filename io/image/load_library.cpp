@@ -9,7 +9,8 @@
 
 namespace slicemorph {
 
-void* functionOf(const std::string& library, const char* environment, const char* function, const std::string& what) {
+void* functionOf(const std::string& library, const char* environment, const char* function,
+                 const std::string& what) {
   std::error_code ignored;
   const auto beside = std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path() / library;
   const char* told = std::getenv(environment);
