@@ -6,7 +6,7 @@ namespace slicemorph {
 
 /// Slices of one grid, to be put together again.
 struct SlicedGrid {
-  /// without voxels: type, class, name, background, metadata of what is made.
+  /// Without voxels: type, class, name, background, metadata of what is made.
   openvdb::GridBase::ConstPtr like;
   std::vector<SectionValues> slices;  ///< one per plane
 };
