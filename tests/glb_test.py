@@ -294,7 +294,9 @@ def case_validator(folder):
 
 
 BLENDER = """
-import bpy, json, sys, numpy
+import sys
+sys.path.append('/usr/lib/python3/dist-packages')  # not there where another Python has started Blender
+import bpy, json, numpy
 numpy.bool = bool  # gone since numpy 1.24; the importer of Blender 3.4 asks for it
 bpy.ops.wm.read_factory_settings(use_empty=True)
 bpy.context.scene.render.fps = 24
