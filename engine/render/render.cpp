@@ -60,11 +60,19 @@ class Shader {
     const Vec3d in = index - base.asVec3d();
     // Voxels one before to two after the cell, but for those that lie beyond it along two axes.
     double v[4][4][4];
-    for (int x = 0; x < 4; ++x)
-      for (int y = 0; y < 4; ++y)
-        for (int z = 0; z < 4; ++z)
-          if (int(x % 3 == 0) + int(y % 3 == 0) + int(z % 3 == 0) < 2)
-            v[x][y][z] = accessor_.getValue(base.offsetBy(x - 1, y - 1, z - 1));
+    const auto row = [&](int x, int y, int first, int last) {
+      constexpr int kMask = int(FloatGrid::TreeType::LeafNodeType::DIM) - 1;
+      const openvdb::Coord at = base.offsetBy(x - 1, y - 1, first - 1);
+      const bool within = (at.z() & kMask) + last - first <= kMask;
+      const auto* leaf = within ? accessor_.probeConstLeaf(at) : nullptr;
+      const float* values = leaf ? leaf->buffer().data() + leaf->coordToOffset(at) : nullptr;
+      for (int z = first; z <= last; ++z)
+        v[x][y][z] = values ? values[z - first] : accessor_.getValue(at.offsetBy(0, 0, z - first));
+    };
+    for (const int x : {1, 2})
+      for (const int y : {1, 2}) row(x, y, 0, 3);
+    for (const int inner : {1, 2})
+      for (const int outer : {0, 3}) row(inner, outer, 1, 2), row(outer, inner, 1, 2);
     Vec3d gradient(0.0);
     for (int c = 0; c < 8; ++c) {
       const int x = 1 + (c & 1), y = 1 + (c >> 1 & 1), z = 1 + (c >> 2);
@@ -189,8 +197,9 @@ class Part {
         hits_(kStride * kStride) {}
 
   void draw() {
-    for (int y = top_ - 1; y <= bottom_; ++y)
-      for (int x = left_ - 1; x <= right_; ++x) at(x, y) = look(x, y, 0);
+    const int around = options_.samples > 1 ? 1 : 0;
+    for (int y = top_ - around; y < bottom_ + around; ++y)
+      for (int x = left_ - around; x < right_ + around; ++x) at(x, y) = look(x, y, 0);
     for (int y = top_; y <= bottom_; y += 2)
       for (int x = left_; x <= right_; x += 2) light(at(x, y));
     for (int y = top_; y < bottom_; ++y)
