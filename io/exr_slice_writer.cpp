@@ -17,12 +17,10 @@
 #include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
 #include <ImfStringVectorAttribute.h>
-#include <ImfThreading.h>
 #include <ImfTileDescription.h>
 #include <ImfTiledOutputPart.h>
 #include <ImfVecAttribute.h>
 #include <half.h>
-#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_pipeline.h>
 
@@ -146,13 +144,6 @@ void writeFile(const std::string& path, const std::vector<Imf::Header>& headers,
   output.commit();
 }
 
-size_t threadCount() {
-  return tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-}
-
-/// Of 9: a fifth faster than OpenEXR's own 4, for 1 % larger files.
-constexpr int kZipLevel = 2;
-
 /// Slices that are sampled together: as many as a leaf is wide, and not more than this.
 constexpr size_t kMostTogether = 8;
 constexpr double kMostBytes = 64 << 20;
@@ -176,7 +167,7 @@ class Writer {
         data({0, 0}, {plane.width - 1, plane.height - 1});
     Imf::Header header(display, data);
     header.compression() = compressionOf(options_.compression);
-    header.zipCompressionLevel() = kZipLevel;
+    header.zipCompressionLevel() = kExrZipLevel;
     header.setType(options_.tile > 0 ? Imf::TILEDIMAGE : Imf::SCANLINEIMAGE);
     header.setName(numberedName(plane.index + 1));
     if (options_.tile > 0)
@@ -324,7 +315,7 @@ void writeSliceFiles(const std::function<std::string(size_t)>& path, const std::
                      const std::vector<SectionPlane>& planes, const SliceExrOptions& options,
                      Progress& progress) {
   const Writer writer(grids, planes, options);
-  const size_t batch = writer.batch(threadCount());
+  const size_t batch = writer.batch(size_t(threadCount()));
   std::atomic<size_t> done{0};
   tbb::parallel_for(
       tbb::blocked_range<size_t>(0, (planes.size() + batch - 1) / batch, 1),
@@ -348,14 +339,14 @@ void writeSlicesExr(const std::string& path, const std::vector<SliceGrid>& grids
   const Writer writer(grids, planes, options);
   std::vector<Imf::Header> headers;
   for (size_t n = 0; n < planes.size(); ++n) headers.push_back(writer.header(n));
-  const size_t threads = threadCount(), batch = writer.batch(threads);
-  Imf::setGlobalThreadCount(int(threads));
-  writeFile(path, headers, int(threads), [&](Imf::MultiPartOutputFile& file) {
+  const int threads = exrThreads();
+  const size_t batch = writer.batch(size_t(threads));
+  writeFile(path, headers, threads, [&](Imf::MultiPartOutputFile& file) {
     // The next slices are sampled while some are written.
     using Slices = std::vector<std::vector<SectionValues>>;
     size_t next = 0, written = 0;
     tbb::parallel_pipeline(
-        threads + 1,
+        size_t(threads) + 1,
         tbb::make_filter<void, size_t>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& flow) {
           if (next >= planes.size()) flow.stop();
           return std::exchange(next, next + batch);

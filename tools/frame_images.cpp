@@ -62,16 +62,15 @@ openvdb::BBoxd boxOf(const ImageLattice& lattice) {
 }
 
 /// The active box of a grid in a file, world, by the file's statistics where it has some.
-openvdb::BBoxd boxInFile(const VdbFile& file, size_t index) {
-  const openvdb::GridBase::Ptr header = file.readHeader(index);
-  const auto low = header->getMetadata<openvdb::Vec3IMetadata>(openvdb::GridBase::META_FILE_BBOX_MIN);
-  const auto high = header->getMetadata<openvdb::Vec3IMetadata>(openvdb::GridBase::META_FILE_BBOX_MAX);
+openvdb::BBoxd boxInFile(const VdbFile& file, size_t index, const openvdb::GridBase& header) {
+  const auto low = header.getMetadata<openvdb::Vec3IMetadata>(openvdb::GridBase::META_FILE_BBOX_MIN);
+  const auto high = header.getMetadata<openvdb::Vec3IMetadata>(openvdb::GridBase::META_FILE_BBOX_MAX);
   openvdb::CoordBBox box;
   if (low && high)
     box = {openvdb::Coord(low->value()), openvdb::Coord(high->value())};
   else
     box = file.readDelayed(index)->evalActiveVoxelBoundingBox();
-  return box.empty() ? openvdb::BBoxd() : header->transform().indexToWorld(box);
+  return box.empty() ? openvdb::BBoxd() : header.transform().indexToWorld(box);
 }
 
 /// Passes nothing on but that the job is to end.
@@ -170,11 +169,10 @@ openvdb::BBoxd FrameImages::surveyGrids(const LoadedObject& input) {
   if (!input.file || settings_.method == Method::kSdf || settings_.method == Method::kLevelSet) return box;
   for (size_t i = 0; i < input.file->entries().size(); ++i) {
     const openvdb::GridBase::Ptr header = input.file->readHeader(i);
+    if (!header || !isSliceable(*header)) continue;
     const std::vector<std::string>& wanted = settings_.grids;
-    const bool asked =
-        wanted.empty() || std::count(wanted.begin(), wanted.end(), header ? header->getName() : "") > 0;
-    if (!header || !isSliceable(*header) || !asked) continue;
-    const openvdb::BBoxd own = boxInFile(*input.file, i);
+    if (!wanted.empty() && std::count(wanted.begin(), wanted.end(), header->getName()) == 0) continue;
+    const openvdb::BBoxd own = boxInFile(*input.file, i, *header);
     if (own.empty()) continue;
     box.expand(own);
     const Vec3d size = header->voxelSize();

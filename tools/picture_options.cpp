@@ -149,4 +149,5 @@ std::vector<JobOption> addPictureOptions(CLI::App& command, PictureOptions& s) {
   flag("transparent", s.transparent, "No background");
   return options;
 }
+
 }  // namespace slicemorph
