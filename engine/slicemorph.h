@@ -1,10 +1,12 @@
 #pragma once
 
 #include "engine/conventions.h"
+#include "engine/guidance.h"
 #include "engine/progress.h"
 #include "engine/volume/image.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 
 /// slicemorph: morphs volumes through oriented slices. Grids in, grids out; loads nothing, prints nothing.
@@ -20,9 +22,6 @@ struct Object {
   std::vector<FloatGrid::ConstPtr> inner = {};
 };
 
-/// The same place on every object, world.
-using Landmark = std::vector<Vec3d>;
-
 enum class SpineKind { kAuto, kStraight, kCurved };
 enum class Align { kAuto, kNone };
 
@@ -33,7 +32,9 @@ struct MorphOptions {
   Align align = Align::kAuto;             ///< kNone: world positions and directions are kept
   Vec3d axis{0, 0, 0};                    ///< slicing direction of the first object, world; zero: found
   double voxelSize = 0;                   ///< of every frame, world units; 0: follows the objects' own
-  std::vector<Landmark> landmarks = {};   ///< places that the map is to carry onto each other
+  std::vector<Feature> features = {};     ///< places that the map is to carry onto each other
+  std::vector<Region> regions = {};       ///< parts with weights of their own; where they overlap the later one counts
+  ContourPath path = ContourPath::kLinear;
 };
 
 /// One slice of the plan, for debug pictures: contours in chart space (x, y) and the pairs that were accepted.
@@ -65,7 +66,8 @@ struct CarryOptions {
 /// grids of a frame and keeps what they share; use it from one thread (it uses all itself). Not to outlive its plan.
 class Carrier {
  public:
-  /// In-between of values: each grid goes along with its object's shape, and the values are blended where they meet.
+  /// In-between of values: each grid goes along with its object's shape, and the values are blended where they meet. Colours
+  /// (by the grid's name) are blended where they are active, and never with the background.
   /// `grids`: one per object, of one type, on any transform; null where the object has none, which counts as background.
   /// Float, double, vec3s and vec3d are blended; bool, mask, int32, int64 and vec3i are the heaviest object's. Vectors turn
   /// with the map unless they are colours or places. The result has the metadata of the first grid; unless a voxel size is
@@ -85,6 +87,12 @@ class Carrier {
   /// one's surface; the in-between then has their blend on its own surface, and only inside it more. Throws InputError.
   Image carry(const std::vector<const Image*>& images, const ImageLattice& on, const std::vector<double>& isos = {}) const;
 
+  /// Colours of an in-between's surface, one for each active voxel of its level set, named "Cd": sum_k w_k c_k of the nearest
+  /// places of the objects' surfaces, so that nothing but surfaces' colours is blended. `colors`: per object, on voxels
+  /// around its surface, any transform; null where it has none: the others' count. At weight 1 they are that object's own.
+  /// Throws InputError where no object has colours.
+  openvdb::Vec3SGrid::Ptr colors(const FloatGrid& surface, const std::vector<openvdb::Vec3SGrid::ConstPtr>& colors);
+
   /// In-between of label maps: at every voxel the label whose blended distance, sum_k w_k d_k(M_k(p)), lies deepest inside;
   /// the space without a label counts as one. No gaps, no overlaps, no order of labels. `labels`: one per object.
   Image carryLabels(const std::vector<const LabelField*>& labels, const ImageLattice& on) const;
@@ -102,6 +110,14 @@ class Carrier {
   std::unique_ptr<Impl> impl_;
 };
 
+/// Weights below 0 lead on beyond the objects, no further than this.
+constexpr double kLeastWeight = -0.5;
+
+/// The object that an in-between of these weights is, if it is one: its weight is 1 and all others are 0.
+std::optional<size_t> aloneIn(const Weights& weights);
+/// For values, which do not go beyond what they are blended of: weights below 0 are 0, and the others sum to 1.
+Weights withoutNegatives(const Weights& weights);
+
 /// What a morph needs to know once; every frame is then an independent task. Thread-safe after construction.
 class MorphPlan {
  public:
@@ -116,7 +132,8 @@ class MorphPlan {
   MorphPlan(MorphPlan&&) noexcept;
   MorphPlan& operator=(MorphPlan&&) noexcept;
 
-  /// The in-between of the given weights (one per object, each >= 0, of sum 1 within 1e-6; else InputError).
+  /// The in-between of the given weights: one per object, of sum 1 within 1e-6, none below kLeastWeight (splines through
+  /// keys go a little beyond the objects); else InputError.
   InBetween frame(const Weights& weights) const;
 
   /// For the grids that ride with the shapes; weights as frame().
@@ -124,6 +141,8 @@ class MorphPlan {
 
   /// Where what one in-between has at some world points is on another one, by the map alone; weights as frame().
   std::vector<Vec3d> carryPoints(const std::vector<Vec3d>& points, const Weights& from, const Weights& to) const;
+  /// What an object has, carried to an in-between.
+  std::vector<Vec3d> carryPoints(const std::vector<Vec3d>& points, size_t from, const Weights& to) const;
   /// The same from one object to another one.
   std::vector<Vec3d> correspond(const std::vector<Vec3d>& points, size_t from, size_t to) const;
 

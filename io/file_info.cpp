@@ -23,6 +23,7 @@ MeshInfo describeMesh(const std::string& path) {
   MeshInfo info;
   info.points = stored.points;
   info.faces = stored.faces;
+  info.colors = stored.colorsOf;
   info.shells = found.shells;
   info.boundaryEdges = found.boundaryEdges;
   info.boundaryLoops = found.boundaryLoops;

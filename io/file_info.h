@@ -16,6 +16,7 @@ struct MeshInfo {
   size_t boundaryEdges = 0, boundaryLoops = 0, nonManifoldEdges = 0;
   bool closed = false;           ///< every edge has exactly two faces
   Vec3d boxMin{0, 0, 0}, boxMax{0, 0, 0};  ///< world units
+  std::string colors;            ///< what has colours: "points", "faces", "materials"; empty: nothing
   double signedVolume = 0;       ///< world units cubed, of the faces as stored; meaningful for closed meshes
   std::vector<std::string> notes;  ///< what repair does on reading, one sentence each
   std::string problem;           ///< why the mesh would be refused; empty: it is accepted

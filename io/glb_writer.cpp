@@ -47,12 +47,24 @@ std::string frameName(size_t frame) {
   return name;
 }
 
-/// Every vertex three floats for place and three for the normal, in each frame.
+/// Colours as glTF has them, each from 0 to 1.
+Points within01(Points colors) {
+  for (Vec3s& c : colors)
+    for (int i = 0; i < 3; ++i) c[i] = std::clamp(c[i], 0.f, 1.f);
+  return colors;
+}
+
+bool colorsChange(const MovingMesh& m) {
+  return std::any_of(m.colors.begin(), m.colors.end(), [&](const Points& c) { return c != m.colors[0]; });
+}
+
+/// Every vertex three floats for place and three for the normal, in each frame, and three for its colours.
 double sizeOf(const std::vector<MovingMesh>& meshes) {
   double bytes = 0;
-  for (const MovingMesh& m : meshes)
-    bytes +=
-        12.0 * double(m.triangles.size()) + 24.0 * double(m.points.size()) * double(m.points.front().size());
+  for (const MovingMesh& m : meshes) {
+    const size_t vectors = 2 * m.points.size() + (colorsChange(m) ? m.colors.size() : !m.colors.empty());
+    bytes += 12.0 * double(m.triangles.size()) + 12.0 * double(vectors) * double(m.points.front().size());
+  }
   return bytes;
 }
 
@@ -64,7 +76,6 @@ class GlbBuilder {
     model_.asset.generator = "slicemorph";
     model_.buffers.resize(1);
     bytes_().reserve(bytes + bytes / 64 + 4096);
-    addMaterial();
     addScene(space);
   }
 
@@ -76,18 +87,23 @@ class GlbBuilder {
                                  : frameName(moving.first) + (still ? "" : "-" + frameName(last).substr(6));
     tinygltf::Primitive primitive;
     primitive.mode = TINYGLTF_MODE_TRIANGLES;
-    primitive.material = 0;
+    primitive.material = materialOf(moving.colors.empty() ? "clay" : "colors");
     primitive.indices = addIndices(moving.triangles);
     const Points& base = moving.points.front();
     const Points normals = normalsOf(moving.triangles, base, nullptr);
     primitive.attributes["POSITION"] = addVectors(base, true);
     primitive.attributes["NORMAL"] = addVectors(normals, false);
+    const Points colors = moving.colors.empty() ? Points() : within01(moving.colors.front());
+    if (!colors.empty()) primitive.attributes["COLOR_0"] = addVectors(colors, false);
+    const bool changing = colorsChange(moving);
     tinygltf::Value::Array names;
     for (size_t i = 1; i < count; ++i) {
       const Points& points = moving.points[i];
       primitive.targets.push_back(
           {{"POSITION", addVectors(minus(points, base), true)},
            {"NORMAL", addVectors(minus(normalsOf(moving.triangles, points, &normals), normals), false)}});
+      if (changing)
+        primitive.targets.back()["COLOR_0"] = addVectors(minus(within01(moving.colors[i]), colors), false);
       names.push_back(tinygltf::Value(frameName(moving.first + i)));
     }
     tinygltf::Mesh mesh;
@@ -122,14 +138,17 @@ class GlbBuilder {
   std::vector<unsigned char>& bytes_() { return model_.buffers[0].data; }
   std::vector<int>& parent_() { return hasRoot_ ? model_.nodes[0].children : model_.scenes[0].nodes; }
 
-  /// Neutral clay; glTF's own default is a metal.
-  void addMaterial() {
-    tinygltf::Material clay;
-    clay.name = "clay";
-    clay.pbrMetallicRoughness.baseColorFactor = {0.62, 0.47, 0.36, 1};
-    clay.pbrMetallicRoughness.metallicFactor = 0;
-    clay.pbrMetallicRoughness.roughnessFactor = 0.7;
-    model_.materials.push_back(std::move(clay));
+  /// Neutral clay, or "colors": white, which leaves the points' own as they are. glTF's own default is a metal.
+  int materialOf(const std::string& name) {
+    for (size_t i = 0; i < model_.materials.size(); ++i)
+      if (model_.materials[i].name == name) return int(i);
+    tinygltf::Material material;
+    material.name = name;
+    if (name == "clay") material.pbrMetallicRoughness.baseColorFactor = {0.62, 0.47, 0.36, 1};
+    material.pbrMetallicRoughness.metallicFactor = 0;
+    material.pbrMetallicRoughness.roughnessFactor = 0.7;
+    model_.materials.push_back(std::move(material));
+    return int(model_.materials.size()) - 1;
   }
 
   void addScene(const GlbSpace& space) {

@@ -1,6 +1,7 @@
 #include "io/grid_choice.h"
 
 #include "engine/errors.h"
+#include "engine/volume/surface_colors.h"
 
 namespace slicemorph {
 namespace {
@@ -67,6 +68,26 @@ std::vector<size_t> gridsToTry(const VdbFile& file, const std::string& path) {
   for (const auto* more : {&density, &dense, &others, &fogs}) levelSets.insert(levelSets.end(), more->begin(), more->end());
   if (levelSets.empty()) throw InputError(path + ": no grid of scalar values to take a surface from; " + listOf(file));
   return levelSets;
+}
+
+std::optional<size_t> findColors(const VdbFile& file) {
+  const auto rank = [](const std::string& name) { return name == "Cd" ? 0 : name == "color" ? 1 : 2; };
+  std::optional<size_t> best;
+  int least = 3;
+  for (size_t i = 0; i < file.entries().size(); ++i) {
+    const openvdb::GridBase::Ptr grid = headerOrNull(file, i);
+    if (!grid || !isColorName(grid->getName()) || rank(grid->getName()) >= least) continue;
+    if (!grid->isType<openvdb::Vec3SGrid>() && !grid->isType<openvdb::Vec3DGrid>()) continue;
+    best = i, least = rank(grid->getName());
+  }
+  return best;
+}
+
+openvdb::Vec3SGrid::ConstPtr asColorGrid(const openvdb::GridBase::Ptr& grid) {
+  if (const auto doubles = openvdb::GridBase::grid<openvdb::Vec3DGrid>(grid)) {
+    return openvdb::Vec3SGrid::ConstPtr(new openvdb::Vec3SGrid(*doubles));
+  }
+  return openvdb::GridBase::grid<openvdb::Vec3SGrid>(grid);
 }
 
 FloatGrid::ConstPtr asFloatGrid(const openvdb::GridBase::Ptr& grid) {

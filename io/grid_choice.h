@@ -3,6 +3,7 @@
 #include "io/paths.h"
 #include "io/vdb_reader.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,5 +23,11 @@ std::vector<size_t> gridsToTry(const VdbFile& file, const std::string& path);
 
 /// A float grid as it is, a double grid converted; null for any other.
 FloatGrid::ConstPtr asFloatGrid(const openvdb::GridBase::Ptr& grid);
+
+/// The grid of a file that has its surface's colours, by its name (isColorName): "Cd" before "color" before others.
+std::optional<size_t> findColors(const VdbFile& file);
+
+/// A grid of float vectors as it is, one of doubles converted; null for any other.
+openvdb::Vec3SGrid::ConstPtr asColorGrid(const openvdb::GridBase::Ptr& grid);
 
 }  // namespace slicemorph

@@ -3,6 +3,7 @@
 #include "engine/errors.h"
 #include "engine/volume/image_shape.h"
 #include "engine/volume/level_set.h"
+#include "engine/volume/surface_colors.h"
 #include "engine/volume/voxelise.h"
 #include "io/grid_choice.h"
 #include "io/mesh_reader.h"
@@ -47,12 +48,14 @@ double voxelSizeFor(const Mesh& mesh, int resolution) {
 }
 
 LoadedObject loadMesh(const std::string& path, const LoadOptions& options) {
-  RepairedMesh repaired = closeSurface(path, readPolygons(path));
+  const StoredMesh stored = readPolygons(path);
+  RepairedMesh repaired = closeSurface(path, stored);
   const int resolution = options.resolution ? options.resolution : kDefaultResolution;
   LoadedObject loaded;
   loaded.object.levelSet =
       voxelise(repaired.mesh, options.voxelSize > 0 ? options.voxelSize : voxelSizeFor(repaired.mesh, resolution));
   loaded.notes = std::move(repaired.notes);
+  loaded.colors = colorsAround(*loaded.object.levelSet, stored.mesh);
   return loaded;
 }
 
@@ -77,6 +80,14 @@ LoadedObject loadGrid(const FloatGrid::ConstPtr& grid, const LoadOptions& option
   return loaded;
 }
 
+/// Null where the file has none.
+openvdb::Vec3SGrid::ConstPtr colorsBeside(const VdbFile& file, const FloatGrid& levelSet) {
+  const std::optional<size_t> index = findColors(file);
+  if (!index) return nullptr;
+  const openvdb::Vec3SGrid::ConstPtr colors = asColorGrid(file.read(*index));
+  return colors ? colorsAround(levelSet, *colors) : nullptr;
+}
+
 LoadedObject loadVdb(const InputName& name, const LoadOptions& options) {
   const auto opened = std::make_shared<const VdbFile>(name.path);
   const VdbFile& file = *opened;
@@ -89,6 +100,7 @@ LoadedObject loadVdb(const InputName& name, const LoadOptions& options) {
       loaded.file = opened;
       loaded.grid = index;
       loaded.named = named;
+      if (!loaded.fog) loaded.colors = colorsBeside(file, *loaded.object.levelSet);
       if (!named && file.entries().size() > 1) {
         loaded.notes.insert(loaded.notes.begin(), "took grid '" + grid + "' of " +
                                                       std::to_string(file.entries().size()) + passedOver);

@@ -40,6 +40,7 @@ struct LoadedObject {
   std::shared_ptr<const Image> image;   ///< null for meshes and VDBs
   bool labels = false;              ///< the image is a map of labels; the shape is that of all of them
   double iso = 0;                   ///< the surface's value in a grey image
+  openvdb::Vec3SGrid::ConstPtr colors = nullptr;  ///< of the shape's surface, on its level set's active voxels; null: it has none
 };
 
 /// Reads one input of the command line as a level set: `file.vdb`, `file.vdb:grid`, `.obj .ply .stl .off .glb`, images (see

@@ -1,10 +1,12 @@
 #include "io/mesh_checks.h"
 
-#include "engine/errors.h"
+#include "io/mesh_text.h"
 #include "io/paths.h"
+#include "io/ply_header.h"
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -27,64 +29,6 @@ std::string readWhole(const std::string& path) {
   return bytes;
 }
 
-[[noreturn]] void refuse(const std::string& path, const std::string& why) { throw IoError(path + " " + why); }
-
-[[noreturn]] void refuseTruncated(const std::string& path, const std::string& why) {
-  refuse(path, "is truncated: " + why);
-}
-
-bool isSpace(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f'; }
-
-/// Tokens and lines of a text, front to back.
-class Text {
- public:
-  explicit Text(std::string_view bytes) : rest_(bytes) {}
-
-  bool done() const { return rest_.empty(); }
-  size_t lineNumber() const { return line_; }
-
-  /// The next line without its end; lines joined by a backslash at the end come one by one.
-  std::string_view line() {
-    const size_t end = rest_.find('\n');
-    const std::string_view result = rest_.substr(0, end);
-    rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
-    ++line_;
-    return result;
-  }
-
-  /// The next token, over any number of lines; empty at the end.
-  std::string_view token() {
-    while (!rest_.empty() && isSpace(rest_.front())) rest_.remove_prefix(1);
-    size_t size = 0;
-    while (size < rest_.size() && !isSpace(rest_[size])) ++size;
-    const std::string_view result = rest_.substr(0, size);
-    rest_.remove_prefix(size);
-    return result;
-  }
-
- private:
-  std::string_view rest_;
-  size_t line_ = 0;
-};
-
-template <typename Number>
-bool parse(std::string_view token, Number& value) {
-  if (!token.empty() && token.front() == '+') token.remove_prefix(1);
-  const auto result = std::from_chars(token.data(), token.data() + token.size(), value);
-  return result.ec == std::errc() || result.ec == std::errc::result_out_of_range;
-}
-
-/// A count of a header; what no file of this size can hold is refused at once.
-std::uint64_t parseCount(const std::string& path, std::string_view token, const char* what, size_t fileSize) {
-  std::uint64_t count = 0;
-  if (!parse(token, count)) refuse(path, "is damaged: its header gives no number of " + std::string(what));
-  if (count > fileSize) {
-    refuseTruncated(path, "the header says " + std::to_string(count) + " " + what + ", the file has only " +
-                              std::to_string(fileSize) + " bytes");
-  }
-  return count;
-}
-
 // ---------------------------------------------------------------- OBJ
 
 class ObjScan {
@@ -105,7 +49,11 @@ class ObjScan {
       const std::string_view kind = tokens.token();
       if (kind == "v") vertex(tokens);
       if (kind == "f") face(tokens);
+      if (kind == "mtllib") counts_.materialFiles.emplace_back(trimmed(tokens.rest()));
+      if (kind == "usemtl") usesMaterials_ = true;
     }
+    // The importer gives faces without a material the file's last one.
+    if (!usesMaterials_) counts_.materialFiles.clear();
     if (counts_.points == 0) refuse(path_, "holds no vertices: it is no OBJ mesh, or cut short");
     if (counts_.faces == 0) {
       refuse(path_, "holds " + std::to_string(counts_.points) + " vertices but no faces: it is cut short, or no surface");
@@ -113,6 +61,10 @@ class ObjScan {
     if (highest_ > counts_.points) {
       refuse(path_, "line " + std::to_string(highestLine_) + ": a face refers to vertex " + std::to_string(highest_) +
                         ", the file has " + std::to_string(counts_.points));
+    }
+    if (colored_ > 0 && colored_ < counts_.points) {
+      refuse(path_, "gives colours to " + std::to_string(colored_) + " of its " + std::to_string(counts_.points) +
+                        " vertices; give them to all or to none");
     }
     used_.resize(counts_.points + 1, false);
     counts_.unusedPoints = size_t(std::count(used_.begin() + 1, used_.end(), false));
@@ -134,15 +86,19 @@ class ObjScan {
 
   void vertex(Text& tokens) {
     ++counts_.points;
-    for (int i = 0; i < 3; ++i) {
-      const std::string_view token = tokens.token();
-      double value = 0;
-      if (!parse(token, value)) incomplete("vertex " + std::to_string(counts_.points) + ", has no three numbers");
-      if (!std::isfinite(value)) {
-        refuse(path_, where() + ": vertex " + std::to_string(counts_.points) + " is not finite (" +
-                          std::string(token) + ")");
-      }
+    const auto name = [&] { return "vertex " + std::to_string(counts_.points); };
+    int numbers = 0;
+    double value = 0;
+    for (std::string_view token = tokens.token(); parse(token, value); token = tokens.token(), ++numbers) {
+      if (!std::isfinite(value))
+        refuse(path_, where() + ": " + name() + " is not finite (" + std::string(token) + ")");
     }
+    if (numbers < 3) incomplete(name() + ", has no three numbers");
+    if (numbers == 5 || numbers > 6) {
+      refuse(path_, where() + ": " + name() + " has " + std::to_string(numbers) +
+                        " numbers; 3 are its place, 4 a place and a weight, 6 a place and a colour");
+    }
+    colored_ += numbers == 6;
   }
 
   void face(Text& tokens) {
@@ -174,69 +130,13 @@ class ObjScan {
   Text text_;
   MeshCounts counts_;
   std::vector<bool> used_;
+  size_t colored_ = 0;
+  bool usesMaterials_ = false;
   std::uint64_t highest_ = 0;
   size_t highestLine_ = 0;
 };
 
 // ---------------------------------------------------------------- PLY
-
-struct PlyProperty {
-  int countSize = 0;  // bytes of a list's length; 0: no list
-  int size = 0;       // bytes of the value, or of one item of the list
-};
-
-struct PlyElement {
-  std::string name;
-  std::uint64_t count = 0;
-  std::vector<PlyProperty> properties;
-};
-
-struct PlyHeader {
-  std::string format;
-  std::vector<PlyElement> elements;
-  size_t size = 0;  // bytes
-};
-
-int plyTypeSize(std::string_view type) {
-  if (type == "char" || type == "uchar" || type == "int8" || type == "uint8") return 1;
-  if (type == "short" || type == "ushort" || type == "int16" || type == "uint16") return 2;
-  if (type == "int" || type == "uint" || type == "float" || type == "int32" || type == "uint32" || type == "float32") {
-    return 4;
-  }
-  return type == "double" || type == "float64" ? 8 : 0;
-}
-
-PlyHeader readPlyHeader(const std::string& path, std::string_view bytes) {
-  if (bytes.substr(0, 3) != "ply") refuse(path, "is no PLY file: it does not begin with 'ply'");
-  PlyHeader header;
-  Text text(bytes);
-  while (!text.done()) {
-    const std::string_view line = text.line();
-    Text tokens(line);
-    const std::string_view kind = tokens.token();
-    if (kind == "format") header.format = tokens.token();
-    if (kind == "element") {
-      const std::string name(tokens.token());
-      header.elements.push_back({name, parseCount(path, tokens.token(), name.c_str(), bytes.size()), {}});
-    }
-    if (kind == "property" && !header.elements.empty()) {
-      const std::string_view type = tokens.token();
-      PlyProperty property{0, plyTypeSize(type)};
-      if (type == "list") {
-        property.countSize = plyTypeSize(tokens.token());
-        property.size = plyTypeSize(tokens.token());
-      }
-      const bool known = property.size > 0 && (type != "list" || property.countSize > 0);
-      if (!known) refuse(path, "is damaged: its header has the line '" + std::string(line.substr(0, 60)) + "'");
-      header.elements.back().properties.push_back(property);
-    }
-    if (kind == "end_header") {
-      header.size = size_t(line.data() + line.size() - bytes.data()) + 1;
-      return header;
-    }
-  }
-  refuseTruncated(path, "its header has no end");
-}
 
 std::uint64_t plyListLength(std::string_view bytes, bool bigEndian) {
   std::uint64_t value = 0;
@@ -251,13 +151,13 @@ bool skipBinary(std::string_view bytes, const PlyElement& element, bool bigEndia
   for (std::uint64_t i = 0; i < element.count; ++i) {
     for (const PlyProperty& property : element.properties) {
       std::uint64_t items = 1;
-      if (property.countSize > 0) {
-        if (at + std::uint64_t(property.countSize) > bytes.size()) return false;
-        items = plyListLength(bytes.substr(at, size_t(property.countSize)), bigEndian);
-        at += std::uint64_t(property.countSize);
+      if (property.isList()) {
+        if (at + std::uint64_t(property.count.size) > bytes.size()) return false;
+        items = plyListLength(bytes.substr(at, size_t(property.count.size)), bigEndian);
+        at += std::uint64_t(property.count.size);
         if (items > bytes.size()) return false;
       }
-      at += items * std::uint64_t(property.size);
+      at += items * std::uint64_t(property.type.size);
       if (at > bytes.size()) return false;
     }
   }
@@ -268,7 +168,7 @@ bool skipText(Text& text, const PlyElement& element) {
   for (std::uint64_t i = 0; i < element.count; ++i) {
     for (const PlyProperty& property : element.properties) {
       std::uint64_t items = 1;
-      if (property.countSize > 0 && !parse(text.token(), items)) return false;
+      if (property.isList() && !parse(text.token(), items)) return false;
       for (std::uint64_t k = 0; k < items; ++k) {
         if (text.token().empty()) return false;
       }
@@ -279,15 +179,12 @@ bool skipText(Text& text, const PlyElement& element) {
 
 MeshCounts checkPly(const std::string& path, std::string_view bytes) {
   const PlyHeader header = readPlyHeader(path, bytes);
-  const bool text = header.format == "ascii", big = header.format == "binary_big_endian";
-  if (!text && !big && header.format != "binary_little_endian") {
-    refuse(path, "is damaged: its header gives the format '" + header.format + "'");
-  }
   MeshCounts counts;
-  Text body(bytes.substr(std::min(header.size, bytes.size())));
+  Text body(bytes.substr(header.size));
   std::uint64_t at = header.size;
   for (const PlyElement& element : header.elements) {
-    const bool whole = text ? skipText(body, element) : skipBinary(bytes, element, big, at);
+    const bool whole =
+        header.text ? skipText(body, element) : skipBinary(bytes, element, header.bigEndian, at);
     if (!whole) {
       refuseTruncated(path, "the header says " + std::to_string(element.count) + " elements '" + element.name +
                                 "', the file ends before the last of them");
@@ -397,6 +294,27 @@ MeshCounts checkOff(const std::string& path, std::string_view bytes) {
   return result;
 }
 
+/// The importer leaves out colours that are not one for each point, without a word.
+void checkGlbColors(const std::string& path, std::string_view text) {
+  const nlohmann::json gltf = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
+  const auto countOf = [&](const nlohmann::json& accessor) {
+    return gltf.at("accessors").at(accessor.get<size_t>()).at("count").get<size_t>();
+  };
+  try {
+    for (const auto& mesh : gltf.at("meshes")) {
+      for (const auto& primitive : mesh.at("primitives")) {
+        const auto& attributes = primitive.at("attributes");
+        if (!attributes.contains("COLOR_0")) continue;
+        const size_t colors = countOf(attributes.at("COLOR_0")), points = countOf(attributes.at("POSITION"));
+        if (colors == points) continue;
+        refuse(path, "is damaged: a mesh of " + std::to_string(points) + " points has " + std::to_string(colors) +
+                         " colours");
+      }
+    }
+  } catch (const nlohmann::json::exception&) {  // the importer says what is wrong
+  }
+}
+
 MeshCounts checkGlb(const std::string& path, std::string_view bytes) {
   if (bytes.size() < 12 || bytes.substr(0, 4) != "glTF") refuse(path, "is no binary glTF file");
   const std::uint64_t size = littleEndian32(bytes, 8);
@@ -405,7 +323,9 @@ MeshCounts checkGlb(const std::string& path, std::string_view bytes) {
                               std::to_string(bytes.size()));
   }
   for (std::uint64_t at = 12; at + 8 <= size; at += 8 + std::uint64_t(littleEndian32(bytes, at))) {
-    if (at + 8 + littleEndian32(bytes, at) > size) refuse(path, "is damaged: a chunk reaches beyond the end");
+    const std::uint32_t length = littleEndian32(bytes, at);
+    if (at + 8 + length > size) refuse(path, "is damaged: a chunk reaches beyond the end");
+    if (bytes.substr(at + 4, 4) == "JSON") checkGlbColors(path, bytes.substr(at + 8, length));
   }
   return {};
 }

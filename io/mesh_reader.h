@@ -12,12 +12,18 @@ struct StoredMesh {
   size_t points = 0, faces = 0;  ///< in the file; `mesh` may have more or fewer points
   size_t skipped = 0;            ///< points and lines, which have no surface
   bool endsInLine = false;       ///< a text file whose last line has no end: maybe cut short
+  std::string colorsOf;          ///< what has colours: "points", "faces", "materials"; empty: nothing
+  bool textured = false;         ///< with textures, which are not read
 };
 
 /// True for `.obj .ply .stl .off .glb`, with the dot and in lower case.
 bool isMeshExtension(const std::string& extension);
 
-/// Reads `.obj .ply .stl .off .glb`. Throws IoError: missing, empty, truncated, damaged, points that are not finite.
+/// Reads `.obj .ply .stl .off .glb`. Colours: of PLY the points' own, else the faces'; of OBJ the points' own, else each
+/// material's Kd (none without an .mtl); of GLB COLOR_0 times the material's baseColorFactor. Parts without one are white
+/// where others have one. Numbers are the file's, whole ones divided by the largest of their type: PLY and OBJ files tend to
+/// hold sRGB, GLB linear values, and neither is converted. Throws IoError: missing, empty, truncated, damaged, points or
+/// colours that are not finite.
 StoredMesh readPolygons(const std::string& path);
 
 /// The closed surface of a mesh that was read. Throws GeometryError and IoError naming `path`.

@@ -5,7 +5,10 @@
 #include "io/glb_writer.h"
 #include "io/paths.h"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -30,6 +33,7 @@ class Line {
     text_.append(digits, size_t(end - digits));
     return *this;
   }
+  Line& add(const openvdb::Vec3s& v) { return add(v[0]).add(v[1]).add(v[2]); }
   std::string_view end() { return text_ += '\n'; }
 
  private:
@@ -38,7 +42,11 @@ class Line {
 
 void writeObj(AtomicFile& file, const Mesh& mesh) {
   Line line;
-  for (const openvdb::Vec3s& p : mesh.points) file.write(line.begin('v').add(p[0]).add(p[1]).add(p[2]).end());
+  for (size_t i = 0; i < mesh.points.size(); ++i) {
+    line.begin('v').add(mesh.points[i]);
+    if (!mesh.colors.empty()) line.add(mesh.colors[i]);
+    file.write(line.end());
+  }
   for (const openvdb::Vec3I& t : mesh.triangles) {
     file.write(line.begin('f').add(t[0] + 1).add(t[1] + 1).add(t[2] + 1).end());
   }
@@ -55,11 +63,21 @@ struct __attribute__((packed)) PlyFace {
   std::uint32_t corners[3];
 };
 
+std::uint8_t toByte(float share) { return std::uint8_t(std::lround(std::clamp(share, 0.f, 1.f) * 255)); }
+
 void writePly(AtomicFile& file, const Mesh& mesh) {
+  const bool colored = !mesh.colors.empty();
+  const std::string colors =
+      colored ? "property uchar red\nproperty uchar green\nproperty uchar blue\n" : "";
   file.write("ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(mesh.points.size()) +
-             "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
+             "\nproperty float x\nproperty float y\nproperty float z\n" + colors + "element face " +
              std::to_string(mesh.triangles.size()) + "\nproperty list uchar uint vertex_indices\nend_header\n");
-  for (const openvdb::Vec3s& p : mesh.points) file.write({reinterpret_cast<const char*>(p.asPointer()), 12});
+  for (size_t i = 0; i < mesh.points.size(); ++i) {
+    file.write({reinterpret_cast<const char*>(mesh.points[i].asPointer()), 12});
+    if (!colored) continue;
+    const openvdb::Vec3s& c = mesh.colors[i];
+    writeRaw(file, std::array<std::uint8_t, 3>{toByte(c[0]), toByte(c[1]), toByte(c[2])});
+  }
   for (const openvdb::Vec3I& t : mesh.triangles) writeRaw(file, PlyFace{3, {t[0], t[1], t[2]}});
 }
 
@@ -93,7 +111,11 @@ void writeStl(AtomicFile& file, const std::string& path, const Mesh& mesh) {
 
 void writeMesh(const std::string& path, const Mesh& mesh) {
   const std::string extension = extensionOf(path);
-  if (extension == ".glb") return writeGlb(path, {{0, mesh.triangles, {mesh.points}}});
+  if (extension == ".glb") {
+    std::vector<std::vector<openvdb::Vec3s>> colors;
+    if (!mesh.colors.empty()) colors.push_back(mesh.colors);
+    return writeGlb(path, {{0, mesh.triangles, {mesh.points}, colors}});
+  }
   AtomicFile file(path);
   if (extension == ".obj") {
     writeObj(file, mesh);

@@ -1,6 +1,7 @@
 #include "io/output.h"
 
 #include "engine/errors.h"
+#include "engine/volume/surface_colors.h"
 #include "engine/volume/voxelise.h"
 #include "io/mesh_writer.h"
 #include "io/paths.h"
@@ -69,9 +70,13 @@ FloatGrid::Ptr surfaceGrid(const FloatGrid& levelSet, const SurfaceOutput& optio
 void writeSurface(const std::string& path, const FloatGrid& levelSet, const SurfaceOutput& options) {
   checkSurfaceOutput(path);
   if (extensionOf(path) == ".vdb") {
-    writeVdb(path, {surfaceGrid(levelSet, options)}, options.vdb);
+    openvdb::GridCPtrVec grids{surfaceGrid(levelSet, options)};
+    if (options.colors) grids.push_back(options.colors);
+    writeVdb(path, grids, options.vdb);
   } else {
-    writeMesh(path, surfaceOf(levelSet));
+    Mesh mesh = surfaceOf(levelSet);
+    if (options.colors) mesh.colors = colorsAt(*options.colors, mesh.points);
+    writeMesh(path, mesh);
   }
 }
 

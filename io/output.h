@@ -34,6 +34,7 @@ struct VdbOutput {
 struct SurfaceOutput {
   bool halfFloat = false;
   VdbOutput vdb;
+  openvdb::Vec3SGrid::ConstPtr colors = nullptr;  ///< around the surface, named "Cd"; null: it has none
 };
 
 /// Throws InputError where `path` has no extension that writeSurface knows, IoError where its folder does not exist or
@@ -43,7 +44,8 @@ void checkSurfaceOutput(const std::string& path);
 /// The level set as the grid `surface` of an output; shares its tree.
 FloatGrid::Ptr surfaceGrid(const FloatGrid& levelSet, const SurfaceOutput& options = {});
 
-/// Writes a level set by extension: `.vdb` as the grid it is, named `surface`; `.obj .ply .stl .glb` its surface mesh.
+/// Writes a level set by extension: `.vdb` as the grid it is, named `surface`, its colours beside it;
+/// `.obj .ply .stl .glb` its surface mesh, whose points have the colours there (STL: none).
 /// The file appears whole or not at all (written beside, flushed, then renamed). Throws IoError.
 void writeSurface(const std::string& path, const FloatGrid& levelSet, const SurfaceOutput& options = {});
 

@@ -262,8 +262,18 @@ def case_errors(folder):
     assert os.listdir(folder) == []
 
 
+def painted(path, color):
+    """The unit cube as a PLY whose points have a colour."""
+    with open(path, "w") as out:
+        out.write("ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
+                  "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 6\n"
+                  "property list uchar int vertex_indices\nend_header\n")
+        out.write("".join("%d %d %d %s\n" % (i & 1, i >> 1 & 1, i >> 2, color) for i in range(8)))
+        out.write("4 0 2 3 1\n4 4 5 7 6\n4 0 1 5 4\n4 2 6 7 3\n4 0 4 6 2\n4 1 3 7 5\n")
+
+
 def make_samples(folder):
-    """A still mesh, morph targets, several meshes."""
+    """A still mesh, morph targets, several meshes, with colours and without."""
     small = ["--resolution", 40]
     run("convert", ASSETS + "/amphora.ply", "-o", folder + "/still.glb", *small)
     run("morph", ASSETS + "/blade.ply", ASSETS + "/blade.ply", "-o", folder + "/same.glb", "--frames", 4, *small)
@@ -271,7 +281,11 @@ def make_samples(folder):
     run("morph", ASSETS + "/creature.ply", ASSETS + "/ring.ply", "-o", folder + "/hole.glb", "--frames", 5, *small,
         "--glb-up", "z", "--glb-unit", "mm")
     run("morph", ASSETS + "/creature.ply", ASSETS + "/ring.ply", "-o", folder + "/sdf.glb", "--frames", 3, "--method", "sdf", *small)
-    return ["still", "same", "targets", "hole", "sdf"]
+    for name, color in (("red", "255 0 51"), ("blue", "0 51 255")):
+        painted(folder + "/%s.ply" % name, color)
+    run("convert", folder + "/red.ply", "-o", folder + "/painted.glb", *small)
+    run("morph", folder + "/red.ply", folder + "/blue.ply", "-o", folder + "/colors.glb", "--frames", 3, *small)
+    return ["still", "same", "targets", "hole", "sdf", "painted", "colors"]
 
 
 def case_validator(folder):

@@ -6,7 +6,7 @@ import sys
 
 repository = sys.argv[1]
 # Folders of one line stand side by side; tools may include everything, io the engine, the engine only itself.
-ORDER = [["volume"], ["frame", "spine"], ["slices"], ["contours"], ["match"], ["blend"], ["rebuild"], ["reconstruct"],
+ORDER = [["volume"], ["frame", "spine"], ["slices"], ["contours"], ["match"], ["blend"], ["rebuild"], ["mean"], ["reconstruct"],
          ["measure", "peers", "render"], ["follow"]]
 RANK = {folder: i for i, folders in enumerate(ORDER) for folder in folders}
 errors = []

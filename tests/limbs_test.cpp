@@ -18,23 +18,9 @@ namespace slicemorph {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
+using shapes::capsule;
 using shapes::Distance;
-
-Distance capsule(const Vec3d& a, const Vec3d& b, double radius) {
-  return [=](const Vec3d& p) {
-    const Vec3d ab = b - a;
-    const double t = std::min(std::max((p - a).dot(ab) / ab.lengthSqr(), 0.0), 1.0);
-    return (p - a - t * ab).length() - radius;
-  };
-}
-
-Distance joined(const std::vector<Distance>& parts) {
-  return [=](const Vec3d& p) {
-    double d = 1e30;
-    for (const Distance& part : parts) d = std::min(d, part(p));
-    return d;
-  };
-}
+using shapes::joined;
 
 constexpr double kLegLength = 0.62, kLegRadius = 0.065;
 

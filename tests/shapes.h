@@ -35,6 +35,24 @@ inline Distance box(const Vec3d& half, double round) {
   };
 }
 
+/// A rod with round ends.
+inline Distance capsule(const Vec3d& a, const Vec3d& b, double radius) {
+  return [=](const Vec3d& p) {
+    const Vec3d ab = b - a;
+    const double t = std::min(std::max((p - a).dot(ab) / ab.lengthSqr(), 0.0), 1.0);
+    return (p - a - t * ab).length() - radius;
+  };
+}
+
+/// What is inside any of the parts.
+inline Distance joined(const std::vector<Distance>& parts) {
+  return [=](const Vec3d& p) {
+    double d = 1e30;
+    for (const Distance& part : parts) d = std::min(d, part(p));
+    return d;
+  };
+}
+
 /// The shape scaled, then turned, then moved.
 inline Distance placed(const Distance& shape, const Mat3d& rotation, const Vec3d& offset, double scale = 1) {
   const Mat3d back = rotation.transpose();

@@ -1,5 +1,6 @@
-// Benchmarks as ratios against peers of the same run. Usage: slicemorph_benchmark [MESH MESH] [--quick] [--fog]
-// Without meshes: the bundled creature and ring. --fog leaves out all but the fog (of the files given, if any), --quick OpenVDB's LevelSetMorphing and 512 voxels.
+// Benchmarks as ratios against peers of the same run. Usage: slicemorph_benchmark [MESH MESH] [--quick] [--fog] [--many]
+// Without meshes: the bundled creature and ring. --fog leaves out all but the fog (of the files given, if any), --many all
+// but what many objects cost, --quick OpenVDB's LevelSetMorphing and 512 voxels.
 #include "engine/measure/measure.h"
 #include "engine/peers/peers.h"
 #include "engine/slicemorph.h"
@@ -237,6 +238,41 @@ void fog(bool quick) {
   clouds(1024, 40, 90, "1024");
 }
 
+/// A ball of radius about 1 with lumps of its own; 128 voxels.
+Object lumpyBall(unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> any(-1, 1);
+  std::vector<Vec3d> waves;
+  std::vector<double> phase;
+  for (int i = 0; i < 6; ++i) waves.emplace_back(3 * any(random), 3 * any(random), 3 * any(random)), phase.push_back(3 * any(random));
+  const Vec3d stretch(1 + 0.3 * any(random), 1 + 0.3 * any(random), 1 + 0.3 * any(random));
+  Mesh mesh = surfaceOf(*openvdb::tools::createLevelSetSphere<FloatGrid>(1.f, openvdb::Vec3f(0.f), 0.03f, 3.f));
+  for (openvdb::Vec3s& p : mesh.points) {
+    const Vec3d on(p);
+    double height = 1;
+    for (size_t i = 0; i < waves.size(); ++i) height += 0.05 * std::sin(waves[i].dot(on) + phase[i]);
+    p = openvdb::Vec3s(height * stretch * on);
+  }
+  return {"ball " + std::to_string(seed), voxelise(mesh, 2.4 / 128)};
+}
+
+/// What a blend of N objects costs: it is to grow with N, no faster.
+void manyObjects() {
+  double plan2 = 0, frame2 = 0;
+  for (size_t n : {2, 4, 8}) {
+    std::vector<Object> objects;
+    for (size_t k = 0; k < n; ++k) objects.push_back(lumpyBall(unsigned(k) + 1));
+    std::unique_ptr<MorphPlan> plan;
+    const double planning = timeOf([&] { plan = std::make_unique<MorphPlan>(objects); });
+    const Weights equal(n, 1.0 / double(n));
+    const double frame = timeOf([&] { plan->frame(equal); });
+    if (n == 2) plan2 = planning, frame2 = frame;
+    std::printf("%zu objects: plan %.2f s, frame %.3f s; against two, per object  plan %6.3f  frame %6.3f   goal <= 1\n", n,
+                planning, frame, planning / plan2 * 2 / double(n), frame / frame2 * 2 / double(n));
+    std::fflush(stdout);
+  }
+}
+
 void run(const std::vector<std::string>& inputs, bool quick) {
   std::vector<double> costs;
   for (int resolution : {128, 256, 512}) {
@@ -267,21 +303,26 @@ void run(const std::vector<std::string>& inputs, bool quick) {
 
 int main(int argc, char** argv) {
   std::vector<std::string> inputs;
-  bool quick = false, fog = false;
+  bool quick = false, fog = false, many = false;
   for (int i = 1; i < argc; ++i) {
     if (std::strcmp(argv[i], "--quick") == 0) quick = true;
     else if (std::strcmp(argv[i], "--fog") == 0) fog = true;
+    else if (std::strcmp(argv[i], "--many") == 0) many = true;
     else inputs.push_back(argv[i]);
   }
   const bool filesGiven = !inputs.empty();
   if (!filesGiven) inputs = {SLICEMORPH_ASSETS "/creature.ply", SLICEMORPH_ASSETS "/ring.ply"};
   if (inputs.size() != 2) {
-    std::fprintf(stderr, "usage: slicemorph_benchmark [MESH MESH] [--quick] [--fog]\n");
+    std::fprintf(stderr, "usage: slicemorph_benchmark [MESH MESH] [--quick] [--fog] [--many]\n");
     return 2;
   }
   openvdb::initialize();
   try {
-    if (!fog) slicemorph::run(inputs, quick);
+    if (many) {
+      slicemorph::manyObjects();
+      return 0;
+    }
+    if (!fog) slicemorph::run(inputs, quick), slicemorph::manyObjects();
     if (fog && filesGiven) slicemorph::fogFiles(inputs, "files");
     else slicemorph::fog(quick);
   } catch (const std::exception& e) {

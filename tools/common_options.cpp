@@ -30,6 +30,14 @@ std::string formatNumber(double value, int digits) {
   return text;
 }
 
+std::string formatExactly(double value) {
+  for (int digits = 15; digits < 17; ++digits) {
+    const std::string text = formatNumber(value, digits);
+    if (std::strtod(text.c_str(), nullptr) == value) return text;
+  }
+  return formatNumber(value, 17);
+}
+
 SamplingOptions addSamplingOptions(CLI::App& command, LoadOptions& options) {
   SamplingOptions given;
   given.voxelSize =
@@ -199,7 +207,17 @@ void checkExtension(const std::string& path, const std::vector<std::string>& ext
 
 void printNotes(const std::string& about, const std::vector<std::string>& notes, bool quiet) {
   if (quiet) return;
-  for (const std::string& note : notes) std::fprintf(stderr, "note: %s%s\n", about.c_str(), note.c_str());
+  const std::string warning = "warning: ";
+  for (const std::string& note : notes) {
+    const size_t at = note.compare(0, warning.size(), warning) == 0 ? 0 : note.find(": " + warning);
+    if (at == std::string::npos) {
+      std::fprintf(stderr, "note: %s%s\n", about.c_str(), note.c_str());
+      continue;
+    }
+    const std::string file = at == 0 ? "" : note.substr(0, at + 2);
+    const std::string rest = note.substr(file.size() + warning.size());
+    std::fprintf(stderr, "%s%s%s%s\n", warning.c_str(), about.c_str(), file.c_str(), rest.c_str());
+  }
 }
 
 }  // namespace slicemorph

@@ -15,6 +15,8 @@ namespace slicemorph {
 
 /// A number with at most `digits` significant digits, without trailing zeros.
 std::string formatNumber(double value, int digits = 6);
+/// As short as it can be read back.
+std::string formatExactly(double value);
 
 /// The choices are in the option's type already; the help need not list them twice.
 CLI::Validator oneOf(std::vector<std::string> choices);
@@ -57,7 +59,8 @@ void checkOutputPath(const std::string& path);
 /// Throws InputError where the path's extension is none of those listed (lower case, with the dot).
 void checkExtension(const std::string& path, const std::vector<std::string>& extensions);
 
-/// Prints what was repaired or chosen, one line each, on stderr.
+/// Prints what was repaired or chosen, one line each, on stderr: `note: ABOUT...`, and `warning: ABOUT...`
+/// where a note begins with `warning: `, by itself or after the file that it tells of.
 void printNotes(const std::string& about, const std::vector<std::string>& notes, bool quiet);
 
 }  // namespace slicemorph

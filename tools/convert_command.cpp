@@ -104,6 +104,7 @@ void runConvert(const ConvertSettings& s) {
     printNotes(s.input + ": ", loaded.notes, s.quiet);
     SurfaceOutput options;
     options.halfFloat = loaded.halfFloat;
+    options.colors = loaded.colors;
     writeSurface(s.output, *loaded.object.levelSet, options);
   }
   if (!s.quiet) std::printf("%s\n", s.output.c_str());

@@ -104,6 +104,8 @@ void FrameImages::prepare(const FrameMaker& maker, Progress& progress) {
                    std::any_of(maker.inputs().begin(), maker.inputs().end(), isFog);
   std::vector<openvdb::BBoxd> reach;
   for (const LoadedObject& input : maker.inputs()) reach.push_back(survey(input, fog));
+  // What is around a surface alone is not seen.
+  if (!fog && settings_.exrContent != ExrContent::kSlices) reach.assign(reach.size(), openvdb::BBoxd());
   surveyBetween(maker, reach);
   if (settings_.moving()) {
     FrameInputs inputs(settings_);
@@ -188,12 +190,10 @@ void FrameImages::surveyBetween(const FrameMaker& maker, const std::vector<openv
   const std::vector<LoadedObject>& inputs = maker.inputs();
   for (size_t k = 0; k < inputs.size(); ++k) {
     std::vector<Vec3d> points = somePoints(*inputs[k].object.levelSet), before;
-    addCorners(reach[k], points);
-    Weights own(inputs.size(), 0);
-    own[k] = 1;
+    if (!reach[k].empty()) addCorners(reach[k], points);
     for (const FrameJob& job : settings_.frames) {
-      if (job.weights[k] == 0) continue;
-      const std::vector<Vec3d> there = plan->carryPoints(points, own, job.weights);
+      if (job.weights[k] == 0 && settings_.plan.regions.empty()) continue;
+      const std::vector<Vec3d> there = plan->carryPoints(points, k, job.weights);
       openvdb::BBoxd box;
       for (const Vec3d& p : there) box.expand(p);
       boxes_.push_back(box);
@@ -215,7 +215,7 @@ void FrameImages::writePictureOf(const FrameJob& job, const MorphFrame& frame) {
     return writePicture(job.path, renderFog(fogOf(frame.density, frame.grids), look_, camera_, options));
   if (!frame.shape.surface)
     throw InputError("--grids names neither the surface nor the density: there is nothing to draw");
-  writePicture(job.path, renderSurface(*frame.shape.surface, camera_, options));
+  writePicture(job.path, renderSurface(*frame.shape.surface, camera_, options, frame.colors.get()));
 }
 
 void FrameImages::writeSlicesOf(const FrameJob& job, const MorphFrame& frame) {

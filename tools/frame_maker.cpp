@@ -6,6 +6,7 @@
 #include "engine/volume/fog.h"
 #include "engine/volume/image_grid.h"
 #include "engine/volume/resample_image.h"
+#include "engine/volume/surface_colors.h"
 #include "io/fog_reader.h"
 #include "io/grid_choice.h"
 #include "io/image/image_writer.h"
@@ -120,6 +121,7 @@ void FrameMaker::chooseGrids(bool first) {
   surfaceWanted_ = !fog_;
   sets_.clear();
   shapeSet_.reset();
+  colorName_.clear();
   if (images_) {
     const std::string name = inputs()[0].labels ? "labels" : "image";
     const auto asked = [&](const std::string& grid) {
@@ -132,8 +134,13 @@ void FrameMaker::chooseGrids(bool first) {
     images_ = !holdsGrids || asked(name);
     return;
   }
-  if (!holdsGrids || !carries) return;
+  const bool anyColors = std::any_of(inputs().begin(), inputs().end(), [](const LoadedObject& input) { return bool(input.colors); });
+  if (first && anyColors && settings_.method != Method::kSlices)
+    notes_.push_back("the inputs' colours are left out: only --method slices carries them");
+  if (!carries) return;
   GridSets found = pairGrids(inputs(), settings_.grids.empty());
+  chooseColors(found);
+  if (!holdsGrids) return;
   if (first) append(notes_, found.notes);
   // The grids that the shapes are made of are no riders.
   GridSet shape = shapeSet(inputs());
@@ -155,9 +162,26 @@ void FrameMaker::chooseGrids(bool first) {
   if (!settings_.grids.empty()) keepAsked(settings_.grids, first);
 }
 
+/// Colours of surfaces go along with them, not as grids of their own. Without a map there is nothing to go along with.
+void FrameMaker::chooseColors(GridSets& found) {
+  if (fog_ || settings_.method != Method::kSlices) return;  // colours of fog are grids like others
+  for (const LoadedObject& input : inputs())
+    if (input.colors) colorName_ = "Cd";
+  bool named = false;
+  for (GridSet& set : found.sets) {
+    if (!isColorName(set.name)) continue;
+    for (size_t k = 0; k < inputs().size(); ++k) {
+      if (!inputs()[k].colors || !set.index[k] || set.index[k] != findColors(*inputs()[k].file)) continue;
+      set.index[k].reset();
+      if (!named) colorName_ = set.name, named = true;
+    }
+  }
+}
+
 /// Grids that are asked for must be there in the first frame; in others of a sequence they may come and go.
 void FrameMaker::keepAsked(const std::vector<std::string>& asked, bool first) {
   std::string known = "surface";
+  if (!colorName_.empty()) known += ", " + colorName_;
   for (const GridSet& set : sets_) known += ", " + set.name;
   std::vector<GridSet> kept;
   std::optional<size_t> shapeSet;
@@ -168,9 +192,10 @@ void FrameMaker::keepAsked(const std::vector<std::string>& asked, bool first) {
   }
   for (const std::string& name : asked) {
     const bool there = std::any_of(kept.begin(), kept.end(), [&](const GridSet& set) { return set.name == name; });
-    if (first && !there && name != "surface") throw InputError("--grids: no input has a grid '" + name + "'; there are " + known);
+    if (first && !there && name != "surface" && name != colorName_) throw InputError("--grids: no input has a grid '" + name + "'; there are " + known);
   }
   surfaceWanted_ = std::find(asked.begin(), asked.end(), "surface") != asked.end();
+  if (std::find(asked.begin(), asked.end(), colorName_) == asked.end()) colorName_.clear();
   if (surfaceWanted_ && settings_.method == Method::kDissolve)
     throw InputError("--grids surface: --method dissolve makes no surface");
   sets_ = std::move(kept);
@@ -200,7 +225,8 @@ void FrameMaker::prepareImages() {
 
 double FrameMaker::iso() const {
   double iso = 0;
-  for (size_t k = 0; k < inputs().size(); ++k) iso += job().weights[k] * inputs()[k].iso;
+  const Weights weights = withoutNegatives(job().weights);
+  for (size_t k = 0; k < inputs().size(); ++k) iso += weights[k] * inputs()[k].iso;
   return iso;
 }
 
@@ -213,11 +239,23 @@ Image FrameMaker::image() const {
     return carrier.carry(images, lattice_, isos);
   }
   // The inputs themselves are not made anew.
-  for (size_t k = 0; k < inputs().size(); ++k)
-    if (job().weights[k] == 1) return nearestTo(*inputs()[k].image, lattice_);
+  if (const std::optional<size_t> alone = aloneIn(job().weights)) return nearestTo(*inputs()[*alone].image, lattice_);
   std::vector<const LabelField*> fields;
   for (const LabelField& field : labelFields_) fields.push_back(&field);
   return carrier.carryLabels(fields, lattice_);
+}
+
+MorphFrame FrameMaker::coloredShape() const {
+  MorphFrame frame;
+  frame.shape = makeShape_();
+  if (!frame.shape.surface || colorName_.empty()) return frame;
+  Carrier carrier = this->carrier();
+  std::vector<openvdb::Vec3SGrid::ConstPtr> own;
+  for (const LoadedObject& input : inputs()) own.push_back(input.colors);
+  const openvdb::Vec3SGrid::Ptr colors = carrier.colors(*frame.shape.surface, own);
+  colors->setName(colorName_);
+  frame.colors = colors;
+  return frame;
 }
 
 MorphFrame FrameMaker::make() const {
@@ -225,7 +263,8 @@ MorphFrame FrameMaker::make() const {
   const bool carries = shapeSet_ || !sets_.empty() || settings_.velocity.wanted();
   const bool toImage = isImageOutput(settings_.output);
   const bool leaning = settings_.toFrameImages() && settings_.exrSlices.spine;
-  if ((surfaceWanted_ && !toImage) || leaning || !settings_.reports.empty()) frame.shape = makeShape_();
+  const bool colored = settings_.holdsGrids() && !colorName_.empty();
+  if ((surfaceWanted_ && !toImage) || leaning || colored || !settings_.reports.empty()) frame = coloredShape();
   if (images_) frame.image = image();
   if (!settings_.holdsGrids()) return frame;
   bool half = true;
@@ -237,6 +276,7 @@ MorphFrame FrameMaker::make() const {
     options.vdb.frame = job().number;
     frame.grids.push_back(surfaceGrid(*frame.shape.surface, options));
   }
+  if (frame.colors) frame.grids.push_back(frame.colors);
   if (frame.image) {
     const bool labels = inputs()[0].labels;
     frame.grids.push_back(gridOf(*frame.image, labels ? "labels" : "image", labels));
@@ -274,7 +314,8 @@ double FrameMaker::voxelSize() const {
   if (settings_.plan.voxelSize > 0) return settings_.plan.voxelSize;
   if (settings_.load.resolution == 0) return 0;
   double size = 0;
-  for (size_t k = 0; k < inputs().size(); ++k) size += job().weights[k] * inputs()[k].object.levelSet->voxelSize()[0];
+  const Weights weights = withoutNegatives(job().weights);
+  for (size_t k = 0; k < inputs().size(); ++k) size += weights[k] * inputs()[k].object.levelSet->voxelSize()[0];
   return size;
 }
 

@@ -19,6 +19,7 @@ namespace slicemorph {
 struct MorphFrame {
   InBetween shape;                  ///< surface null with --method dissolve
   openvdb::GridCPtrVec grids;       ///< of an output that holds grids, in their order
+  openvdb::Vec3SGrid::ConstPtr colors;  ///< of the shape's surface; null: it has none
   openvdb::GridBase::ConstPtr density;  ///< of those, the fog that the shapes are part of; null: there is none
   std::optional<Image> image;       ///< of an image output
 };
@@ -34,6 +35,8 @@ class FrameMaker {
   void moveTo(size_t index, double from, double to);
   /// The shape alone, of the frame moved to.
   InBetween shape() const;
+  /// The same with its colours.
+  MorphFrame coloredShape() const;
   MorphFrame make() const;
 
   const std::vector<LoadedObject>& inputs() const { return inputs_.loaded(); }
@@ -57,6 +60,7 @@ class FrameMaker {
   void chooseGrids(bool first);
   void keepAsked(const std::vector<std::string>& asked, bool first);
   Carrier carrier() const;
+  void chooseColors(GridSets& found);
   openvdb::GridBase::ConstPtr density(Carrier& carrier) const;
   openvdb::GridBase::Ptr velocity(const Carrier& carrier, const openvdb::GridBase& where,
                                   const openvdb::GridCPtrVec& grids) const;
@@ -73,6 +77,7 @@ class FrameMaker {
   bool surfaceWanted_ = true;       ///< as a grid of the output
   std::optional<size_t> shapeSet_;  ///< of sets_, where the result is a fog volume
   std::vector<GridSet> sets_;
+  std::string colorName_;           ///< of the grid of the surface's colours; empty: no input has any
   bool images_ = false;             ///< all inputs are images, and the result shows their values
   ImageLattice lattice_;            ///< of in-between images
   std::vector<LabelField> labelFields_;

@@ -28,6 +28,7 @@ Json describeMesh(const MeshInfo& m) {
           {"nonManifoldEdges", m.nonManifoldEdges},
           {"box", {toJson(m.boxMin), toJson(m.boxMax)}},
           {"signedVolume", m.signedVolume},
+          {"colors", m.colors},
           {"notes", m.notes},
           {"problem", m.problem}};
 }
@@ -100,6 +101,7 @@ void printMesh(const MeshInfo& m) {
                                      std::to_string(m.nonManifoldEdges) + " non-manifold edges");
   printLine("box", toText(m.boxMin) + " .. " + toText(m.boxMax));
   if (m.closed) printLine("volume", formatNumber(m.signedVolume));
+  if (!m.colors.empty()) printLine("colours", "of its " + m.colors);
   for (const std::string& note : m.notes) printLine("on reading", note);
   if (!m.problem.empty()) printLine("problem", m.problem);
 }

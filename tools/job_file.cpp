@@ -1,14 +1,11 @@
 #include "tools/job_file.h"
 
 #include "engine/errors.h"
+#include "tools/common_options.h"
+#include "tools/toml_reader.h"
 
-#include <toml++/toml.h>
-
-#include <cerrno>
-#include <cstring>
-#include <fstream>
+#include <algorithm>
 #include <set>
-#include <sstream>
 
 namespace slicemorph {
 namespace {
@@ -24,37 +21,30 @@ const char* describe(JobType type) {
     case JobType::kFlag:
       return "true or false";
     case JobType::kNumbers:
-      return "a number or a list of numbers";
+      return "a number, a list of numbers or a text in quotes";
     case JobType::kTexts:
       return "a list of texts in quotes";
     case JobType::kPlaces:
       return "a text in quotes or a list of landmarks, each with a place [x, y, z] for every input";
+    case JobType::kTables:
+      return "tables";
   }
   return "";
 }
 
-std::string position(const std::string& path, const toml::source_region& source) {
-  return path + ":" + std::to_string(source.begin.line) + ":" + std::to_string(source.begin.column) + ": ";
-}
-
-std::string formatNumber(const toml::node& node) {
-  std::ostringstream text;
-  text.precision(17);
-  if (const auto* integer = node.as_integer())
-    text << integer->get();
-  else
-    text << node.as_floating_point()->get();
-  return text.str();
+std::string spellNumber(const toml::node& node) {
+  if (const auto* integer = node.as_integer()) return std::to_string(integer->get());
+  return formatExactly(node.as_floating_point()->get());
 }
 
 /// The value as the command line would spell it; empty where it has the wrong type.
 std::vector<std::string> spell(const toml::node& node, JobType type) {
   switch (type) {
     case JobType::kInteger:
-      if (node.is_integer()) return {formatNumber(node)};
+      if (node.is_integer()) return {spellNumber(node)};
       break;
     case JobType::kNumber:
-      if (node.is_number()) return {formatNumber(node)};
+      if (node.is_number()) return {spellNumber(node)};
       break;
     case JobType::kText:
       if (const auto* text = node.as_string()) return {text->get()};
@@ -63,12 +53,13 @@ std::vector<std::string> spell(const toml::node& node, JobType type) {
       if (const auto* flag = node.as_boolean()) return {flag->get() ? "true" : "false"};
       break;
     case JobType::kNumbers: {
-      if (node.is_number()) return {formatNumber(node)};
+      if (node.is_number()) return {spellNumber(node)};
+      if (const auto* text = node.as_string()) return {text->get()};
       if (!node.is_array() || node.as_array()->empty()) break;
       std::string joined;
       for (const auto& item : *node.as_array()) {
         if (!item.is_number()) return {};
-        joined += (joined.empty() ? "" : ",") + formatNumber(item);
+        joined += (joined.empty() ? "" : ",") + spellNumber(item);
       }
       return {joined};
     }
@@ -87,7 +78,7 @@ std::vector<std::string> spell(const toml::node& node, JobType type) {
       std::string joined;
       if (const auto* marks = node.as_array())
         for (const auto& mark : *marks) {
-          if (!mark.is_array()) return {};
+          if (!mark.is_array() || mark.as_array()->size() < 2) return {};
           joined += joined.empty() ? "" : ";";
           std::string places;
           for (const auto& place : *mark.as_array()) {
@@ -100,61 +91,60 @@ std::vector<std::string> spell(const toml::node& node, JobType type) {
       if (joined.empty()) break;
       return {joined};
     }
+    case JobType::kTables:
+      break;
   }
   return {};
-}
-
-std::string readText(const std::string& path) {
-  std::ifstream file(path);
-  std::ostringstream text;
-  // An empty file is a job without options; streaming it would set failbit.
-  if (file && file.peek() != std::ifstream::traits_type::eof()) text << file.rdbuf();
-  if (!file && !file.eof()) throw IoError(path + ": cannot read the job file: " + std::strerror(errno));
-  return text.str();
-}
-
-toml::table parse(const std::string& path) {
-  try {
-    return toml::parse(readText(path), path);
-  } catch (const toml::parse_error& error) {
-    throw InputError(position(path, error.source()) + std::string(error.description()));
-  }
 }
 
 [[noreturn]] void throwUnknown(const std::string& path, const toml::key& key,
                                const std::vector<JobOption>& options) {
   std::string known;
   for (const JobOption& option : options) known += (known.empty() ? "" : ", ") + option.key;
-  throw InputError(position(path, key.source()) + "unknown key '" + std::string(key.str()) + "'; known are " +
-                   known);
+  throw InputError(positionOf(path, key.source()) + "unknown key '" + std::string(key.str()) +
+                   "'; known are " + known);
 }
 
 }  // namespace
 
-void applyJobFile(const std::string& path, const std::vector<JobOption>& options) {
-  std::set<std::string> given, groups;
-  for (const JobOption& option : options)
-    if (option.option->count()) given.insert(option.key), groups.insert(option.group);
-  groups.erase("");
+std::string fallbackOf(double value) { return value == 0 ? "" : formatExactly(value); }
 
-  const toml::table table = parse(path);
+std::map<std::string, std::string> applyJobFile(const std::string& path,
+                                                const std::vector<JobOption>& options) {
+  std::set<std::string> given;
+  for (const JobOption& option : options)
+    if (option.option && option.option->count()) given.insert(option.key);
+  const auto silenced = [&](const JobOption& option) {
+    const auto isGiven = [&](const std::string& key) { return given.count(key) > 0; };
+    return isGiven(option.key) || std::any_of(option.silencers.begin(), option.silencers.end(), isGiven);
+  };
+
+  std::map<std::string, std::string> places;
+  const toml::table table = parseToml(path);
   for (const auto& [key, node] : table) {
-    const std::string name(key.str());
+    const std::string name(key.str()), place = positionOf(path, node.source());
     const auto known = std::find_if(options.begin(), options.end(),
                                     [&](const JobOption& option) { return option.key == name; });
     if (known == options.end()) throwUnknown(path, key, options);
+    if (known->type == JobType::kTables) {
+      if (!silenced(*known)) places[name] = place;
+      continue;
+    }
     const std::vector<std::string> values = spell(node, known->type);
-    if (values.empty())
-      throw InputError(position(path, node.source()) + "'" + name + "' must be " + describe(known->type));
-    if (given.count(name) || groups.count(known->group)) continue;
+    if (values.empty()) throw InputError(place + "'" + name + "' must be " + describe(known->type));
+    if (silenced(*known)) continue;
+    places[name] = place;
     if (known->type == JobType::kFlag && values[0] == "false") continue;
     try {
       known->option->add_result(values);
       known->option->run_callback();
     } catch (const CLI::ParseError& error) {
-      throw InputError(position(path, node.source()) + error.what());
+      throw InputError(place + error.what());
+    } catch (const InputError& error) {
+      throw InputError(place + error.what());
     }
   }
+  return places;
 }
 
 }  // namespace slicemorph

@@ -93,6 +93,17 @@ std::vector<Vec3d> readPoints(const std::string& option, const std::string& path
 
 }  // namespace
 
+std::vector<Feature> featuresOf(const std::vector<Landmark>& landmarks) {
+  std::vector<Feature> features;
+  for (const Landmark& landmark : landmarks) {
+    Feature feature;
+    feature.name = "landmark " + std::to_string(features.size() + 1);
+    for (const Vec3d& place : landmark) feature.places.push_back({place});
+    features.push_back(feature);
+  }
+  return features;
+}
+
 std::vector<Landmark> readLandmarks(const std::string& option, const std::string& text, size_t inputs) {
   std::vector<Landmark> landmarks;
   if (text.empty()) return landmarks;

@@ -1,8 +1,10 @@
 #include "tools/morph_command.h"
 
 #include "engine/errors.h"
+#include "engine/volume/surface_colors.h"
 #include "engine/volume/voxelise.h"
 #include "io/image/image_writer.h"
+#include "io/mesh_writer.h"
 #include "io/vdb_writer.h"
 #include "tools/common_options.h"
 #include "tools/frame_images.h"
@@ -46,6 +48,12 @@ GridFigures figuresOf(const GridBase& grid) {
   return figures;
 }
 
+Mesh coloredSurface(const MorphFrame& frame) {
+  Mesh mesh = surfaceOf(*frame.shape.surface);
+  if (frame.colors) mesh.colors = colorsAt(*frame.colors, mesh.points);
+  return mesh;
+}
+
 /// Makes, measures and writes the frames one after another: each uses all threads, and one at a time bounds
 /// the memory.
 class FrameRun {
@@ -77,7 +85,7 @@ class FrameRun {
       const Json row = done ? log_.row(job) : makeFrame(i);
       // The frame after the kept ones is compared with the last of these.
       if (done) previous_ = measured() && i + 1 < count && !isDone(i + 1) ? maker_.shape().surface : nullptr;
-      if (done && settings_.hasPage() && page_.has(i)) addToPage(i, maker_.shape().surface);
+      if (done && settings_.hasPage() && page_.has(i)) addToPage(i, maker_.coloredShape());
       if (measured()) rows.push_back(row);
       if (!done) log_.add(job, row);
       progress_.clear();
@@ -136,13 +144,14 @@ class FrameRun {
     } else if (frame.image) {
       writeImage(job.path, *frame.image);
     } else if (settings_.oneGlb()) {
-      surfaces_.push_back({frame.shape.surface, job.weights});
+      surfaces_.push_back({frame.shape.surface, job.weights, frame.colors});
     } else if (OutputName(job.path).extension() == ".glb") {
-      Mesh mesh = surfaceOf(*frame.shape.surface);
-      writeGlb(job.path, {{0, std::move(mesh.triangles), {std::move(mesh.points)}}},
-               settings_.framesPerSecond, settings_.glb);
+      Mesh mesh = coloredSurface(frame);
+      MovingMesh still{0, std::move(mesh.triangles), {std::move(mesh.points)}, {}};
+      if (!mesh.colors.empty()) still.colors = {std::move(mesh.colors)};
+      writeGlb(job.path, {std::move(still)}, settings_.framesPerSecond, settings_.glb);
     } else if (frame.grids.empty()) {
-      writeSurface(job.path, *frame.shape.surface);
+      writeMesh(job.path, coloredSurface(frame));
     } else {
       VdbOutput options = maker_.fileOptions();
       options.framesPerSecond = settings_.framesPerSecond;
@@ -150,7 +159,7 @@ class FrameRun {
       writeVdb(job.path, frame.grids, options);
     }
     figures.seconds.write = watch.lap();
-    if (settings_.hasPage() && page_.has(i)) addToPage(i, frame.shape.surface);
+    if (settings_.hasPage() && page_.has(i)) addToPage(i, frame);
     if (!measured()) return Json();
     std::vector<ShapeMeasures> inputs;
     for (const LoadedObject& input : maker_.inputs()) inputs.push_back(measuresOf(input.object.levelSet));
@@ -160,8 +169,9 @@ class FrameRun {
   /// The plan of all frames; null where each has its own, or the method none.
   const MorphPlan* commonPlan() const { return settings_.moving() ? nullptr : maker_.slicePlan(); }
 
-  void addToPage(size_t i, const FloatGrid::ConstPtr& surface) {
-    if (surface && !surface->empty()) page_.add(i, *surface);
+  void addToPage(size_t i, const MorphFrame& frame) {
+    const FloatGrid::ConstPtr surface = frame.shape.surface;
+    if (surface && !surface->empty()) page_.add(i, *surface, frame.colors.get());
   }
 
   /// All frames into one file.
@@ -237,7 +247,7 @@ void runMorph(const MorphSettings& settings) {
   report.loadSeconds = maker.loadSeconds(), report.planSeconds = maker.planSeconds();
   report.restDistance = maker.restDistance();
   if (const MorphPlan* plan = maker.slicePlan()) {
-    if (!settings.plan.landmarks.empty()) report.landmarks = landmarkErrors(settings.plan.landmarks, *plan);
+    if (!settings.landmarks.empty()) report.landmarks = landmarkErrors(settings.landmarks, *plan);
     if (!settings.checkLandmarks.empty())
       report.checkLandmarks = landmarkErrors(settings.checkLandmarks, *plan);
   }

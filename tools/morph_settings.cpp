@@ -5,21 +5,24 @@
 #include "io/paths.h"
 #include "io/sequence.h"
 #include "tools/common_options.h"
+#include "tools/guidance_file.h"
 #include "tools/image_lattice.h"
 #include "tools/job_file.h"
+#include "tools/job_writer.h"
 #include "tools/landmarks.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
-#include <numeric>
 
 namespace slicemorph {
 
 struct MorphOptionSet::Values {
   std::vector<std::string> inputs;
-  std::string output, at, weights, axis = "auto", spine = "auto", align = "auto", method = "slices", grids,
-                                   config, sliceFolder, like, landmarks, checkLandmarks;
+  std::string output, at, weights, keys, timing = "linear", ease = "linear", interpolation = "linear",
+                                         axis = "auto", spine = "auto", align = "auto", method = "slices",
+                                         grids, config, sliceFolder, like, landmarks, checkLandmarks;
   std::vector<std::string> reports;
   int frames = 24, threads = 0;
   LoadOptions load;
@@ -29,40 +32,35 @@ struct MorphOptionSet::Values {
   PictureOptions picture;
   SliceOptions exrSlices;
   std::vector<JobOption> pictureOptions, sliceOptions;
-  bool quiet = false, resume = false, conserve = false, addVelocity = false;
+  bool quiet = false, resume = false, conserve = false, addVelocity = false, printConfig = false;
 
   SamplingOptions sampling;
-  CLI::Option *inputsGiven, *outputGiven, *framesGiven, *atGiven, *weightsGiven, *threadsGiven, *gridsGiven, *velocityGiven;
+  CLI::Option *inputsGiven, *outputGiven, *framesGiven, *atGiven, *weightsGiven, *keysGiven, *threadsGiven,
+      *gridsGiven, *velocityGiven;
   std::vector<JobOption> jobOptions;
+  std::map<std::string, std::string> places;  ///< of the keys that the job file says
+  std::vector<std::string> notes;
+  JobTables tables;  ///< for --print-config
+
+  /// Where the job file says what a message is about, that begins with an option or the name of a file;
+  /// empty: it does not.
+  std::string placeOf(const std::string& message) const {
+    const std::string first = message.substr(0, message.find_first_of(" :,"));
+    for (const JobOption& option : jobOptions) {
+      const auto place = places.find(option.key);
+      if (place == places.end() || !option.option) continue;
+      if (first == "--" + option.key || (first == "-o" && option.key == "output")) return place->second;
+      if (option.type != JobType::kText && option.type != JobType::kTexts) continue;
+      for (const std::string& text : option.option->results())
+        if (message.compare(0, text.size() + 1, text + ":") == 0 ||
+            message.compare(0, text.size() + 1, text + " ") == 0)
+          return place->second;
+    }
+    return "";
+  }
 };
 
 namespace {
-
-/// Weights at time t along the chain of inputs: between neighbours, each pair getting the same share of the
-/// time.
-Weights weightsAt(double t, size_t objects) {
-  const double place = t * double(objects - 1);
-  const size_t first = std::min(size_t(place), objects - 2);
-  Weights weights(objects, 0.0);
-  weights[first] = 1 - (place - double(first));
-  weights[first + 1] = place - double(first);
-  return weights;
-}
-
-void checkWeights(const Weights& weights, const std::string& text, size_t objects) {
-  if (weights.size() != objects)
-    throw InputError("--weights " + text + " has " + std::to_string(weights.size()) + " numbers for " +
-                     std::to_string(objects) + " inputs; give one weight per input");
-  for (double w : weights)
-    if (w < 0)
-      throw InputError("--weights " + text + ": " + formatNumber(w) + " is negative; weights are 0 or more");
-  const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
-  if (std::abs(sum - 1) <= 1e-6) return;
-  std::string right;
-  for (double w : weights) right += (right.empty() ? "" : ",") + formatNumber(w / sum, 9);
-  throw InputError("--weights " + text + " sum to " + formatNumber(sum, 9) + ", not to 1" +
-                   (sum > 0 ? "; in the same proportions: " + right : ""));
-}
 
 std::vector<double> frameTimes(const std::string& at, bool atGiven, int frames) {
   if (!atGiven) {
@@ -95,24 +93,27 @@ size_t lengthOfInputs(const std::vector<std::string>& inputs) {
   return length;
 }
 
-/// How fast weights change at a time, per unit of time: those of the stretch that follows it, at the end of the last one.
-Weights slopeAt(double t, size_t objects) {
-  const size_t first = std::min(size_t(t * double(objects - 1)), objects - 2);
-  Weights slope(objects, 0.0);
-  slope[first] = -double(objects - 1);
-  slope[first + 1] = double(objects - 1);
-  return slope;
-}
-
 /// Speeds of the weights: frames are 1 / fps seconds apart, whatever their times.
-void setRates(std::vector<FrameJob>& frames, double framesPerSecond) {
-  if (frames.size() < 2 || !frames[0].t) return;
+void setRates(std::vector<FrameJob>& frames, const WeightCourse& course, double framesPerSecond) {
+  if (frames.size() < 2) return;
   for (size_t i = 0; i < frames.size(); ++i) {
     const size_t before = i > 0 ? i - 1 : i, after = i + 1 < frames.size() ? i + 1 : i;
     const double perSecond = (*frames[after].t - *frames[before].t) / double(after - before) * framesPerSecond;
-    frames[i].rate = slopeAt(*frames[i].t, frames[i].weights.size());
+    frames[i].rate = slopeAt(course, *frames[i].t);
     for (double& r : frames[i].rate) r *= perSecond;
   }
+}
+
+Timing timingOf(const std::string& name) {
+  return name == "smoothstep"    ? Timing::kSmoothstep
+         : name == "catmull-rom" ? Timing::kCatmullRom
+                                 : Timing::kLinear;
+}
+
+ContourPath pathOf(const std::string& name) {
+  return name == "hermite"     ? ContourPath::kHermite
+         : name == "intrinsic" ? ContourPath::kIntrinsic
+                               : ContourPath::kLinear;
 }
 
 /// Options that were given, with their values.
@@ -141,19 +142,35 @@ void checkImageOptions(const MorphSettings& s) {
     throw InputError("--exr-spine: --method dissolve makes no shape whose spine slices could follow");
 }
 
+/// Throws IoError where an input is missing or an output cannot be written.
+void checkFiles(const MorphSettings& s) {
+  s.toFrameImages() ? checkOutputPath(s.frames[0].path) : checkOutput(s.frames[0].path);
+  for (const std::string& report : s.reports) {
+    checkExtension(report, {".json", ".csv", ".html"});
+    checkOutputPath(report);
+  }
+  if (!s.sliceFolder.empty()) {
+    const auto parent = std::filesystem::absolute(s.sliceFolder).lexically_normal();
+    if (!std::filesystem::is_directory(parent)) checkOutputPath(parent.string());
+  }
+  for (const std::string& input : s.inputs) checkInputExists(input);
+  if (!s.like.empty()) checkInputExists(s.like);
+}
+
 }  // namespace
 
 MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Values>()) {
   Values& v = *values_;
   const auto add = [&](const std::string& name, auto& value, JobType type, const std::string& help,
-                       const std::string& typeName, const std::string& group = "") {
+                       const std::string& typeName, const std::vector<std::string>& silencers = {}) {
+    const std::string fallback = fallbackOf(value);
     CLI::Option* option = command.add_option("--" + name, value, help)->type_name(typeName);
-    v.jobOptions.push_back({name, type, option, group});
+    v.jobOptions.push_back({name, type, option, silencers, fallback});
     return option;
   };
   const auto remember = [&](const std::string& key, JobType type, CLI::Option* option,
-                            const std::string& group = "") {
-    v.jobOptions.push_back({key, type, option, group});
+                            const std::vector<std::string>& silencers = {}) {
+    v.jobOptions.push_back({key, type, option, silencers});
     return option;
   };
   v.inputsGiven =
@@ -169,14 +186,30 @@ MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Val
                                            "Result: .vdb .obj .ply .stl .glb, pictures .png .exr, slices .exr, of images also .nii .nii.gz .nrrd .mha; #### stands "
                                        "for the frame number; a .glb without #### holds all frames, animated")
                                ->type_name("OUTPUT"));
-  v.framesGiven = add("frames", v.frames, JobType::kInteger,
-                      "Frames 1 to N, the first input at 1, the last at N (24; as many as input sequences have)", "N", "time");
-  v.atGiven = add("at", v.at, JobType::kNumbers, "Only these times, 0 to 1", "T[,T...]", "time");
-  v.weightsGiven = add("weights", v.weights, JobType::kNumbers,
-                       "One blend of all inputs: a weight per input, of sum 1", "W,W[,W...]", "time");
+  v.framesGiven =
+      add("frames", v.frames, JobType::kInteger,
+          "Frames 1 to N, the first input at 1, the last at N (24; as many as input sequences have)", "N",
+          {"at", "weights"});
+  v.atGiven =
+      add("at", v.at, JobType::kNumbers, "Only these times, 0 to 1", "T[,T...]", {"frames", "weights"});
+  v.weightsGiven =
+      add("weights", v.weights, JobType::kNumbers, "One blend of all inputs: a weight per input, of sum 1",
+          "W,W[,W...]", {"frames", "at", "keys"});
+  v.keysGiven = add("keys", v.keys, JobType::kTables,
+                    "Inputs by time, 0 to 1: by file name, number or letter (one after the other, evenly); "
+                    "in a job file also "
+                    "[{at = 0, input = \"a\"}, {at = 1, weights = [0.5, 0.5]}]",
+                    "\"a@0 b@0.5 c@1\"", {"weights"});
+  add("timing", v.timing, JobType::kText,
+      "Between keys: at even speed, stopping at each, or smoothly through all (linear)",
+      "linear|smoothstep|catmull-rom", {"weights"})
+      ->check(oneOf({"linear", "smoothstep", "catmull-rom"}));
+  add("ease", v.ease, JobType::kNumbers,
+      "Of the whole sequence: slow in, slow out, or a curve as CSS's cubic-bezier (linear)",
+      "linear|in|out|in-out|X1,Y1,X2,Y2", {"weights"});
   v.sampling = addSamplingOptions(command, v.load);
-  remember("voxel-size", JobType::kNumber, v.sampling.voxelSize, "sampling");
-  remember("resolution", JobType::kInteger, v.sampling.resolution, "sampling");
+  remember("voxel-size", JobType::kNumber, v.sampling.voxelSize, {"resolution"});
+  remember("resolution", JobType::kInteger, v.sampling.resolution, {"voxel-size"});
   remember("iso", JobType::kNumbers, v.sampling.iso);
   remember("image", JobType::kText, v.sampling.image);
   remember("spacing", JobType::kNumbers, v.sampling.spacing);
@@ -192,6 +225,12 @@ MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Val
       ->check(oneOf({"auto", "straight", "curved"}));
   add("align", v.align, JobType::kText, "none keeps world positions and directions (auto)", "auto|none")
       ->check(oneOf({"auto", "none"}));
+  add("interpolation", v.interpolation, JobType::kText,
+      "Way of the contours: straight, by cubics that leave and reach them at right angles, or by edge "
+      "lengths and turning "
+      "angles (linear)",
+      "linear|hermite|intrinsic")
+      ->check(oneOf({"linear", "hermite", "intrinsic"}));
   add("method", v.method, JobType::kText,
       "slices; or a classic: sdf blends distances point by point, levelset moves the surface to the nearest, "
       "dissolve blends values where they are (slices)",
@@ -235,8 +274,10 @@ MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Val
   command
       .add_option("--config", v.config,
                   "Take options from a file (key = value, keys as the long options, inputs, "
-                  "output); the command line wins")
+                  "output; tables [[feature]] and [[region]]); the command line wins")
       ->type_name("FILE.toml");
+  command.add_flag("--print-config", v.printConfig, "Print all options as such a file, and do nothing else");
+  for (const char* table : {"feature", "region"}) v.jobOptions.push_back({table, JobType::kTables, nullptr});
 }
 
 bool MorphSettings::hasPage() const {
@@ -257,7 +298,110 @@ bool MorphSettings::oneGlb() const {
 
 MorphSettings MorphOptionSet::settings() {
   Values& v = *values_;
-  if (!v.config.empty()) applyJobFile(v.config, v.jobOptions);
+  if (!v.config.empty()) v.places = applyJobFile(v.config, v.jobOptions);
+  const bool bare = v.printConfig && v.config.empty() && v.inputs.empty();
+  try {
+    MorphSettings s = bare ? MorphSettings() : checked();
+    for (std::string& note : v.notes) note = v.placeOf(note) + note;
+    printNotes("", v.notes, s.quiet);
+    if (v.printConfig) {
+      std::fputs(jobText(v.jobOptions, v.tables).c_str(), stdout);
+      throw CLI::Success();
+    }
+    checkFiles(s);
+    s.threadLimit = limitThreads(v.threads, v.threadsGiven);
+    return s;
+  } catch (const InputError& error) {
+    throw InputError(v.placeOf(error.what()) + error.what());
+  } catch (const IoError& error) {
+    throw IoError(v.placeOf(error.what()) + error.what());
+  }
+}
+
+bool MorphOptionSet::said(const std::string& key) const {
+  const auto& options = values_->jobOptions;
+  const auto option =
+      std::find_if(options.begin(), options.end(), [&](const JobOption& o) { return o.key == key; });
+  return values_->places.count(key) || (option->option && option->option->count());
+}
+
+/// Times, and the weights at them.
+void MorphOptionSet::setTimes(MorphSettings& s) {
+  Values& v = *values_;
+  const OutputName name(s.output);
+  KeyList keys;
+  if (v.keysGiven->count())
+    keys.keys = parseKeys("--keys", v.keys, s.inputs);
+  else if (said("keys"))
+    keys = readKeys(v.config, s.inputs);
+  v.notes.insert(v.notes.end(), keys.notes.begin(), keys.notes.end());
+  if (!keys.keys.empty()) {
+    const std::string unused = noteOfUnused(keys.keys, s.inputs);
+    if (!unused.empty()) v.notes.push_back("--keys: " + unused);
+  }
+  v.tables.keys = keys.keys;
+  s.course = courseOf(keys.keys.empty() ? evenKeys(s.inputs.size()) : keys.keys, timingOf(v.timing),
+                      parseEasing("--ease", v.ease));
+
+  const size_t length = v.printConfig ? 1 : lengthOfInputs(s.inputs);
+  const bool wholeSequence = length > 1 && !v.framesGiven->count(), atGiven = v.atGiven->count() > 0;
+  const std::vector<double> times = frameTimes(v.at, atGiven, wholeSequence ? int(length) : v.frames);
+  for (size_t i = 0; i < times.size(); ++i)
+    s.frames.push_back({int(i) + 1,
+                        times[i],
+                        weightsAt(s.course, times[i]),
+                        name.path(int(i) + 1),
+                        atGiven ? size_t(std::lround(times[i] * double(length - 1))) : i,
+                        {}});
+  setRates(s.frames, s.course, s.framesPerSecond);
+}
+
+/// One blend, of every frame that the inputs have.
+void MorphOptionSet::setWeights(MorphSettings& s) {
+  Values& v = *values_;
+  for (const char* key : {"keys", "timing", "ease"})
+    if (said(key))
+      throw InputError(std::string("--") + key +
+                       " is for sequences, by --frames or --at, not for one blend by --weights");
+  const CheckedWeights weights =
+      checkWeights("--weights " + v.weights, parseNumbers("--weights", v.weights), s.inputs.size());
+  if (!weights.note.empty()) v.notes.push_back(weights.note);
+  v.tables.values["weights"] = tomlOf(weights.weights);
+  const size_t length = v.printConfig ? 1 : lengthOfInputs(s.inputs);
+  for (size_t i = 0; i < length; ++i)
+    s.frames.push_back(
+        {int(i) + 1, std::nullopt, weights.weights, OutputName(s.output).path(int(i) + 1), i, {}});
+}
+
+/// Features, regions, landmarks, the contours' way.
+void MorphOptionSet::setGuidance(MorphSettings& s) {
+  Values& v = *values_;
+  if (!v.config.empty()) {
+    const Guidance guidance = readGuidance(v.config, s.inputs);
+    s.plan.features = v.tables.features = guidance.features;
+    s.plan.regions = v.tables.regions = guidance.regions;
+    v.notes.insert(v.notes.end(), guidance.notes.begin(), guidance.notes.end());
+  }
+  // --print-config needs no files.
+  const auto landmarks = [&](const std::string& option, const std::string& text) {
+    const bool files = text.find('=') == std::string::npos;
+    return v.printConfig && files ? std::vector<Landmark>() : readLandmarks(option, text, s.inputs.size());
+  };
+  s.landmarks = landmarks("--landmarks", v.landmarks);
+  s.checkLandmarks = landmarks("--check-landmarks", v.checkLandmarks);
+  for (const Feature& feature : featuresOf(s.landmarks)) s.plan.features.push_back(feature);
+  s.plan.path = pathOf(v.interpolation);
+  if (s.method == Method::kSlices) return;
+  for (const char* table : {"feature", "region"})
+    if (said(table))
+      throw InputError(v.places[table] + "[[" + table + "]] is for --method slices, not for " + v.method);
+  if (!s.landmarks.empty()) throw InputError("--landmarks " + v.landmarks + " is for --method slices, not for " + v.method);
+  if (s.plan.path != ContourPath::kLinear)
+    throw InputError("--interpolation " + v.interpolation + " is for --method slices, not for " + v.method);
+}
+
+MorphSettings MorphOptionSet::checked() {
+  Values& v = *values_;
   if (v.inputs.size() < 2)
     throw InputError("morph needs at least two inputs, not " + std::to_string(v.inputs.size()) +
                      "; for example: slicemorph morph a.obj b.obj -o morph.####.vdb");
@@ -283,33 +427,20 @@ MorphSettings MorphOptionSet::settings() {
   const bool images = std::all_of(s.inputs.begin(), s.inputs.end(), isImageInput);
   s.velocity = {images && !v.velocityGiven->count() ? "none" : v.velocity, v.velocityUnit == "frame", v.addVelocity};
   s.like = v.like;
-  s.plan.landmarks = readLandmarks("--landmarks", v.landmarks, s.inputs.size());
-  s.checkLandmarks = readLandmarks("--check-landmarks", v.checkLandmarks, s.inputs.size());
+  v.tables.inputs = s.inputs;
+  setGuidance(s);
   if (v.axis != "auto") s.plan.axis = parseDirection("--axis", v.axis);
   s.plan.spine = v.spine == "straight" ? SpineKind::kStraight : v.spine == "curved" ? SpineKind::kCurved : SpineKind::kAuto;
   s.plan.align = v.align == "none" ? Align::kNone : Align::kAuto;
 
   const OutputName name(s.output);
-  const size_t length = lengthOfInputs(s.inputs);
-  if (v.weightsGiven->count()) {
-    const Weights weights = parseNumbers("--weights", v.weights);
-    checkWeights(weights, v.weights, s.inputs.size());
-    for (size_t i = 0; i < length; ++i) s.frames.push_back({int(i) + 1, std::nullopt, weights, name.path(int(i) + 1), i, {}});
-  } else {
-    const bool wholeSequence = length > 1 && !v.framesGiven->count();
-    const bool atGiven = v.atGiven->count() > 0;
-    const std::vector<double> times = frameTimes(v.at, atGiven, wholeSequence ? int(length) : v.frames);
-    for (size_t i = 0; i < times.size(); ++i)
-      s.frames.push_back({int(i) + 1, times[i], weightsAt(times[i], s.inputs.size()), name.path(int(i) + 1),
-                          atGiven ? size_t(std::lround(times[i] * double(length - 1))) : i, {}});
-    setRates(s.frames, s.framesPerSecond);
-  }
+  v.weightsGiven->count() ? setWeights(s) : setTimes(s);
   // The shape found in fog only steers the map, unless it is what is asked for.
   if (s.holdsGrids() && !std::count(s.grids.begin(), s.grids.end(), "surface")) s.load.fogResolution = kFogResolution;
   s.exrContent = v.exrContent == "slices" ? ExrContent::kSlices : ExrContent::kPicture;
   s.picture = v.picture, s.exrSlices = v.exrSlices;
   checkPictureOptions(s.picture);
-  checkSliceOptions(s.exrSlices);
+  if (!v.printConfig || s.exrSlices.planeFile.empty()) checkSliceOptions(s.exrSlices);
   s.pictureOptions = given(v.pictureOptions), s.sliceOptions = given(v.sliceOptions);
   checkImageOptions(s);
   if (s.toPictures() && images && s.method == Method::kDissolve)
@@ -334,6 +465,9 @@ MorphSettings MorphOptionSet::settings() {
     throw InputError("-o " + s.output + ": in-between images need images on all sides, and " + *other +
                      " is none; the output can be .vdb .obj .ply .stl .glb .exr .png");
   }
+  if (!s.plan.regions.empty() && images && (imageOutput || s.holdsGrids()) && s.grids != std::vector<std::string>{"surface"})
+    throw InputError(v.places["region"] + "[[region]] is for shapes and grids, not for in-between images: make a mesh, or a .vdb "
+                     "with --grids surface");
   if (!s.like.empty() && !imageOutput && !(images && s.holdsGrids()))
     throw InputError("--like " + s.like + " is for in-between images; the output " + s.output + " is none");
   if (s.method == Method::kDissolve && !s.holdsGrids() && !imageOutput)
@@ -342,28 +476,19 @@ MorphSettings MorphOptionSet::settings() {
   if ((s.method == Method::kSdf || s.method == Method::kLevelSet) && imageOutput)
     throw InputError("--method sdf and levelset make surfaces, no images; the output must be .vdb .obj .ply .stl .glb .exr .png, not " + s.output);
   if (s.method == Method::kLevelSet) {
-    if (length > 1) throw InputError("--method levelset takes no sequences, only two still inputs");
+    if (!v.printConfig && lengthOfInputs(s.inputs) > 1)
+      throw InputError("--method levelset takes no sequences, only two still inputs");
     if (s.inputs.size() != 2)
       throw InputError("--method levelset takes two inputs, not " + std::to_string(s.inputs.size()));
     if (v.atGiven->count() || v.weightsGiven->count() || s.frames.size() < 2)
       throw InputError(
           "--method levelset has no times or weights, only steps; ask for --frames N of at least 2");
+    for (const char* key : {"keys", "timing", "ease"})
+      if (said(key))
+        throw InputError(std::string("--") + key + " is not for --method levelset, which only has steps");
   }
   if (s.method != Method::kSlices && !s.sliceFolder.empty())
     throw InputError("--dump-slices draws the slices of --method slices; the other methods have none");
-
-  s.toFrameImages() ? checkOutputPath(s.frames[0].path) : checkOutput(s.frames[0].path);
-  for (const std::string& report : s.reports) {
-    checkExtension(report, {".json", ".csv", ".html"});
-    checkOutputPath(report);
-  }
-  if (!s.sliceFolder.empty()) {
-    const auto parent = std::filesystem::absolute(s.sliceFolder).lexically_normal();
-    if (!std::filesystem::is_directory(parent)) checkOutputPath(parent.string());
-  }
-  for (const std::string& input : s.inputs) checkInputExists(input);
-  if (!s.like.empty()) checkInputExists(s.like);
-  s.threadLimit = limitThreads(v.threads, v.threadsGiven);
   return s;
 }
 

@@ -4,6 +4,8 @@
 #include "io/glb_writer.h"
 #include "io/input.h"
 #include "io/output.h"
+#include "tools/key_times.h"
+#include "tools/landmarks.h"
 #include "tools/picture_options.h"
 #include "tools/slice_options.h"
 
@@ -48,6 +50,7 @@ struct MorphSettings {
   MorphOptions plan;
   Method method = Method::kSlices;
   std::vector<FrameJob> frames;
+  WeightCourse course;  ///< of the frames; without keys where the weights are given
   double framesPerSecond = 24;
   std::vector<std::string> grids;  ///< of the output; empty: all
   bool conserve = false;
@@ -60,6 +63,7 @@ struct MorphSettings {
   PictureOptions picture;            ///< of .exr and .png outputs
   SliceOptions exrSlices;            ///< of .exr outputs that hold slices
   std::vector<std::pair<std::string, std::string>> pictureOptions, sliceOptions;  ///< those that were given, with values
+  std::vector<Landmark> landmarks;       ///< among the plan's features, too
   std::vector<Landmark> checkLandmarks;  ///< only measured, not used
   bool quiet = false, resume = false;
   std::shared_ptr<void> threadLimit;
@@ -82,11 +86,17 @@ class MorphOptionSet {
  public:
   explicit MorphOptionSet(CLI::App& command);
   /// Reads the job file, if one is given, and checks everything that can be checked without reading the
-  /// inputs. Throws InputError, IoError.
+  /// inputs. With --print-config it prints a job file instead and throws CLI::Success, as CLI11 itself does
+  /// for --help. Throws InputError, IoError.
   MorphSettings settings();
 
  private:
   struct Values;
+  MorphSettings checked();
+  void setTimes(MorphSettings& settings);
+  void setWeights(MorphSettings& settings);
+  void setGuidance(MorphSettings& settings);
+  bool said(const std::string& key) const;
   std::shared_ptr<Values> values_;
 };
 

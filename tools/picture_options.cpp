@@ -119,12 +119,13 @@ std::vector<JobOption> addPictureOptions(CLI::App& command, PictureOptions& s) {
   std::vector<JobOption> options;
   const auto add = [&](const std::string& name, auto& value, JobType type, const std::string& help,
                        const std::string& typeName) {
+    const std::string fallback = fallbackOf(value);
     CLI::Option* option = command.add_option("--" + name, value, help)->type_name(typeName);
-    options.push_back({name, type, option, ""});
+    options.push_back({name, type, option, {}, fallback});
     return option;
   };
   const auto flag = [&](const std::string& name, bool& value, const std::string& help) {
-    options.push_back({name, JobType::kFlag, command.add_flag("--" + name, value, help), ""});
+    options.push_back({name, JobType::kFlag, command.add_flag("--" + name, value, help)});
   };
   add("size", s.size, JobType::kText, "Pixels of a picture (640x480)", "WxH");
   add("view", s.view, JobType::kNumbers, "Direction from the camera into the scene (-0.55,-0.3,-1)",

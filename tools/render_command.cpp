@@ -140,7 +140,7 @@ void renderAll(const std::vector<RenderInput>& inputs, const RenderSettings& s) 
     const Camera from = turned(camera, shot.angle);
     Picture picture = ofFile(inputs[shot.input].path, [&] {
       return subject.fog ? renderFog(*subject.fog, look, from, s.picture.render)
-                         : renderSurface(*subject.surface, from, s.picture.render);
+                         : renderSurface(*subject.surface, from, s.picture.render, subject.colors.get());
     });
     tell(output.add(picture, shot.number));
     if (s.sheet.empty()) continue;

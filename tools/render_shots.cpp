@@ -61,7 +61,10 @@ RenderSubject RenderSubjects::read(size_t input) const {
   const std::string& path = inputs_[input].path;
   RenderSubject subject;
   if (!asSurface_) subject.fog = readFog(path);
-  if (!subject.fog) subject.surface = loadObject(path, load_).object.levelSet;
+  if (subject.fog) return subject;
+  LoadedObject object = loadObject(path, load_);
+  subject.surface = object.object.levelSet;
+  subject.colors = object.colors;
   return subject;
 }
 

@@ -12,6 +12,7 @@ namespace slicemorph {
 /// What is to be seen: a surface, or fog.
 struct RenderSubject {
   FloatGrid::ConstPtr surface;
+  openvdb::Vec3SGrid::ConstPtr colors;  ///< of the surface; null: it has none
   std::optional<Fog> fog;
 };
 

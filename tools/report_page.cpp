@@ -5,6 +5,7 @@
 #include "engine/render/contact_sheet.h"
 #include "engine/render/render.h"
 #include "engine/volume/level_set.h"
+#include "engine/volume/surface_colors.h"
 #include "io/glb_writer.h"
 #include "io/png_writer.h"
 #include "tools/common_options.h"
@@ -76,11 +77,12 @@ PageShapes::PageShapes(const MorphSettings& settings)
 
 bool PageShapes::has(size_t frame) const { return std::binary_search(frames_.begin(), frames_.end(), frame); }
 
-void PageShapes::add(size_t frame, const FloatGrid& surface) {
+void PageShapes::add(size_t frame, const FloatGrid& surface, const openvdb::Vec3SGrid* colors) {
   try {
     const Vec3d size = surfaceBox(surface).extents();
     const double voxel = std::max(surface.voxelSize()[0], std::max({size[0], size[1], size[2]}) / kVoxels);
     surfaces_.push_back(toLevelSet(surface.copy(), voxel).grid);
+    colors_.push_back(colors ? colorsAround(*surfaces_.back(), *colors) : nullptr);
   } catch (const GeometryError&) {
     return;  // too thin to be seen at this size
   }
@@ -95,7 +97,7 @@ PageParts PageShapes::finish(const MorphPlan* plan, Progress& progress) {
   std::vector<SurfaceFrame> frames;
   std::vector<openvdb::BBoxd> boxes;
   for (size_t i = 0; i < added_.size(); ++i) {
-    frames.push_back({surfaces_[i], settings_.frames[added_[i]].weights});
+    frames.push_back({surfaces_[i], settings_.frames[added_[i]].weights, colors_[i]});
     boxes.push_back(surfaceBox(*surfaces_[i]));
   }
   parts.glb = encodeGlb(followSurfaces(frames, plan, {}, &progress), 1, settings_.glb);
@@ -108,7 +110,7 @@ PageParts PageShapes::finish(const MorphPlan* plan, Progress& progress) {
   std::vector<Tile> tiles;
   for (size_t i : spread(added_.size(), kMostPictures)) {
     const FrameJob& job = settings_.frames[added_[i]];
-    tiles.push_back({renderSurface(*surfaces_[i], camera, options),
+    tiles.push_back({renderSurface(*surfaces_[i], camera, options, colors_[i].get()),
                      job.t ? "t=" + formatNumber(*job.t, 2) : std::to_string(job.number)});
   }
   parts.sheet = encodePng(contactSheet(tiles));

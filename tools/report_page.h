@@ -24,7 +24,8 @@ class PageShapes {
   explicit PageShapes(const MorphSettings& settings);
   /// Whether the page shows a frame, from 0.
   bool has(size_t frame) const;
-  void add(size_t frame, const FloatGrid& surface);
+  /// `colors`: of the surface; null: it has none.
+  void add(size_t frame, const FloatGrid& surface, const openvdb::Vec3SGrid* colors);
   /// `plan`: null where one does not serve all frames, or there is none.
   PageParts finish(const MorphPlan* plan, Progress& progress);
 
@@ -33,6 +34,7 @@ class PageShapes {
   std::vector<size_t> frames_;  ///< that are shown
   std::vector<size_t> added_;
   std::vector<FloatGrid::Ptr> surfaces_;
+  std::vector<openvdb::Vec3SGrid::ConstPtr> colors_;  ///< per surface
 };
 
 /// The page: one file that opens from the disk, without a network. `report`: all figures, as in the .json.

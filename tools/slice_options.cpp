@@ -9,13 +9,15 @@ namespace slicemorph {
 
 std::vector<JobOption> addSliceOptions(CLI::App& command, SliceOptions& s, const std::string& prefix) {
   std::vector<JobOption> options;
-  const auto remember = [&](const std::string& name, JobType type, CLI::Option* option) {
-    options.push_back({name, type, option, ""});
+  const auto remember = [&](const std::string& name, JobType type, CLI::Option* option,
+                            const std::string& fallback = "") {
+    options.push_back({name, type, option, {}, fallback});
     return option;
   };
   const auto add = [&](const std::string& name, auto& value, JobType type, const std::string& help,
                        const std::string& typeName) {
-    return remember(name, type, command.add_option("--" + name, value, help)->type_name(typeName));
+    const std::string fallback = fallbackOf(value);
+    return remember(name, type, command.add_option("--" + name, value, help)->type_name(typeName), fallback);
   };
   const auto flag = [&](const std::string& name, bool& value, const std::string& help) {
     remember(name, JobType::kFlag, command.add_flag("--" + name, value, help));

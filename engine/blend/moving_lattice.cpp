@@ -20,6 +20,13 @@ constexpr float kNothing = 1e3f;
 constexpr double kStretch = 4;
 /// By how much weights change for the velocities' differences.
 constexpr double kWeightStep = 1e-3;
+/// Slabs along the spine whose weights are told apart.
+constexpr int kSlabs = 160;
+/// Borders are widened in steps, each of twice as many smoothings as the one before, and ways that are not straight
+/// straightened, this often at most.
+constexpr int kMostStraightening = 7;
+/// Neighbouring nodes whose weights differ by less are not at a border.
+constexpr float kSameWeight = 1e-3f;
 
 double volumeOf(const Vec3d* p, const int* t) {
   return (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]).dot(p[t[3]] - p[t[0]]);
@@ -41,8 +48,16 @@ void forUnknownNodes(const NodeMap& map, const Chart& chart, const openvdb::math
 
 }  // namespace
 
-MovingLattice::MovingLattice(const Displacements& map, const Fields& fields, const std::vector<Chart>& charts)
-    : lattice_(map.lattice), charts_(charts), objects_(fields.size()), chart_(map.of), place_(map.of), distance_(objects_) {
+MovingLattice::MovingLattice(const Displacements& map, const Fields& fields, const std::vector<Chart>& charts,
+                             std::shared_ptr<const RegionShares> regions, std::shared_ptr<const ContourPaths> paths)
+    : lattice_(map.lattice),
+      charts_(charts),
+      objects_(fields.size()),
+      chart_(map.of),
+      place_(map.of),
+      distance_(objects_),
+      regions_(std::move(regions)),
+      paths_(std::move(paths)) {
   for (size_t k = 0; k < objects_; ++k) {
     anchor_.push_back(fields[k]->anchor());
     distance_[k].resize(lattice_.count());
@@ -64,16 +79,25 @@ MovingLattice::MovingLattice(const Displacements& map, const Fields& fields, con
   for (size_t k = 0; k < objects_ && bent; ++k) {
     Weights alone(objects_, 0);
     alone[k] = 1;
-    centroid_.push_back(centroid(blend(alone), charts[k]));
+    centroid_.push_back(centroid(blend(alone, {}, {}), charts[k]));
+  }
+  for (size_t r = 0; regions_ && r < regions_->count(); ++r) {
+    const VectorField& place = place_[regions_->region(r).object];
+    share_.emplace_back(place.size());
+    tbb::parallel_for(size_t(0), place.size(), [&](size_t i) { share_[r][i] = regions_->at(r, place[i]); });
   }
 }
 
-MovingLattice::Pose MovingLattice::poseAt(const Weights& weights) const {
-  Pose pose = blend(weights);
-  pose.chart = blendCharts(charts_, weights);
+MovingLattice::Pose MovingLattice::poseAt(const Weights& weights) const { return poseAt(weights, std::nullopt); }
+
+/// `straightening`: as an earlier pose's; none: found.
+MovingLattice::Pose MovingLattice::poseAt(const Weights& weights, std::optional<int> straightening) const {
+  const NodeWeights local = nodeWeights(weights);
+  Pose pose = blendUnfolded(weights, local, straightening);
+  if (local.empty()) pose.chart = blendCharts(charts_, weights);
   if (!centroid_.empty()) {
     Vec3d wanted(0.0);
-    for (size_t k = 0; k < objects_; ++k) wanted += weights[k] * centroid_[k];
+    for (size_t k = 0; k < objects_; ++k) wanted += pose.mean[k] * centroid_[k];
     pose.chart.center += wanted - centroid(pose, pose.chart);
   }
   pose.world.resize(pose.at.size());
@@ -81,24 +105,201 @@ MovingLattice::Pose MovingLattice::poseAt(const Weights& weights) const {
   return pose;
 }
 
-/// Without chart and world.
-MovingLattice::Pose MovingLattice::blend(const Weights& weights) const {
-  Pose pose;
-  pose.at.resize(lattice_.count());
-  pose.distance.resize(lattice_.count());
-  const Weights path = pathWeights(weights);
-  double rest = 1;  // of the node's own place in the middle space
-  for (double w : path) rest -= w;
+MovingLattice::Pose MovingLattice::poseOf(size_t object) const {
+  Weights alone(objects_, 0);
+  alone[object] = 1;
+  Pose pose = blend(alone, {}, {});
+  pose.chart = charts_[object];
+  pose.world.resize(pose.at.size());
+  tbb::parallel_for(size_t(0), pose.at.size(), [&](size_t i) { pose.world[i] = pose.chart.toWorld(pose.at[i]); });
+  return pose;
+}
+
+MovingLattice::NodeWeights MovingLattice::nodeWeights(const Weights& weights) const {
+  if (share_.empty()) return {};
+  const LocalWeights local = localWeights(weights);
+  NodeWeights result(lattice_.count() * objects_);
+  tbb::parallel_for(size_t(0), lattice_.count(), [&](size_t i) {
+    std::vector<float> shares(share_.size());
+    Weights own(objects_);
+    for (size_t r = 0; r < shares.size(); ++r) shares[r] = share_[r][i];
+    local.blend(shares.data(), own.data());
+    std::copy(own.begin(), own.end(), &result[i * objects_]);
+  });
+  return result;
+}
+
+/// Every node's weights half way to the mean of its neighbours'.
+MovingLattice::NodeWeights MovingLattice::smoothed(const NodeWeights& weights) const {
+  NodeWeights result(weights.size());
   tbb::parallel_for(0, int(lattice_.size[2]), [&](int z) {
     for (int y = 0; y < lattice_.size[1]; ++y)
       for (int x = 0; x < lattice_.size[0]; ++x) {
+        const openvdb::Coord c(x, y, z);
+        for (size_t k = 0; k < objects_; ++k) {
+          float sum = 0;
+          for (int axis = 0; axis < 3; ++axis)
+            for (int way : {-1, 1}) {
+              openvdb::Coord n = c;
+              n[axis] = std::min(std::max(c[axis] + way, 0), lattice_.size[axis] - 1);
+              sum += weights[lattice_.index(n[0], n[1], n[2]) * objects_ + k] / 6;
+            }
+          const size_t i = lattice_.index(x, y, z) * objects_ + k;
+          result[i] = 0.5f * (weights[i] + sum);
+        }
+      }
+  });
+  return result;
+}
+
+/// A border between parts that do not fit together is made wider, and ways that are not straight straighter, until nothing
+/// folds.
+MovingLattice::Pose MovingLattice::blendUnfolded(const Weights& weights, const NodeWeights& local,
+                                                 std::optional<int> straightening) const {
+  // Where weights differ from place to place ways are straight.
+  VectorField offsets = paths_ && local.empty() ? paths_->offsets(weights, lattice_) : VectorField();
+  NodeWeights wider = local;
+  const auto made = [&] {
+    Pose pose = blend(weights, wider, offsets);
+    if (local.empty()) return pose;
+    // How near the surface is follows from the weights that were asked for.
+    if (wider != local) pose.distance = blend(weights, local, {}).distance;
+    layAlongSpine(wider, pose);
+    return pose;
+  };
+  Pose pose = made();
+  if (local.empty() && offsets.empty()) return pose;
+  int rounds = 0;
+  while (straightening ? rounds < *straightening : rounds < kMostStraightening && folds(pose, local)) {
+    for (int i = 0; i < 1 << rounds && !local.empty(); ++i) wider = smoothed(wider);
+    for (openvdb::Vec3s& offset : offsets) offset *= 0.7f;
+    pose = made();
+    ++rounds;
+  }
+  pose.straightening = rounds;
+  return pose;
+}
+
+/// Whether anything near the surface folds; where weights differ, at their borders.
+bool MovingLattice::folds(const Pose& pose, const NodeWeights& local) const {
+  const auto border = [&](const size_t (&corner)[8]) {
+    for (size_t k = 0; k < objects_ && !local.empty(); ++k)
+      for (int c = 1; c < 8; ++c)
+        if (std::abs(local[corner[c] * objects_ + k] - local[corner[0] * objects_ + k]) > kSameWeight) return true;
+    return local.empty();
+  };
+  std::vector<char> found(lattice_.size[2], 0);
+  const double cell = lattice_.spacing * lattice_.spacing * lattice_.spacing;
+  tbb::parallel_for(0, int(lattice_.size[2]) - 1, [&](int z) {
+    for (int y = 0; y + 1 < lattice_.size[1]; ++y)
+      for (int x = 0; x + 1 < lattice_.size[0]; ++x) {
+        Vec3d p[8];
+        size_t corner[8];
+        float nearest = 1e30f;
+        for (int c = 0; c < 8; ++c) {
+          corner[c] = lattice_.index(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2));
+          p[c] = pose.at[corner[c]], nearest = std::min(nearest, pose.distance[corner[c]]);
+        }
+        if (nearest > 2 * lattice_.spacing || !border(corner)) continue;
+        for (const auto& t : kKuhnTetrahedra) found[z] |= !(volumeOf(p, t) > kFoldedBelow * cell);
+      }
+  });
+  return std::find(found.begin(), found.end(), 1) != found.end();
+}
+
+/// Where weights differ from place to place each part keeps the size it has on its objects: thickness node by node, length
+/// slice by slice, so that slices never overtake each other. One chart holds them all, turned and placed as the mean.
+void MovingLattice::layAlongSpine(const NodeWeights& local, Pose& pose) const {
+  double low = 1e300, high = -1e300;
+  for (const Vec3d& q : pose.at) low = std::min(low, q[0]), high = std::max(high, q[0]);
+  const double step = (high - low) / kSlabs;
+  const auto slabOf = [&](double z0) { return std::min(std::max(int((z0 - low) / step), 0), kSlabs - 1); };
+  std::vector<Weights> slab(kSlabs, Weights(objects_, 0));
+  std::vector<double> inside(kSlabs, 0);
+  pose.mean.assign(objects_, 0);
+  double all = 0;
+  const bool any = *std::min_element(pose.distance.begin(), pose.distance.end()) <= 0;
+  for (size_t i = 0; i < pose.at.size(); ++i) {
+    if (any && pose.distance[i] > 0) continue;
+    const int s = slabOf(pose.at[i][0]);
+    for (size_t k = 0; k < objects_; ++k) slab[size_t(s)][k] += double(local[i * objects_ + k]);
+    ++inside[size_t(s)];
+  }
+  for (int s = 0; s < kSlabs; ++s)
+    for (size_t k = 0; k < objects_; ++k) pose.mean[k] += slab[size_t(s)][k], all += slab[size_t(s)][k];
+  for (double& w : pose.mean) w /= all;
+  // Slabs with nothing inside take the nearest ones' weights.
+  int last = -1;
+  for (int s = 0; s < kSlabs; ++s) {
+    if (inside[size_t(s)] == 0) continue;
+    for (double& w : slab[size_t(s)]) w /= inside[size_t(s)];
+    const int middle = last < 0 ? 0 : (last + s + 1) / 2;
+    for (int n = last + 1; n < s; ++n) slab[size_t(n)] = n < middle ? slab[size_t(last)] : slab[size_t(s)];
+    last = s;
+  }
+  for (int n = last + 1; n < kSlabs && last >= 0; ++n) slab[size_t(n)] = slab[size_t(last)];
+
+  pose.chart = blendCharts(charts_, pose.mean);
+  std::vector<double> length(kSlabs + 1, 0);  // of the spine up to each slab, world units
+  for (int s = 0; s < kSlabs; ++s) {
+    double scale = 0;
+    for (size_t k = 0; k < objects_; ++k) scale += slab[size_t(s)][k] * charts_[k].scale[0];
+    length[size_t(s) + 1] = length[size_t(s)] + step * scale;
+  }
+  const auto lengthAt = [&](double z0) {
+    const int s = slabOf(z0);
+    return length[size_t(s)] + (length[size_t(s) + 1] - length[size_t(s)]) * ((z0 - low) / step - s);
+  };
+  const double origin = lengthAt(0);
+  if (!pose.chart.bend.straight()) {
+    // Stations lie evenly on the whole spine; what turns there is what the objects' own slices do, stretched as they are.
+    std::vector<Vec3d> rates(Bend::kStations, Vec3d(0.0));
+    for (int i = 0; i < Bend::kStations; ++i) {
+      const double at = pose.chart.bend.stationPlace(i) * pose.chart.scale[0] + origin;
+      const auto above = std::upper_bound(length.begin(), length.end(), at);
+      const int s = std::min(std::max(int(above - length.begin()) - 1, 0), kSlabs - 1);
+      const double stretch = (length[size_t(s) + 1] - length[size_t(s)]) / step, own = low + s * step + (at - length[size_t(s)]) / stretch;
+      for (size_t k = 0; k < objects_; ++k)
+        if (!charts_[k].bend.straight())
+          rates[size_t(i)] += slab[size_t(s)][k] * charts_[k].bend.at(own).rate * (pose.chart.scale[0] / stretch);
+    }
+    const Vec3d middle = pose.chart.center + pose.chart.axes * (pose.chart.scale[0] * pose.chart.bend.middle());
+    pose.chart.bend = Bend(pose.chart.bend.half(), std::move(rates));
+    pose.chart.center = middle - pose.chart.axes * (pose.chart.scale[0] * pose.chart.bend.middle());
+  }
+  tbb::parallel_for(size_t(0), pose.at.size(), [&](size_t i) {
+    Vec3d scale(0.0);
+    for (size_t k = 0; k < objects_; ++k) scale += double(local[i * objects_ + k]) * charts_[k].scale;
+    Vec3d& q = pose.at[i];
+    q = Vec3d((lengthAt(q[0]) - origin) / pose.chart.scale[0], q[1] * scale[1] / pose.chart.scale[1],
+              q[2] * scale[2] / pose.chart.scale[2]);
+  });
+}
+
+/// Without chart and world.
+MovingLattice::Pose MovingLattice::blend(const Weights& weights, const NodeWeights& local, const VectorField& offsets) const {
+  Pose pose;
+  pose.mean = weights;
+  pose.at.resize(lattice_.count());
+  pose.distance.resize(lattice_.count());
+  tbb::parallel_for(0, int(lattice_.size[2]), [&](int z) {
+    Weights own = weights, path = pathWeights(weights);
+    for (int y = 0; y < lattice_.size[1]; ++y)
+      for (int x = 0; x < lattice_.size[0]; ++x) {
         const size_t i = lattice_.index(x, y, z);
+        if (!local.empty()) {
+          own.assign(&local[i * objects_], &local[i * objects_] + objects_);
+          path = pathWeights(own);
+        }
+        double rest = 1;  // of the node's own place in the middle space
+        for (double w : path) rest -= w;
         Vec3d q = rest * lattice_.position(x, y, z);
         float d = 0;
         for (size_t k = 0; k < objects_; ++k) {
           q += path[k] * Vec3d(chart_[k][i]);
-          if (weights[k] > 0) d += float(weights[k]) * distance_[k][i];
+          if (own[k] != 0) d += float(own[k]) * distance_[k][i];
         }
+        if (!offsets.empty()) q += Vec3d(offsets[i]);
         pose.at[i] = q, pose.distance[i] = d;
       }
   });
@@ -324,18 +525,13 @@ NodeMap MovingLattice::nodesWithin(const openvdb::CoordBBox& box, const Pose& po
 
 NodeMap MovingLattice::velocitiesWithin(const openvdb::CoordBBox& box, const Weights& weights, const Weights& rate,
                                         const Pose& pose, const openvdb::math::Transform& transform, int step) const {
-  // Central differences; one-sided ones where a weight is 0 and only grows, or the other way round.
+  // Central differences: the map goes on a little beyond the objects.
   double most = 0;
   for (double r : rate) most = std::max(most, std::abs(r));
-  double back = most > 0 ? kWeightStep / most : 0, ahead = back;
-  for (size_t k = 0; k < objects_; ++k) {
-    if (rate[k] > 0) back = std::min(back, weights[k] / rate[k]);
-    if (rate[k] < 0) ahead = std::min(ahead, weights[k] / -rate[k]);
-  }
-  const double time = back + ahead, unit = time > 0 ? 1 / time : 0;
+  const double time = most > 0 ? kWeightStep / most : 0, unit = time > 0 ? 0.5 / time : 0;
   Weights earlier = weights, later = weights;
-  for (size_t k = 0; k < objects_; ++k) earlier[k] -= back * rate[k], later[k] += ahead * rate[k];
-  const Pose from = poseAt(earlier), to = poseAt(later);
+  for (size_t k = 0; k < objects_; ++k) earlier[k] -= time * rate[k], later[k] += time * rate[k];
+  const Pose from = poseAt(earlier, pose.straightening), to = poseAt(later, pose.straightening);
   VectorField velocity(lattice_.count());
   tbb::parallel_for(size_t(0), velocity.size(),
                     [&](size_t i) { velocity[i] = openvdb::Vec3s(unit * (to.world[i] - from.world[i])); });

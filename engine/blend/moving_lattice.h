@@ -1,9 +1,10 @@
 #pragma once
 
-#include "engine/frame/align.h"
-#include "engine/match/lattice.h"
+#include "engine/blend/contour_paths.h"
+#include "engine/blend/local_weights.h"
 
 #include <functional>
+#include <optional>
 
 namespace slicemorph {
 
@@ -35,16 +36,25 @@ struct NodeMap {
 /// the nodes the map is linear on tetrahedra; without folds it is one to one, and its inverse exact.
 class MovingLattice {
  public:
-  MovingLattice(const Displacements& map, const Fields& fields, const std::vector<Chart>& charts);
+  /// `regions`: of the objects; none: weights are the same everywhere. `paths`: null: points go straight on.
+  MovingLattice(const Displacements& map, const Fields& fields, const std::vector<Chart>& charts,
+                std::shared_ptr<const RegionShares> regions = nullptr,
+                std::shared_ptr<const ContourPaths> paths = nullptr);
 
   /// One in-between's places of the lattice nodes.
   struct Pose {
     Chart chart;                  ///< blended, and bent ones moved so that the centroid travels straight
+    Weights mean;                 ///< of the objects: where regions have weights of their own, of the whole inside
     std::vector<Vec3d> at;        ///< per node: chart coordinates
     std::vector<Vec3d> world;     ///< per node
     std::vector<float> distance;  ///< per node: blended, chart units
+    int straightening = 0;        ///< rounds that borders were widened, or ways straightened, lest anything folds
   };
   Pose poseAt(const Weights& weights) const;
+  /// Of an object itself, whatever regions say.
+  Pose poseOf(size_t object) const;
+  /// The weights at each place of such an in-between.
+  LocalWeights localWeights(const Weights& weights) const { return {weights, regions_.get()}; }
   /// Where what one in-between has at some world points is on another one.
   std::vector<Vec3d> carryPoints(const std::vector<Vec3d>& points, const Pose& from, const Pose& to) const;
 
@@ -62,7 +72,16 @@ class MovingLattice {
                            const openvdb::math::Transform& transform, int step) const;
 
  private:
-  Pose blend(const Weights& weights) const;
+  /// Per node and object; empty where weights are the same everywhere.
+  using NodeWeights = std::vector<float>;
+  NodeWeights nodeWeights(const Weights& weights) const;
+  NodeWeights smoothed(const NodeWeights& weights) const;
+  /// `offsets`: per node, chart units; none where points go straight on.
+  Pose blend(const Weights& weights, const NodeWeights& local, const VectorField& offsets) const;
+  Pose poseAt(const Weights& weights, std::optional<int> straightening) const;
+  Pose blendUnfolded(const Weights& weights, const NodeWeights& local, std::optional<int> straightening) const;
+  bool folds(const Pose& pose, const NodeWeights& local) const;
+  void layAlongSpine(const NodeWeights& local, Pose& pose) const;
   Vec3d centroid(const Pose& pose, const Chart& chart) const;
   VectorField displacementOf(const Pose& pose) const;
   struct Frame;
@@ -88,6 +107,9 @@ class MovingLattice {
   std::vector<VectorField> place_;            ///< per object: world, relative to the field's anchor
   std::vector<std::vector<float>> distance_;  ///< per object: distance at the nodes, chart units
   std::vector<Vec3d> centroid_;               ///< per object, by centroid(); where charts are bent
+  std::shared_ptr<const RegionShares> regions_;
+  std::vector<std::vector<float>> share_;     ///< per region: of each node
+  std::shared_ptr<const ContourPaths> paths_;
 };
 
 }  // namespace slicemorph

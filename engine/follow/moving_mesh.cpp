@@ -3,6 +3,7 @@
 #include "engine/errors.h"
 #include "engine/follow/onto_surface.h"
 #include "engine/measure/measure.h"
+#include "engine/volume/surface_colors.h"
 #include "engine/volume/voxelise.h"
 
 #include <cmath>
@@ -82,18 +83,30 @@ class Follower {
   std::vector<MovingMesh> meshes_;
 };
 
+/// None where a frame that is to be seen has none.
+void addColors(std::vector<MovingMesh>& meshes, const std::vector<SurfaceFrame>& frames) {
+  for (const MovingMesh& m : meshes)
+    for (size_t i = 0; i < m.points.size() && !m.triangles.empty(); ++i)
+      if (!frames[m.first + i].colors) return;
+  for (MovingMesh& m : meshes)
+    for (size_t i = 0; i < m.points.size() && !m.triangles.empty(); ++i)
+      m.colors.push_back(colorsAt(*frames[m.first + i].colors, m.points[i]));
+}
+
 }  // namespace
 
 std::vector<MovingMesh> followSurfaces(const std::vector<SurfaceFrame>& frames, const MorphPlan* plan,
                                        const FollowLimits& limits, Progress* progress) {
   Progress none;
+  std::vector<MovingMesh> meshes;
   if (plan) {
     Follower follower(frames, *plan, limits, progress ? *progress : none);
     follower.follow(0, frames.size());
-    return follower.take();
+    meshes = follower.take();
+  } else {
+    for (size_t i = 0; i < frames.size(); ++i) meshes.push_back(still(i, surfaceOf(*frames[i].surface)));
   }
-  std::vector<MovingMesh> meshes;
-  for (size_t i = 0; i < frames.size(); ++i) meshes.push_back(still(i, surfaceOf(*frames[i].surface)));
+  addColors(meshes, frames);
   return meshes;
 }
 

@@ -1,11 +1,9 @@
 #include "engine/frame/align.h"
 
 #include "engine/errors.h"
+#include "engine/frame/feature_turns.h"
 #include "engine/frame/moments.h"
 
-#include <Eigen/Core>
-#include <Eigen/LU>
-#include <Eigen/SVD>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -152,26 +150,6 @@ std::vector<Turn> suggestedTurns(const Normalised& a, const Normalised& b) {
   return turns;
 }
 
-/// Landmarks that spread less than this share of their length across it lie in a line.
-constexpr double kInLine = 1e-3;
-
-/// The rotation that carries points a onto b best, from sum b a^T (Kabsch 1976).
-Mat3d kabsch(const Eigen::Matrix3d& sum) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d flip = Eigen::Matrix3d::Identity();
-  flip(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-  const Eigen::Matrix3d fit = svd.matrixU() * flip * svd.matrixV().transpose();
-  Mat3d rotation;
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c) rotation(r, c) = fit(r, c);
-  return rotation;
-}
-
-void addProduct(Eigen::Matrix3d& sum, const Vec3d& b, const Vec3d& a) {
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c) sum(r, c) += b[r] * a[c];
-}
-
 /// The rotation between nearly equal shapes to the last digit: closest points both ways, and the rotation that fits
 /// them best (Besl & McKay 1992; Kabsch 1976). A shape that can turn freely stays as it is.
 Mat3d fitted(const Normalised& a, const Normalised& b, Mat3d rotation) {
@@ -186,10 +164,10 @@ Mat3d fitted(const Normalised& a, const Normalised& b, Mat3d rotation) {
   };
   const std::vector<Vec3d> pa = surface(a), pb = surface(b);
   for (int i = 0; i < 40; ++i) {
-    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-    for (const Vec3d& p : pa) addProduct(sum, closest(b, rotation * p), p);
-    for (const Vec3d& p : pb) addProduct(sum, p, closest(a, rotation.transpose() * p));
-    const Mat3d next = kabsch(sum);
+    std::vector<Vec3d> from = pa, to;
+    for (const Vec3d& p : pa) to.push_back(closest(b, rotation * p));
+    for (const Vec3d& p : pb) from.push_back(closest(a, rotation.transpose() * p)), to.push_back(p);
+    const Mat3d next = rotationOnto(from, to);
     const double moved = angleOf(next * rotation.transpose());
     rotation = next;
     if (moved < 1e-6) break;
@@ -309,20 +287,6 @@ std::vector<Turn> proposeTurns(const DistanceField& fieldA, const DistanceField&
   }
   tbb::parallel_for(size_t(1), worthTrying.size(), [&](size_t i) { worthTrying[i] = polished(a, b, worthTrying[i]); });
   return worthTrying;
-}
-
-std::optional<Mat3d> turnOfLandmarks(const std::vector<Landmark>& landmarks, size_t a, size_t b) {
-  if (landmarks.size() < 3) return std::nullopt;
-  Vec3d middleA(0.0), middleB(0.0);
-  for (const Landmark& mark : landmarks) {
-    middleA += mark[a] / double(landmarks.size());
-    middleB += mark[b] / double(landmarks.size());
-  }
-  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-  for (const Landmark& mark : landmarks) addProduct(sum, mark[b] - middleB, mark[a] - middleA);
-  const Eigen::Vector3d spread = Eigen::JacobiSVD<Eigen::Matrix3d>(sum).singularValues();
-  if (!(spread[1] > kInLine * spread[0])) return std::nullopt;
-  return kabsch(sum);
 }
 
 double priceOf(double angle) {

@@ -28,9 +28,6 @@ struct Turn {
 /// price on the angle. One only where overlap alone decides. The same the other way round.
 std::vector<Turn> proposeTurns(const DistanceField& a, const DistanceField& b);
 
-/// The turn from object a to b that landmarks tell; none where there are fewer than three or all lie in a line.
-std::optional<Mat3d> turnOfLandmarks(const std::vector<Landmark>& landmarks, size_t a, size_t b);
-
 /// Price of a turn by an angle (radians) in overlap: what a morph must gain to be worth turning the object.
 double priceOf(double angle);
 

@@ -1,6 +1,7 @@
 #include "engine/match/choose_frames.h"
 
 #include "engine/errors.h"
+#include "engine/frame/feature_turns.h"
 #include "engine/frame/spine_frames.h"
 #include "engine/match/register.h"
 
@@ -16,9 +17,27 @@ constexpr int kQuickSlices = 32;
 /// What curved spines or a twist must win: they are for objects that clearly need them.
 constexpr double kPrice = 0.03;
 
-/// The turn from the first object to another one.
-Turn chooseTurn(const Fields& pair, const MorphOptions& options, Progress& progress) {
-  const std::vector<Turn> turns = proposeTurns(*pair[0], *pair[1]);
+/// What features may leave over more than the best turn for them does, for a turn that the shapes suggest to be good enough.
+constexpr double kFeatureSlack = 0.3;
+
+/// The turns worth trying from one object to another. Features rule out what goes against them, and suggest their own turn
+/// where that leaves none.
+std::vector<Turn> turnsToTry(const Fields& pair, const std::vector<Vec3d>& from, const std::vector<Vec3d>& to) {
+  std::vector<Turn> turns = proposeTurns(*pair[0], *pair[1]);
+  const std::vector<Mat3d> told = turnsOf(from, to);
+  if (told.empty()) return turns;
+  double best = misfit(from, to, told[0]);
+  for (const Mat3d& rotation : told) best = std::min(best, misfit(from, to, rotation));
+  turns.erase(std::remove_if(turns.begin(), turns.end(),
+                             [&](const Turn& t) { return misfit(from, to, t.rotation) > best + kFeatureSlack; }),
+              turns.end());
+  if (turns.empty())
+    for (const Mat3d& rotation : told) turns.push_back({rotation, rotationVector(rotation).length(), 0});
+  return turns;
+}
+
+/// The turn from the first object of a pair to the other one.
+Turn chooseTurn(const Fields& pair, const std::vector<Turn>& turns, const MorphOptions& options, Progress& progress) {
   if (turns.size() == 1) return turns[0];
   const Turn* best = nullptr;
   double most = -1e30;
@@ -39,27 +58,29 @@ double turnPrice(const Frames& frames) {
   return price / double(std::max<size_t>(frames.charts.size() - 1, 1));
 }
 
-Frames straightFrames(const Fields& fields, const MorphOptions& options, Progress& progress) {
+Frames straightFrames(const Fields& fields, const std::vector<std::string>& names, const MorphOptions& options,
+                      Progress& progress) {
   std::vector<Mat3d> rotations(fields.size(), Mat3d::identity());
   std::vector<std::string> notes;
   for (size_t k = 1; k < fields.size() && options.align != Align::kNone; ++k) {
-    if (const std::optional<Mat3d> told = turnOfLandmarks(options.landmarks, 0, k)) {
-      rotations[k] = *told;
-      notes.push_back("shape " + std::to_string(k + 1) + " turned as the landmarks tell");
-      continue;
-    }
-    // Only two shapes are looked at here, and the landmarks tell of all.
+    // Only two shapes are looked at here, and the features tell of all.
     MorphOptions pairOptions = options;
-    pairOptions.landmarks.clear();
-    const Turn turn = chooseTurn({fields[0], fields[k]}, pairOptions, progress);
+    pairOptions.features.clear();
+    const Fields pair{fields[0], fields[k]};
+    const std::vector<Turn> turns = turnsToTry(pair, placesOn(options.features, 0), placesOn(options.features, k));
+    const Turn turn = chooseTurn(pair, turns, pairOptions, progress);
     rotations[k] = turn.rotation;
     const double degrees = turn.angle * 180 / kPi;
-    char text[128];
-    if (degrees > 0)
-      std::snprintf(text, sizeof text, "shape %zu turned by %.1f degrees against the first, overlap %.2f before warping",
-                    k + 1, degrees, turn.overlap);
+    char text[256];
+    if (turn.overlap == 0)
+      std::snprintf(text, sizeof text, "%s turned by %.1f degrees against %s, as features tell", names[k].c_str(), degrees,
+                    names[0].c_str());
+    else if (degrees > 0)
+      std::snprintf(text, sizeof text, "%s turned by %.1f degrees against %s, overlap %.2f before warping",
+                    names[k].c_str(), degrees, names[0].c_str(), turn.overlap);
     else
-      std::snprintf(text, sizeof text, "shape %zu keeps its directions, overlap %.2f before warping", k + 1, turn.overlap);
+      std::snprintf(text, sizeof text, "%s keeps its directions, overlap %.2f before warping", names[k].c_str(),
+                    turn.overlap);
     notes.push_back(text);
   }
   Frames frames = frameObjects(fields, rotations, options);
@@ -69,10 +90,11 @@ Frames straightFrames(const Fields& fields, const MorphOptions& options, Progres
 
 }  // namespace
 
-Frames chooseFrames(const Fields& fields, const MorphOptions& options, Progress& progress) {
+Frames chooseFrames(const Fields& fields, const std::vector<std::string>& names, const MorphOptions& options,
+                    Progress& progress) {
   MorphOptions quick = options;
   quick.slices = kQuickSlices;
-  Frames best = straightFrames(fields, quick, progress);
+  Frames best = straightFrames(fields, names, quick, progress);
   if (options.align == Align::kNone) return best;
   Agreement least = quickAgreement(fields, best, quick, progress);
   // No overlap is above 1 and no price below 0: what cannot win is not tried.

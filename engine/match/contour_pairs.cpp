@@ -105,15 +105,22 @@ int bestStart(const std::vector<Vec2d>& a, const std::vector<Vec2d>& b) {
   return best;
 }
 
+/// Every object and the next one, round to the first.
+std::vector<std::pair<size_t, size_t>> neighbours(size_t objects) {
+  std::vector<std::pair<size_t, size_t>> pairs;
+  for (size_t k = 0; k + 1 < objects; ++k) pairs.emplace_back(k, k + 1);
+  if (objects > 2) pairs.emplace_back(0, objects - 1);
+  return pairs;
+}
+
 }  // namespace
 
 std::vector<ContourPair> matchContours(const std::vector<ContourStack>& stacks, const BaseWarp& base) {
   const size_t slices = base.z0.size();
   std::vector<std::vector<ContourPair>> perSlice(slices);
   tbb::parallel_for(size_t(0), slices, [&](size_t s) {
-    for (size_t j = 0; j < stacks.size(); ++j)
-      for (size_t k = j + 1; k < stacks.size(); ++k)
-        for (const ContourPair& pair : matchSlice(stacks[j][s], stacks[k][s], base, s, j, k)) perSlice[s].push_back(pair);
+    for (const auto& [j, k] : neighbours(stacks.size()))
+      for (const ContourPair& pair : matchSlice(stacks[j][s], stacks[k][s], base, s, j, k)) perSlice[s].push_back(pair);
   });
   std::vector<ContourPair> pairs;
   for (const auto& p : perSlice) pairs.insert(pairs.end(), p.begin(), p.end());

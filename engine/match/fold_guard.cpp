@@ -23,14 +23,22 @@ void forEachCell(const Lattice& lattice, const Visit& visit) {
   });
 }
 
-/// The maps that must be free of folds, as path weights: to every object, and to points on the way there from the middle.
-std::vector<Weights> guardedWeights(size_t objects) {
-  std::vector<Weights> result;
+/// A map that must be free of folds: s + own * D_k(s) + all * sum_l D_l(s).
+struct Guarded {
+  size_t object;
+  double own, all;
+};
+
+/// Those to every object, and to points on the way there from the middle.
+std::vector<Guarded> guardedMaps(size_t objects) {
+  std::vector<Guarded> result;
   for (size_t k = 0; k < objects; ++k)
     for (double toward : {1.0, 0.5}) {
       Weights w(objects, (1 - toward) / double(objects));
       w[k] += toward;
-      result.push_back(pathWeights(w));
+      const Weights path = pathWeights(w);
+      const double others = objects > 1 ? path[k == 0 ? 1 : 0] : 0;
+      result.push_back({k, path[k] - others, others});
     }
   return result;
 }
@@ -80,15 +88,23 @@ void smooth(const Lattice& lattice, VectorField& field, const std::vector<float>
   });
 }
 
-/// Smallest volume of a cell's tetrahedra after the map s -> s + sum_k path_k D_k(s), over their volume before.
-double smallestRatio(const Displacements& map, const Weights& path, int x, int y, int z) {
+/// Sum of all objects' displacements at every node.
+VectorField sumOf(const Displacements& map) {
+  VectorField sum = map.of[0];
+  for (size_t k = 1; k < map.of.size(); ++k)
+    for (size_t i = 0; i < sum.size(); ++i) sum[i] += map.of[k][i];
+  return sum;
+}
+
+/// Smallest volume of a cell's tetrahedra after a map, over their volume before.
+double smallestRatio(const Displacements& map, const VectorField& sum, const Guarded& guarded, int x, int y, int z) {
   const Lattice& lattice = map.lattice;
   Vec3d p[8];
   for (int c = 0; c < 8; ++c) {
     const int dx = c & 1, dy = c >> 1 & 1, dz = c >> 2;
     const size_t i = lattice.index(x + dx, y + dy, z + dz);
-    p[c] = lattice.spacing * Vec3d(dx, dy, dz);
-    for (size_t k = 0; k < path.size(); ++k) p[c] += path[k] * Vec3d(map.of[k][i]);
+    p[c] = lattice.spacing * Vec3d(dx, dy, dz) + guarded.own * Vec3d(map.of[guarded.object][i]) +
+           guarded.all * Vec3d(sum[i]);
   }
   double smallest = 1e30;
   for (const auto& t : kKuhnTetrahedra)
@@ -97,9 +113,10 @@ double smallestRatio(const Displacements& map, const Weights& path, int x, int y
 }
 
 /// Cells with a suspect corner that some guarded map squeezes below the floor.
-std::vector<char> foldedCells(const Displacements& map, const std::vector<Weights>& guarded, double floor,
+std::vector<char> foldedCells(const Displacements& map, const std::vector<Guarded>& guarded, double floor,
                               const std::vector<char>& suspect) {
   const Lattice& lattice = map.lattice;
+  const VectorField sum = sumOf(map);
   std::vector<char> folded(lattice.count(), 0);
   forEachCell(lattice, [&](int x, int y, int z) {
     bool any = false;
@@ -107,7 +124,7 @@ std::vector<char> foldedCells(const Displacements& map, const std::vector<Weight
     if (!any) return;
     char& result = folded[lattice.index(x, y, z)];
     for (size_t w = 0; w < guarded.size() && !result; ++w)
-      result = smallestRatio(map, guarded[w], x, y, z) < floor;
+      result = smallestRatio(map, sum, guarded[w], x, y, z) < floor;
   });
   return folded;
 }
@@ -116,16 +133,15 @@ std::vector<char> foldedCells(const Displacements& map, const std::vector<Weight
 
 double leastRatio(const Displacements& map) {
   std::vector<double> least(map.lattice.size[2], 1e30);
-  for (size_t k = 0; k < map.of.size(); ++k) {
-    Weights own(map.of.size(), 0);
-    own[k] = 1;
-    forEachCell(map.lattice, [&](int x, int y, int z) { least[z] = std::min(least[z], smallestRatio(map, own, x, y, z)); });
-  }
+  for (size_t k = 0; k < map.of.size(); ++k)
+    forEachCell(map.lattice, [&](int x, int y, int z) {
+      least[z] = std::min(least[z], smallestRatio(map, map.of[k], {k, 1, 0}, x, y, z));
+    });
   return *std::min_element(least.begin(), least.end());
 }
 
 int removeFolds(Displacements& map, double floor) {
-  const std::vector<Weights> guarded = guardedWeights(map.of.size());
+  const std::vector<Guarded> guarded = guardedMaps(map.of.size());
   std::vector<char> suspect(map.lattice.count(), 1);
   for (int round = 0; round < kMaxRounds; ++round) {
     const std::vector<char> folded = foldedCells(map, guarded, floor, suspect);

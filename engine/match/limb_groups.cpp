@@ -98,7 +98,7 @@ std::vector<Vec3d> pointsOf(const Stem& stem, const std::vector<double>& radius)
 /// where the limb is attached.
 constexpr double kStubLength = 0.35, kStubReach = 0.5;
 
-/// Per limb of the first object its partner among the second's; -1: none.
+/// Per limb of one list its partner in the other; -1: none.
 std::vector<int> matchLimbs(const std::vector<PlacedLimb>& a, const std::vector<PlacedLimb>& b, double size) {
   if (a.empty() || b.empty()) return std::vector<int>(a.size(), -1);
   std::vector<std::vector<double>> cost(a.size(), std::vector<double>(b.size() + a.size(), kAlonePrice));
@@ -110,15 +110,31 @@ std::vector<int> matchLimbs(const std::vector<PlacedLimb>& a, const std::vector<
   return partner;
 }
 
-/// What takes part in one limb: per object the number of its limb; -1: it has none.
+/// What limbs have in common: the mean of their places and lengths in the middle space.
+PlacedLimb meanOf(const std::vector<std::vector<PlacedLimb>>& limbs, const std::vector<int>& group) {
+  PlacedLimb mean;
+  double count = 0;
+  for (size_t k = 0; k < limbs.size(); ++k) {
+    if (group[k] < 0) continue;
+    const PlacedLimb& limb = limbs[k][size_t(group[k])];
+    if (mean.middle.empty()) mean.middle.assign(limb.middle.size(), Vec3d(0.0));
+    for (size_t i = 0; i < mean.middle.size(); ++i) mean.middle[i] += limb.middle[i];
+    mean.length += limb.length;
+    ++count;
+  }
+  for (Vec3d& p : mean.middle) p /= count;
+  mean.length /= count;
+  return mean;
+}
+
+/// What takes part in one limb: per object the number of its limb; -1: it has none. Object after object joins the limbs of
+/// those before.
 std::vector<std::vector<int>> partnersOf(const std::vector<std::vector<PlacedLimb>>& limbs, double size) {
   std::vector<std::vector<int>> groups;
-  for (size_t i = 0; i < limbs[0].size(); ++i) {
-    groups.emplace_back(limbs.size(), -1);
-    groups.back()[0] = int(i);
-  }
-  for (size_t k = 1; k < limbs.size(); ++k) {
-    const std::vector<int> partner = matchLimbs(limbs[0], limbs[k], size);
+  for (size_t k = 0; k < limbs.size(); ++k) {
+    std::vector<PlacedLimb> means;
+    for (const std::vector<int>& group : groups) means.push_back(meanOf(limbs, group));
+    const std::vector<int> partner = matchLimbs(means, limbs[k], size);
     for (size_t i = 0; i < partner.size(); ++i) groups[i][k] = partner[i];
     for (size_t j = 0; j < limbs[k].size(); ++j) {
       if (std::find(partner.begin(), partner.end(), int(j)) != partner.end()) continue;

@@ -24,7 +24,7 @@ struct LimbGroup {
   bool grows = false;            ///< some objects lack it: there it is a stub below the surface
 };
 
-/// Limbs matched with the first object's by the places where they leave the body, their tips and their lengths. One without
+/// Limbs matched, object after object with those that the ones before have in common, by the places where they leave the body, their tips and their lengths. One without
 /// a partner lies in the other objects as a short stub, wholly below the surface where it would be attached; it is left out
 /// where there is no body to take it. `size`: of the objects, middle space.
 std::vector<LimbGroup> groupLimbs(const std::vector<std::vector<PlacedLimb>>& limbs, const Fields& fields,

@@ -3,6 +3,7 @@
 #include "engine/errors.h"
 #include "engine/match/along_spine.h"
 #include "engine/match/degree.h"
+#include "engine/match/features.h"
 #include "engine/match/fit_field.h"
 #include "engine/match/flow.h"
 #include "engine/match/fold_guard.h"
@@ -38,6 +39,9 @@ const Round kRounds[] = {
     {false, 0.06, 0.04, 1, 8000},
 };
 
+/// Rounds of a smaller reach are the last ones.
+constexpr double kFine = 0.1;
+
 /// A look at how well two objects can be matched at all.
 const Round kQuickRounds[] = {{false, 0.25, 0.14, 3, 1500}, {false, 0.15, 0.10, 2, 1500}};
 
@@ -62,10 +66,8 @@ constexpr double kWorthTrying = 0.04;
 
 /// Samples of an inner surface, at least.
 constexpr int kLeastInner = 300;
-/// A landmark counts as much as a whole patch of the surface, so that points found nearby cannot outvote it. Alone they make
-/// a first map as smooth as the first soft matches.
-constexpr float kLandmarkWeight = 100;
-constexpr double kLandmarkSpacing = 0.15, kLandmarkStiffness = 0.5;
+/// Marks alone make a first map as smooth as the first soft matches.
+constexpr double kMarkSpacing = 0.15, kMarkStiffness = 0.5;
 
 /// A gain in overlap that is no accident.
 constexpr double kClearGain = 0.01;
@@ -76,10 +78,10 @@ class Registrar {
             Progress& progress)
       : fields_(fields), charts_(frames.charts), options_(options), progress_(progress), objects_(fields.size()) {
     for (const Fields& surface : inner) inner_.push_back({surface, {}, {}});
-    for (const Landmark& mark : options.landmarks) landmarks_.push_back(correspondenceOf(mark));
+    features_ = placeFeatures(options.features, fields, charts_);
   }
 
-  Registration run() {
+  Registration run(bool last) {
     start();
     State best;
     const std::vector<State> candidates = withLimbs();
@@ -90,7 +92,7 @@ class Registrar {
       for (const Round& round : kRounds) {
         if (progress_.cancelled()) throw Cancelled();
         progress_.report("match", 0.2 + 0.8 * n++ / rounds);
-        refine(round);
+        if (last || round.soft || round.reach >= kFine) refine(round);
       }
       if (now_.value() > best.value() + kClearGain) best = std::move(now_);
     }
@@ -99,13 +101,29 @@ class Registrar {
     return std::move(result_);
   }
 
+  Registration started() {
+    start();
+    finish(false);
+    return std::move(result_);
+  }
+
+  Registration refined(Registration made) {
+    measureObjects();
+    startFrom(made.map, made.map);
+    for (const Round& round : kFollowRounds) {
+      if (progress_.cancelled()) throw Cancelled();
+      progress_.report("match", 0.95);
+      refine(round);
+    }
+    finish();
+    made.notes.insert(made.notes.end(), result_.notes.begin(), result_.notes.end());
+    made.map = std::move(result_.map), made.base = std::move(result_.base), made.overlapAfter = result_.overlapAfter;
+    return made;
+  }
+
   std::optional<Registration> follow(const Registration& before) {
     measureObjects();
-    now_.base = continued(before.base);
-    now_.map = resampled(before.map, latticeOf(kFollowRounds[0].spacing));
-    removeFolds(now_.map);
-    for (size_t k = 0; k < objects_; ++k) now_.guesses.emplace_back(now_.map.lattice, now_.map.of[k]);
-    result_.overlapBefore = now_.overlap = overlapOf(now_.map);
+    startFrom(before.map, before.base);
     if (now_.overlap < before.overlapAfter - kCut) return std::nullopt;
     char text[128];
     std::snprintf(text, sizeof text, "the matching of the frame before: overlap %.3f, there %.3f", now_.overlap,
@@ -141,11 +159,20 @@ class Registrar {
     double value() const { return overlap + bonus; }
   };
 
+  /// Goes on from a map that nearly holds.
+  void startFrom(const Displacements& map, const Displacements& base) {
+    now_.base = continued(base);
+    now_.map = resampled(map, latticeOf(kFollowRounds[0].spacing));
+    removeFolds(now_.map);
+    for (size_t k = 0; k < objects_; ++k) now_.guesses.emplace_back(now_.map.lattice, now_.map.of[k]);
+    result_.overlapBefore = now_.overlap = overlapOf(now_.map);
+  }
+
   void start() {
     measureObjects();
     sliceObjects();
     startFromContours();
-    startFromLandmarks();
+    startFromFeatures();
   }
 
   void measureObjects() {
@@ -270,7 +297,7 @@ class Registrar {
     if (takeAsFarAsBetter(affine, 0, kClearGain, "per-slice affine") > 0) now_.base = now_.map;
     result_.pairs = matchContours(result_.stacks, base);
     const std::vector<Correspondence> points =
-        pairCorrespondences(result_.pairs, result_.stacks, base, std::max(16, options_.samples / 4));
+        pairCorrespondences(result_.pairs, result_.stacks, base, std::max(16, ofEach(options_.samples / 4)));
     if (points.empty()) return;
     takeAsFarAsBetter(fit(points, latticeOf(0.12), 4), 0, kClearGain, "contour pairs");
   }
@@ -282,6 +309,7 @@ class Registrar {
     std::vector<Correspondence> matched, all;
     int matches = 0, grown = 0;
     for (const LimbGroup& group : groupLimbs(limbs, fields_, charts_, now_.map, size_)) {
+      if (isTold(group)) continue;
       const std::vector<Correspondence> points = limbPoints(group.limb);
       all.insert(all.end(), points.begin(), points.end());
       ++(group.grows ? grown : matches);
@@ -292,9 +320,13 @@ class Registrar {
     now_.notes.push_back("limbs: " + found + " found, " + std::to_string(matches) + " matched, " +
                          std::to_string(grown) + " to grow out of the body");
     if (all.empty()) return {now_};
+    for (auto* points : {&matched, &all}) points->insert(points->end(), features_.lines.begin(), features_.lines.end());
     const double without = tried(now_).overlap;
     if (1 + (grown > 0 ? kGrownBonus : 0) <= without + kWorthTrying) return {now_};  // no overlap is above 1
-    const std::vector<Vec3d> still = stillPoints(limbs);
+    std::vector<std::vector<PlacedLimb>> moving = limbs;
+    for (size_t k = 0; k < objects_; ++k)
+      moving[k].insert(moving[k].end(), features_.limbs[k].begin(), features_.limbs[k].end());
+    const std::vector<Vec3d> still = stillPoints(moving);
     double most = without + kNoDoubt;
     std::vector<State> candidates{now_};
     std::vector<std::string> notes;
@@ -318,6 +350,13 @@ class Registrar {
     return candidates;
   }
 
+  /// Whether a user's line says where a limb goes.
+  bool isTold(const LimbGroup& group) const {
+    for (size_t k = 0; k < objects_; ++k)
+      if (isToldOf(group.limb[k], features_.limbs[k])) return true;
+    return false;
+  }
+
   /// The state with a map that follows limbs.
   State following(State state, const std::vector<Correspondence>& points, const std::vector<Vec3d>& still) const {
     state.map = flowed(state.map, points, still, kFlowSpacing * size_, latticeOf(kFlowLattice));
@@ -325,6 +364,7 @@ class Registrar {
     state.overlap = overlapOf(state.map);
     state.base = state.map;
     state.limbPoints = points;
+    state.guesses.clear();
     for (size_t k = 0; k < objects_; ++k) state.guesses.emplace_back(state.map.lattice, state.map.of[k]);
     return state;
   }
@@ -340,7 +380,7 @@ class Registrar {
   std::vector<Vec3d> stillPoints(const std::vector<std::vector<PlacedLimb>>& limbs) const {
     std::vector<Vec3d> still;
     for (size_t k = 0; k < objects_; ++k) {
-      const MiddleSamples samples = middleSamples(k, thinned(samples_[k], area_[k], kStillSamples));
+      const MiddleSamples samples = middleSamples(k, thinned(samples_[k], area_[k], ofEach(kStillSamples)));
       for (size_t i = 0; i < samples.own.size(); ++i) {
         bool away = true;
         for (const PlacedLimb& limb : limbs[k])
@@ -381,29 +421,21 @@ class Registrar {
     return share;
   }
 
-  Correspondence correspondenceOf(const Landmark& mark) const {
-    Correspondence c;
-    for (size_t k = 0; k < objects_; ++k) {
-      c.at.push_back(charts_[k].toChart(mark[k]));
-      c.middle += c.at.back() / double(objects_);
-    }
-    c.weight = kLandmarkWeight;
-    return c;
-  }
-
   /// What is known for certain comes before what is found.
-  void startFromLandmarks() {
-    if (landmarks_.empty()) return;
-    now_.map = fit({}, latticeOf(kLandmarkSpacing), kLandmarkStiffness);
+  void startFromFeatures() {
+    if (options_.features.empty()) return;
+    // A quick look does not follow lines.
+    if (!features_.lines.empty() && !quick_) now_ = following(now_, features_.lines, stillPoints(features_.limbs));
+    if (!features_.marks.empty()) now_.map = fit(now_.limbPoints, latticeOf(kMarkSpacing), kMarkStiffness);
     now_.overlap = overlapOf(now_.map);
     char text[96];
-    std::snprintf(text, sizeof text, "%zu landmarks: overlap %.3f", landmarks_.size(), now_.overlap);
+    std::snprintf(text, sizeof text, "%zu features: overlap %.3f", options_.features.size(), now_.overlap);
     now_.notes.push_back(text);
   }
 
-  /// The smooth fold-free map that meets the correspondences and the landmarks, as displacement on top of the base warp.
+  /// The smooth fold-free map that meets the correspondences and the marks, as displacement on top of the base warp.
   Displacements fit(std::vector<Correspondence> points, const Lattice& lattice, double stiffness) const {
-    points.insert(points.end(), landmarks_.begin(), landmarks_.end());
+    points.insert(points.end(), features_.marks.begin(), features_.marks.end());
     const Displacements base = resampled(now_.base, lattice);
     Displacements start = resampled(now_.map, lattice);
     for (size_t k = 0; k < objects_; ++k)
@@ -452,9 +484,12 @@ class Registrar {
     return result;
   }
 
+  /// Samples are counted for two objects; more share them, so that the work grows no faster than their number.
+  int ofEach(int samples) const { return std::max(samples * 2 / int(std::max<size_t>(objects_, 2)), 1); }
+
   void refine(const Round& round) {
     std::vector<MiddleSamples> samples(objects_);
-    for (size_t k = 0; k < objects_; ++k) samples[k] = middleSamples(k, thinned(samples_[k], area_[k], round.samples));
+    for (size_t k = 0; k < objects_; ++k) samples[k] = middleSamples(k, thinned(samples_[k], area_[k], ofEach(round.samples)));
     std::vector<Correspondence> points =
         round.soft ? softCorrespondences(samples, round) : closestCorrespondences(fields_, samples, round);
     if (!round.soft) addInner(round, points);
@@ -466,7 +501,8 @@ class Registrar {
     std::snprintf(name, sizeof name, "%s %.3f (%zu points)", round.soft ? "soft match" : "closest points", round.reach, points.size());
     // Closest points nearly always help, and the last rounds by little each: they are only refused where they harm.
     const Displacements map = fit(points, lattice, round.stiffness * density);
-    if (round.soft) takeAsFarAsBetter(map, 0, kClearGain, name);
+    // Of many objects they draw every one to the nearest of all the others.
+    if (round.soft || objects_ > 2) takeAsFarAsBetter(map, 0, kClearGain, name);
     else takeAsFarAsBetter(map, -2 * kClearGain, -kClearGain, name);
   }
 
@@ -482,19 +518,36 @@ class Registrar {
         c.weight = 1;
         all[j].push_back(std::move(c));
       }
+    // Each target counts as far as it is trusted against the sample's best.
+    std::vector<std::vector<std::vector<float>>> trust(objects_);
+    std::vector<std::vector<std::vector<Vec3d>>> target(objects_);
+    for (size_t j = 0; j < objects_; ++j) {
+      trust[j].assign(objects_, std::vector<float>(all[j].size(), 0.f));
+      target[j].resize(objects_);
+    }
     const auto take = [&](size_t from, size_t to, const SoftTargets& targets) {
-      for (size_t i = 0; i < targets.position.size(); ++i) {
-        const Vec3d& t = targets.position[i];
-        all[from][i].at[to] = t + now_.map.at(to, t);
-        all[from][i].middle += (t - samples[from].points.position[i]) / double(objects_);
-        all[from][i].weight = std::min(all[from][i].weight, float(targets.trust[i]));
-      }
+      target[from][to] = targets.position;
+      trust[from][to].assign(targets.trust.begin(), targets.trust.end());
     };
     for (size_t j = 0; j < objects_; ++j)
       for (size_t k = j + 1; k < objects_; ++k) {
         const SoftMatch m = softMatch(samples[j].points, samples[k].points, round.reach * size_);
         take(j, k, m.aToB);
         take(k, j, m.bToA);
+      }
+    for (size_t j = 0; j < objects_; ++j)
+      for (size_t i = 0; i < all[j].size(); ++i) {
+        Correspondence& c = all[j][i];
+        const Vec3d& s = samples[j].points.position[i];
+        float best = 0;
+        for (size_t k = 0; k < objects_; ++k) best = std::max(best, k == j ? 0.f : trust[j][k][i]);
+        for (size_t k = 0; k < objects_; ++k) {
+          if (k == j || !(trust[j][k][i] > 0)) continue;
+          const Vec3d t = s + double(trust[j][k][i] / best) * (target[j][k][i] - s);
+          c.at[k] = t + now_.map.at(k, t);
+          c.middle += (t - s) / double(objects_);
+        }
+        c.weight = std::min(c.weight, best);
       }
     std::vector<Correspondence> points;
     for (const auto& list : all)
@@ -509,7 +562,7 @@ class Registrar {
       std::vector<MiddleSamples> samples(objects_);
       for (size_t k = 0; k < objects_; ++k) {
         if (!surface.fields[k]) continue;
-        const int count = std::max(kLeastInner, int(round.samples * std::min(surface.area[k] / area_[k], 1.0)));
+        const int count = std::max(ofEach(kLeastInner), int(ofEach(round.samples) * std::min(surface.area[k] / area_[k], 1.0)));
         samples[k] = middleSamples(k, thinned(surface.samples[k], surface.area[k], count));
       }
       const std::vector<Correspondence> found = closestCorrespondences(surface.fields, samples, round);
@@ -554,7 +607,7 @@ class Registrar {
     return float(trust);
   }
 
-  /// Soft intersection over union of the warped objects in the middle space.
+  /// Soft intersection over union of the warped objects in the middle space, of all their pairs.
   double overlapOf(const Displacements& map) const {
     const Lattice lattice = latticeOf(quick_ ? 0.05 : 0.035);
     std::vector<double> both(lattice.size[2], 0), either(lattice.size[2], 0);
@@ -562,18 +615,21 @@ class Registrar {
     for (size_t k = 0; k < objects_; ++k) unit.push_back(1 / (charts_[k].meanScale() * lattice.spacing));
     std::vector<DistanceField::Sampler> samplers;
     for (size_t k = 0; k < objects_; ++k) samplers.emplace_back(*fields_[k]);
-    tbb::parallel_for(0, int(lattice.size[2]), [&](int z) {
+    std::vector<std::vector<double>> insides(lattice.size[2], std::vector<double>(objects_));
+    tbb::parallel_for(0, int(lattice.size[2]), [&](int iz) {
       for (int y = 0; y < lattice.size[1]; ++y)
         for (int x = 0; x < lattice.size[0]; ++x) {
-          const Vec3d s = lattice.position(x, y, z);
-          double least = 1, most = 0;
+          const Vec3d s = lattice.position(x, y, iz);
+          std::vector<double>& inside = insides[size_t(iz)];
           for (size_t k = 0; k < objects_; ++k) {
             const Vec3d z = s + map.at(k, s);
             const double d = samplers[k].coarse(fields_[k]->relative(charts_[k].toWorld(z))) * unit[k];
-            const double inside = charts_[k].spread(z) > 0 ? std::min(std::max(0.5 - d, 0.0), 1.0) : 0;
-            least = std::min(least, inside), most = std::max(most, inside);
+            inside[k] = charts_[k].spread(z) > 0 ? std::min(std::max(0.5 - d, 0.0), 1.0) : 0;
           }
-          both[z] += least, either[z] += most;
+          // Of the pairs with the n-th smallest, it is the smaller one in all with larger ones.
+          std::sort(inside.begin(), inside.end());
+          for (size_t n = 0; n < objects_; ++n)
+            both[size_t(iz)] += inside[n] * double(objects_ - 1 - n), either[size_t(iz)] += inside[n] * double(n);
         }
     });
     double sumBoth = 0, sumEither = 0;
@@ -581,12 +637,14 @@ class Registrar {
     return sumEither > 0 ? sumBoth / sumEither : 0;
   }
 
-  /// The lattice the frames move: as fine as the eye needs, still free of folds.
-  void finish() {
+  /// The lattice the frames move: as fine as the eye needs, still free of folds. `last`: nothing is matched after it.
+  void finish(bool last = true) {
     const double longest = std::max({box_.extents()[0], box_.extents()[1], box_.extents()[2]});
     Displacements fine = resampled(now_.map, Lattice::over({box_.min() - margin_, box_.max() + margin_}, longest / 72));
     removeFolds(fine, 0.1);
     result_.overlapAfter = overlapOf(fine);
+    if (last)
+      for (const std::string& warning : contradictions(options_.features, charts_, fine, size_)) now_.notes.push_back(warning);
     result_.map = std::move(fine), result_.base = std::move(now_.base), result_.notes = std::move(now_.notes);
   }
 
@@ -601,7 +659,7 @@ class Registrar {
     std::vector<double> area;
   };
   std::vector<InnerSurface> inner_;
-  std::vector<Correspondence> landmarks_;
+  FeaturePoints features_;
   std::vector<OrientedPoints> samples_;  ///< per object: its surface in chart coordinates
   std::vector<double> area_;             ///< per object, chart units
   std::vector<openvdb::BBoxd> chartBoxes_;
@@ -622,13 +680,22 @@ std::optional<Registration> followRegistration(const Registration& before, const
   return Registrar(fields, inner, frames, options, progress).follow(before);
 }
 
+Registration startRegistration(const Fields& fields, const Frames& frames, const MorphOptions& options, Progress& progress) {
+  return Registrar(fields, {}, frames, options, progress).started();
+}
+
+Registration refineRegistration(Registration made, const Fields& fields, const std::vector<Fields>& inner, const Frames& frames,
+                                const MorphOptions& options, Progress& progress) {
+  return Registrar(fields, inner, frames, options, progress).refined(std::move(made));
+}
+
 Agreement quickAgreement(const Fields& fields, const Frames& frames, const MorphOptions& options, Progress& progress) {
   return Registrar(fields, {}, frames, options, progress).quickAgreement();
 }
 
 Registration registerObjects(const Fields& fields, const std::vector<Fields>& inner, const Frames& frames,
-                             const MorphOptions& options, Progress& progress) {
-  return Registrar(fields, inner, frames, options, progress).run();
+                             const MorphOptions& options, Progress& progress, bool last) {
+  return Registrar(fields, inner, frames, options, progress).run(last);
 }
 
 }  // namespace slicemorph

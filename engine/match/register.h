@@ -22,9 +22,17 @@ struct Registration {
 /// Slices the objects, traces and matches their contours, and grows from the trusted pairs a fold-free map between
 /// them: like slices along the spine, base warp, accepted contour pairs, limbs as wholes, soft matches from coarse to
 /// fine, closest points. Each is kept only where the warped objects overlap better than before.
-/// `inner`: further surfaces, each per object, null where one has none; they and the landmarks of the options steer the map.
+/// `inner`: further surfaces, each per object, null where one has none; they and the features of the options (of these objects) steer the map.
+/// `last`: with the last, finest rounds.
 Registration registerObjects(const Fields& fields, const std::vector<Fields>& inner, const Frames& frames,
-                             const MorphOptions& options, Progress& progress);
+                             const MorphOptions& options, Progress& progress, bool last = true);
+
+/// Slices, base warp, contour pairs and features alone: what more than two objects start from.
+Registration startRegistration(const Fields& fields, const Frames& frames, const MorphOptions& options, Progress& progress);
+
+/// A registration whose map was made elsewhere, after the last rounds of closest points on all objects.
+Registration refineRegistration(Registration made, const Fields& fields, const std::vector<Fields>& inner, const Frames& frames,
+                                const MorphOptions& options, Progress& progress);
 
 /// The registration of the next frame of a sequence, from the one of the frame before: `frames` are those moved along
 /// with the objects (`trackFrames`), so that the map still nearly holds. Only fine rounds are run, on top of it; limbs

@@ -12,7 +12,8 @@ constexpr double kNodeSpacing = 16;
 
 Carrier dissolve(const Weights& weights) {
   auto carrier = std::make_unique<Carrier::Impl>();
-  carrier->weights = weights;
+  carrier->alone = aloneIn(weights);
+  carrier->weights = withoutNegatives(weights);
   carrier->shapeOf.assign(weights.size(), 0);
   carrier->shapeWeights = {1};
   carrier->anchors = {Vec3d(0.0)};

@@ -2,9 +2,11 @@
 
 #include "engine/blend/node_places.h"
 #include "engine/errors.h"
+#include "engine/rebuild/warp_colors.h"
 #include "engine/rebuild/warp_image.h"
 #include "engine/rebuild/warp_labels.h"
 #include "engine/volume/resample_image.h"
+#include "engine/volume/surface_colors.h"
 
 #include <openvdb/tools/Morphology.h>
 #include <openvdb/tree/LeafManager.h>
@@ -19,8 +21,6 @@ namespace {
 using openvdb::GridBase;
 using Transform = openvdb::math::Transform;
 
-/// Weights nearer to 1 than this are 1.
-constexpr double kWhole = 1e-9;
 /// Node maps that are kept; a file has mostly one transform.
 constexpr size_t kKeptMaps = 3;
 /// Voxels around what moves in which velocities are found.
@@ -64,10 +64,10 @@ GridBase::ConstPtr Carrier::carry(const std::vector<GridBase::ConstPtr>& grids, 
   for (size_t k = 0; k < grids.size(); ++k) {
     if (!grids[k]) continue;
     half = half && grids[k]->saveFloatAsHalf();
-    if (p.weights[k] > 1 - kWhole && options.voxelSize == 0) return grids[k];
-    if (p.weights[k] == 0 || !(isBlended(like) || k == heaviest)) continue;
+    if (p.alone == k && options.voxelSize == 0) return grids[k];
+    if (!p.counts(k) || !(isBlended(like) || k == heaviest)) continue;
     const size_t shape = p.shapeOf[k];
-    carried.push_back({grids[k], shape, p.anchors[shape], p.weights[k]});
+    carried.push_back({grids[k], shape, p.anchors[shape], p.weights[k], k});
   }
   const GridBase::Ptr result = warped(carried, like, options);
   for (auto meta = like.beginMeta(); meta != like.endMeta(); ++meta)
@@ -82,7 +82,7 @@ GridBase::Ptr Carrier::warped(const std::vector<CarriedGrid>& carried, const Gri
     const Transform::Ptr transform = options.voxelSize > 0 ? Transform::createLinearTransform(options.voxelSize)
                                                            : commonTransform(carried);
     const openvdb::CoordBBox box = boxOf(carried, impl_->carrying, *transform);
-    if (!box.empty()) return warpGrids(carried, impl_->nodesFor(box, *transform), *transform, options.conserve);
+    if (!box.empty()) return warpGrids(carried, impl_->nodesFor(box, *transform), impl_->local(), *transform, options.conserve);
   }
   GridBase::Ptr empty = like.copyGridWithNewTree();
   empty->setTransform(like.transform().copy());
@@ -93,9 +93,10 @@ Image Carrier::carry(const std::vector<const Image*>& images, const ImageLattice
   const Impl& p = *impl_;
   if (images.size() != p.weights.size())
     throw InputError(std::to_string(images.size()) + " images were given for " + std::to_string(p.weights.size()) + " objects");
+  p.refuseRegions();
   std::vector<CarriedImage> carried;
   for (size_t k = 0; k < images.size(); ++k) {
-    if (p.weights[k] > 1 - kWhole) return resampledTo(*images[k], on);
+    if (p.alone == k) return resampledTo(*images[k], on);
     const size_t shape = p.shapeOf[k];
     if (p.weights[k] > 0)
       carried.push_back({images[k], shape, p.anchors[shape], p.weights[k], p.fields.empty() ? nullptr : p.fields[shape].get(),
@@ -108,10 +109,35 @@ Image Carrier::carryLabels(const std::vector<const LabelField*>& labels, const I
   const Impl& p = *impl_;
   if (labels.size() != p.weights.size())
     throw InputError(std::to_string(labels.size()) + " label maps were given for " + std::to_string(p.weights.size()) + " objects");
+  p.refuseRegions();
   std::vector<CarriedLabels> carried;
   for (size_t k = 0; k < labels.size(); ++k)
     if (p.weights[k] > 0) carried.push_back({labels[k], p.shapeOf[k], p.anchors[p.shapeOf[k]], p.weights[k] * p.sizes[p.shapeOf[k]]});
   return warpLabels(carried, imageNodes(on, p.carrying, p.imageSpacing), on);
+}
+
+openvdb::Vec3SGrid::Ptr Carrier::colors(const FloatGrid& surface,
+                                        const std::vector<openvdb::Vec3SGrid::ConstPtr>& colors) {
+  Impl& p = *impl_;
+  if (colors.size() != p.weights.size())
+    throw InputError(std::to_string(colors.size()) + " grids of colours were given for " + std::to_string(p.weights.size()) +
+                     " objects");
+  if (p.alone && colors[*p.alone]) return colorsAround(surface, *colors[*p.alone]);
+  std::vector<CarriedColors> carried, uncounted;
+  for (size_t k = 0; k < colors.size(); ++k) {
+    if (!colors[k]) continue;
+    const size_t shape = p.shapeOf[k];
+    // Where only objects without colours count, the others lend theirs.
+    (p.counts(k) ? carried : uncounted).push_back({colors[k], p.fields[shape].get(), shape, p.weights[k], k});
+  }
+  if (carried.empty()) {
+    carried = std::move(uncounted);
+    for (CarriedColors& c : carried) c.weight = 1;
+  }
+  if (carried.empty()) throw InputError("none of the objects has colours");
+  const openvdb::CoordBBox box = surface.evalActiveVoxelBoundingBox();
+  if (box.empty()) return openvdb::Vec3SGrid::create();
+  return warpColors(surface, carried, p.nodesFor(box, surface.transform()), p.local());
 }
 
 openvdb::Vec3SGrid::Ptr Carrier::velocity(const GridBase& where, const Weights& rate, double reach) const {
@@ -156,6 +182,19 @@ void Carrier::fillVelocities(openvdb::Vec3SGrid& grid, const Weights& rate) cons
           }
         }
   });
+}
+
+bool Carrier::Impl::counts(size_t object) const {
+  if (weights[object] != 0) return true;
+  for (size_t r = 0; regions && r < regions->count(); ++r)
+    if (regions->region(r).weights[object] != 0) return true;
+  return false;
+}
+
+LocalWeights Carrier::Impl::local() const { return {weights, regions.get()}; }
+
+void Carrier::Impl::refuseRegions() const {
+  if (regions) throw InputError("regions with weights of their own are for shapes and grids, not for in-between images");
 }
 
 const NodeMap& Carrier::Impl::nodesFor(const openvdb::CoordBBox& box, const Transform& transform) {

@@ -8,7 +8,9 @@ namespace slicemorph {
 /// What a Carrier is made of.
 struct Carrier::Impl {
   Carrying carrying;
-  Weights weights;              ///< per object
+  std::optional<size_t> alone;  ///< the object that the in-between is, if it is one
+  Weights weights;              ///< per object, none below 0
+  std::unique_ptr<RegionShares> regions;  ///< with weights per object; null: weights are the same everywhere
   std::vector<size_t> shapeOf;  ///< per object: its place in the lattice
   Weights shapeWeights;         ///< per place in the lattice
   std::vector<Vec3d> anchors;   ///< per place in the lattice
@@ -24,6 +26,10 @@ struct Carrier::Impl {
   };
   std::vector<Nodes> nodes;
 
+  /// Whether an object's values count anywhere.
+  bool counts(size_t object) const;
+  LocalWeights local() const;
+  void refuseRegions() const;
   const NodeMap& nodesFor(const openvdb::CoordBBox& box, const openvdb::math::Transform& transform);
 };
 

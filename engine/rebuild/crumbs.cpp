@@ -10,6 +10,10 @@ namespace slicemorph {
 
 namespace {
 
+/// What has fewer inside voxels and a smaller share of all is dust: tips that are thinner than a voxel leave it.
+constexpr size_t kDust = 27;
+constexpr double kDustShare = 1e-3;
+
 using Leaf = openvdb::FloatTree::LeafNodeType;
 constexpr int kSide = 8, kVoxels = 512;
 constexpr double kCrumb = 0.03;
@@ -147,7 +151,14 @@ void remove(FloatGrid& grid, const std::vector<openvdb::Coord>& voxels) {
 
 }  // namespace
 
-int countPieces(const FloatGrid& levelSet) { return int(findParts(levelSet).roots().size()); }
+int countPieces(const FloatGrid& levelSet) {
+  const Parts parts = findParts(levelSet);
+  size_t total = 0;
+  for (size_t r : parts.roots()) total += parts.sizes[r];
+  int pieces = 0;
+  for (size_t r : parts.roots()) pieces += r == 0 || parts.sizes[r] >= kDust || double(parts.sizes[r]) > kDustShare * double(total);
+  return std::max(pieces, 1);
+}
 
 int removeCrumbs(FloatGrid& levelSet, int allowed) {
   const Parts parts = findParts(levelSet);

@@ -4,7 +4,7 @@
 
 namespace slicemorph {
 
-/// Connected parts (over faces) of a level set's inside.
+/// Connected parts (over faces) of a level set's inside, but for dust of a few voxels.
 int countPieces(const FloatGrid& levelSet);
 
 /// Removes the smallest parts of the inside while there are more than `allowed`, but only crumbs: parts of less than

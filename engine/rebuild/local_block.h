@@ -21,6 +21,8 @@ class LocalBlock {
   bool active(const Vec3d& at) const;
   /// Trilinear value.
   Real linear(const Vec3d& at, int channel) const;
+  /// Of three channels, trilinear among the active voxels around a point alone; returns their share of it, 0 to 1.
+  Real linearAmongActive(const Vec3d& at, Real value[3]) const;
   /// Catmull-Rom spline through the 4 x 4 x 4 voxels around, kept within their range: sharper than trilinear, and never
   /// beyond what is there.
   Real cubic(const Vec3d& at, int channel) const;

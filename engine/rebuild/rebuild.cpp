@@ -12,17 +12,23 @@ namespace slicemorph {
 
 namespace {
 
+/// As kSteepest, where weights go from one object to another that is not like it.
+constexpr double kSteepestWhereVarying = 2.6;
+
 class Rebuilder {
  public:
-  Rebuilder(const NodeMap& nodes, const Fields& fields, const std::vector<double>& factors,
-            const openvdb::math::Transform& transform)
-      : nodes_(nodes), voxel_(transform.voxelSize()[0]), step_(nodes.step), places_(nodes) {
-    for (size_t k = 0; k < factors.size(); ++k)
-      if (factors[k] > 0) {
-        used_.push_back(k);
-        factor_.push_back(float(factors[k]));
-        samplers_.emplace_back(*fields[k]);
-      }
+  Rebuilder(const NodeMap& nodes, const Fields& fields, const DistanceBlend& blend, const openvdb::math::Transform& transform)
+      : nodes_(nodes),
+        voxel_(transform.voxelSize()[0]),
+        step_(nodes.step),
+        steepest_(blend.weights.vary() ? kSteepestWhereVarying : kSteepest),
+        places_(nodes),
+        blend_(blend),
+        used_(blend.weights.used()) {
+    for (size_t k : used_) {
+      factor_.push_back(float(blend.weights.whole()[k] * blend.size / blend.sizes[k]));
+      samplers_.emplace_back(*fields[k]);
+    }
   }
 
   SparseValues run() {
@@ -35,17 +41,44 @@ class Rebuilder {
   }
 
  private:
+  /// What one thread finds where weights vary.
+  struct Local {
+    std::vector<openvdb::Vec3s> at;  ///< per object
+    Weights weights;                 ///< per object
+    std::vector<float> factors;      ///< per used object
+  };
+
+  /// What the distances of the used objects count at a place, `at` on every object.
+  const float* factorsAt(const openvdb::Vec3s* at, Local& local) const {
+    if (!blend_.weights.vary()) return factor_.data();
+    local.weights.resize(blend_.sizes.size()), local.factors.resize(used_.size());
+    blend_.weights.find(at, local.weights.data());
+    double size = 0;
+    for (size_t k = 0; k < local.weights.size(); ++k) size += local.weights[k] * blend_.sizes[k];
+    for (size_t n = 0; n < used_.size(); ++n)
+      local.factors[n] = float(local.weights[used_[n]] * size / blend_.sizes[used_[n]]);
+    return local.factors.data();
+  }
+
+  /// The same half way between two voxels of a cell; per used object, `places` of its voxels.
+  const float* factorsOf(const std::vector<std::vector<openvdb::Vec3s>>& places, size_t a, size_t b, Local& local) const {
+    if (!blend_.weights.vary()) return factor_.data();
+    local.at.resize(blend_.sizes.size());
+    for (size_t n = 0; n < used_.size(); ++n) local.at[used_[n]] = (places[n][a] + places[n][b]) * 0.5f;
+    return factorsAt(local.at.data(), local);
+  }
+
   void findNodeDistances() {
     distance_.assign(nodes_.known.size(), std::numeric_limits<float>::max());
     tbb::parallel_for(0, int(nodes_.size[2]), [&](int z) {
       const size_t slab = size_t(nodes_.size[0]) * nodes_.size[1];
+      Local local;
       for (size_t i = z * slab; i < (z + 1) * slab; ++i) {
         if (!nodes_.known[i]) continue;
+        const openvdb::Vec3s* at = &nodes_.at[i * nodes_.objects];
+        const float* factors = factorsAt(at, local);
         float d = 0;
-        for (size_t n = 0; n < used_.size(); ++n) {
-          const size_t k = used_[n];
-          d += factor_[n] * samplers_[n].coarse(nodes_.at[i * nodes_.objects + k]);
-        }
+        for (size_t n = 0; n < used_.size(); ++n) d += factors[n] * samplers_[n].coarse(at[used_[n]]);
         distance_[i] = d;
       }
     });
@@ -60,7 +93,7 @@ class Rebuilder {
       if (!nodes_.known[n]) return false;
       least = std::min(least, std::abs(distance_[n]));
     }
-    return least < (kHalfWidth + kSteepest * 0.5 * std::sqrt(3.0) * step_) * voxel_;
+    return least < (kHalfWidth + steepest_ * 0.5 * std::sqrt(3.0) * step_) * voxel_;
   }
 
   void fillLeaf(const openvdb::Coord& origin, float* values) const {
@@ -81,15 +114,17 @@ class Rebuilder {
       if (places_.torn(i, j, k, 2, used_[n])) return blendNodes(i, j, k, values);
       places_.find(i, j, k, used_[n], places[n]);
     }
-    const float far = float((kHalfWidth + 1 + kSteepest * 0.5 * std::sqrt(3.0)) * voxel_);
+    Local local;
+    const float far = float((kHalfWidth + 1 + steepest_ * 0.5 * std::sqrt(3.0)) * voxel_);
     for (int x = 0; x < step_; x += 2)
       for (int y = 0; y < step_; y += 2)
         for (int z = 0; z < step_; z += 2) {
           const size_t first = (size_t(x) * step_ + y) * step_ + z;
           const size_t last = first + (size_t(step_) + 1) * step_ + 1;
+          const float* factors = factorsOf(places, first, last, local);
           float middle = 0;
           for (size_t n = 0; n < used_.size(); ++n)
-            middle += factor_[n] * samplers_[n].coarse((places[n][first] + places[n][last]) * 0.5f);
+            middle += factors[n] * samplers_[n].coarse((places[n][first] + places[n][last]) * 0.5f);
           const bool near = std::abs(middle) < far;
           for (int v = 0; v < 8; ++v) {
             const int dx = v >> 2, dy = v >> 1 & 1, dz = v & 1;
@@ -97,7 +132,8 @@ class Rebuilder {
             if (near) {
               f = 0;
               const size_t place = first + (size_t(dx) * step_ + dy) * step_ + dz;
-              for (size_t n = 0; n < used_.size(); ++n) f += factor_[n] * samplers_[n](places[n][place]);
+              const float* own = factorsOf(places, place, place, local);
+              for (size_t n = 0; n < used_.size(); ++n) f += own[n] * samplers_[n](places[n][place]);
             }
             values[((x + dx) * kLeaf + y + dy) * kLeaf + z + dz] = f;
           }
@@ -121,18 +157,20 @@ class Rebuilder {
   const NodeMap& nodes_;
   double voxel_;
   int step_;
+  double steepest_;
   NodePlaces places_;
+  const DistanceBlend& blend_;
+  std::vector<size_t> used_;    ///< objects that count somewhere
+  std::vector<float> factor_;   ///< of each of these, where weights do not vary
   std::vector<DistanceField::Sampler> samplers_;
-  std::vector<size_t> used_;    ///< objects of positive factor
-  std::vector<float> factor_;   ///< of each of these
   std::vector<float> distance_; ///< blended, per node, world units
 };
 
 }  // namespace
 
-FloatGrid::Ptr rebuildLevelSet(const NodeMap& nodes, const Fields& fields, const std::vector<double>& factors,
+FloatGrid::Ptr rebuildLevelSet(const NodeMap& nodes, const Fields& fields, const DistanceBlend& blend,
                                const openvdb::math::Transform& transform) {
-  return redistance(Rebuilder(nodes, fields, factors, transform).run(), transform);
+  return redistance(Rebuilder(nodes, fields, blend, transform).run(), transform);
 }
 
 }  // namespace slicemorph

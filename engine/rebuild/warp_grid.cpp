@@ -5,6 +5,7 @@
 #include "engine/errors.h"
 #include "engine/rebuild/active_blocks.h"
 #include "engine/rebuild/local_block.h"
+#include "engine/volume/surface_colors.h"
 
 #include <openvdb/tools/SignedFloodFill.h>
 #include <tbb/parallel_for.h>
@@ -75,13 +76,14 @@ Mat3d worldPerVoxel(const Transform& transform) {
 
 /// Colours and places do not turn with what they lie on; velocities, normals and all else do.
 bool turns(const GridBase& grid) {
-  static const std::set<std::string> still{"Cd", "cd", "color", "colour", "rgb", "albedo", "emission", "rest", "uv", "uvw"};
-  return grid.getVectorType() != openvdb::VEC_INVARIANT || !still.count(grid.getName());
+  static const std::set<std::string> still{"emission", "rest", "uv", "uvw"};
+  const bool keeps = isColorName(grid.getName()) || still.count(grid.getName());
+  return grid.getVectorType() != openvdb::VEC_INVARIANT || !keeps;
 }
 
 /// How one object's grid is found from an in-between.
 struct Source {
-  size_t shape;
+  size_t shape, object;
   double weight;
   ToIndex toIndex;
   ActiveBlocks blocks;
@@ -135,12 +137,13 @@ class Warper {
   static constexpr int kChannels = openvdb::VecTraits<Value>::Size;
 
  public:
-  Warper(const std::vector<CarriedGrid>& grids, const NodeMap& nodes, const Transform& transform, bool conserve)
-      : nodes_(nodes), places_(nodes), transform_(transform),
+  Warper(const std::vector<CarriedGrid>& grids, const NodeMap& nodes, const LocalWeights& weights, const Transform& transform,
+         bool conserve)
+      : nodes_(nodes), places_(nodes), weights_(weights), vary_(weights.vary() && kBlends<Value>), transform_(transform),
         like_(openvdb::gridConstPtrCast<GridType>(grids.front().grid)), worldPerVoxel_(worldPerVoxel(transform)),
         conserve_(conserve && kBlends<Value> && !kIsVector<Value>), turn_(kIsVector<Value> && kBlends<Value> && turns(*like_)),
         staggered_(kIsVector<Value> && like_->getGridClass() == openvdb::GRID_STAGGERED),
-        smooth_(like_->getGridClass() != openvdb::GRID_LEVEL_SET), band_(isBand()) {
+        smooth_(like_->getGridClass() != openvdb::GRID_LEVEL_SET), band_(isBand()), color_(isColor()) {
     if (!kBlends<Value> && grids.size() > 1) throw InputError("values of the type " + like_->valueType() + " cannot be blended");
     const Mat3d voxelPerWorld = worldPerVoxel_.inverse();
     double rest = 1;
@@ -151,7 +154,7 @@ class Warper {
       std::shared_ptr<const NodeStretch> stretch;
       if (conserve_ || turn_ || staggered_) stretch = std::make_shared<NodeStretch>(nodes, g.shape, voxelPerWorld);
       grids_.push_back(grid);
-      sources_.push_back({g.shape, g.weight, ToIndex(grid->transform(), g.anchor), ActiveBlocks(grid->tree()), stretch});
+      sources_.push_back({g.shape, g.object, g.weight, ToIndex(grid->transform(), g.anchor), ActiveBlocks(grid->tree()), stretch});
       rest -= g.weight;
       if constexpr (kBlends<Value>) background_ += Value((grid->background() - like_->background()) * g.weight);
     }
@@ -190,6 +193,9 @@ class Warper {
     LocalBlock<Real> block;
     std::vector<Stored> sum;
     std::vector<char> on;
+    std::vector<double> mass;      ///< of colours: per voxel, the weights that are in the sum
+    std::vector<Weights> weights;  ///< per voxel, where they vary
+    std::vector<std::vector<openvdb::Vec3s>> regionPlaces;  ///< per shape
   };
 
   size_t cellSize() const { return size_t(nodes_.step) * size_t(nodes_.step) * size_t(nodes_.step); }
@@ -201,6 +207,43 @@ class Warper {
     return false;
   }
 
+  bool isColor() const {
+    if constexpr (kIsVector<Value> && kBlends<Value>) return isColorName(like_->getName());
+    return false;
+  }
+
+  /// The objects' weights at a cell's voxels.
+  void findWeights(const openvdb::Coord& node, Scratch& scratch) const {
+    if (!vary_) return;
+    scratch.regionPlaces.resize(nodes_.objects);
+    const std::vector<size_t> shapes = weights_.regionObjects();
+    for (size_t shape : shapes) {
+      scratch.regionPlaces[shape].resize(cellSize());
+      places_.find(node[0], node[1], node[2], shape, scratch.regionPlaces[shape]);
+    }
+    std::vector<openvdb::Vec3s> at(nodes_.objects, openvdb::Vec3s(0.f));
+    scratch.weights.assign(cellSize(), Weights(weights_.whole().size()));
+    for (size_t v = 0; v < scratch.weights.size(); ++v) {
+      for (size_t shape : shapes) at[shape] = scratch.regionPlaces[shape][v];
+      weights_.find(at.data(), scratch.weights[v].data());
+    }
+  }
+
+  double weightOf(const Source& source, const Scratch& scratch, size_t v) const {
+    return vary_ ? scratch.weights[v][source.object] : source.weight;
+  }
+
+  /// What a sum lacks, where the weights of its grids do not sum to 1.
+  Value missingAt(const Scratch& scratch, size_t v) const {
+    if constexpr (kBlends<Value>) {
+      if (!vary_) return missing_;
+      double rest = 1;
+      for (const Source& s : sources_) rest -= scratch.weights[v][s.object];
+      return Value(like_->background() * (std::abs(rest) < 1e-12 ? 0 : rest));
+    }
+    return missing_;
+  }
+
   /// The leaf's values; null where nothing turns out to be there.
   Leaf* filled(const openvdb::Coord& origin, Scratch& scratch) const {
     auto leaf = std::make_unique<Leaf>(origin, background_);
@@ -210,9 +253,13 @@ class Warper {
         for (int z = 0; z < kLeaf; z += step) {
           const openvdb::Coord node((origin[0] + x) / step, (origin[1] + y) / step, (origin[2] + z) / step);
           if (!cellActive(nodes_, sources_, node[0], node[1], node[2])) continue;
-          std::fill(scratch.sum.begin(), scratch.sum.end(), missing_);
+          findWeights(node, scratch);
+          for (size_t v = 0; v < scratch.sum.size(); ++v)
+            scratch.sum[v] = color_ ? openvdb::zeroVal<Value>() : missingAt(scratch, v);
           std::fill(scratch.on.begin(), scratch.on.end(), 0);
-          for (size_t s = 0; s < sources_.size(); ++s) addCell(s, node, scratch);
+          scratch.mass.assign(color_ ? scratch.sum.size() : 0, 0.0);
+          for (size_t s = 0; s < sources_.size(); ++s) color_ ? addColors(s, node, scratch) : addCell(s, node, scratch);
+          finishColors(scratch);
           put(scratch, {x, y, z}, *leaf);
         }
     return leaf->isEmpty() ? nullptr : leaf.release();
@@ -227,6 +274,32 @@ class Warper {
           if (scratch.on[v]) leaf.setValueOn(offset, scratch.sum[v]);
           else if (band_) leaf.setValueOff(offset, scratch.sum[v]);
         }
+  }
+
+  /// Adds what is active, by its weight.
+  void addColors(size_t s, const openvdb::Coord& node, Scratch& scratch) const {
+    if constexpr (kIsVector<Value> && kBlends<Value>) {
+      const Source& source = sources_[s];
+      scratch.places.find(places_, node, source);
+      if (scratch.places.torn()) return;
+      scratch.block.template fill<GridType>(scratch.accessors[s], scratch.places.box);
+      if (!scratch.block.anyActive()) return;
+      for (size_t v = 0; v < scratch.sum.size(); ++v) {
+        Real value[3];
+        const double share = double(scratch.block.linearAmongActive(scratch.places.index[v], value));
+        const double weight = weightOf(source, scratch, v) * share;
+        if (!(weight > 0)) continue;
+        scratch.sum[v] += Value(Element(value[0] * weight), Element(value[1] * weight), Element(value[2] * weight));
+        scratch.mass[v] += weight;
+        scratch.on[v] = 1;
+      }
+    }
+  }
+
+  void finishColors(Scratch& scratch) const {
+    if constexpr (kIsVector<Value> && kBlends<Value>)
+      for (size_t v = 0; v < scratch.mass.size(); ++v)
+        if (scratch.on[v]) scratch.sum[v] = Value(scratch.sum[v] * (1 / scratch.mass[v]));
   }
 
   void addCell(size_t s, const openvdb::Coord& node, Scratch& scratch) const {
@@ -244,7 +317,7 @@ class Warper {
       if (staggered_) box.min() -= Vec3d(kStaggeredReach + 0.5), box.max() += Vec3d(kStaggeredReach + 0.5);
       scratch.block.template fill<GridType>(scratch.accessors[s], box);
       if (!scratch.block.anyActive() && zeroOutside(s)) return;
-      if (scratch.block.uniform() && !source.stretch) {
+      if (scratch.block.uniform() && !source.stretch && !vary_) {
         const Value value(sampled(scratch.block, scratch.places.index[0]) * source.weight);
         for (Stored& sum : scratch.sum) sum += value;
         std::fill(scratch.on.begin(), scratch.on.end(), 1);
@@ -263,14 +336,15 @@ class Warper {
 
   Value value(const Source& source, const openvdb::Coord& node, const Scratch& scratch, size_t v) const {
     const Vec3d& at = scratch.places.index[v];
-    if (!source.stretch) return Value(sampled(scratch.block, at) * source.weight);
+    const double weight = weightOf(source, scratch, v);
+    if (!source.stretch) return Value(sampled(scratch.block, at) * weight);
     const int step = nodes_.step, n = int(v);
     const openvdb::Vec3s fraction(float(n / (step * step)), float(n / step % step), float(n % step));
     const NodeStretch::Local local = source.stretch->at(node[0], node[1], node[2], fraction / float(step));
     if constexpr (!kIsVector<Value>) {
-      return Value(sampled(scratch.block, at) * (source.weight * double(local.volume)));
+      return Value(sampled(scratch.block, at) * (weight * double(local.volume)));
     } else {
-      if (!staggered_) return Value(turned(local, sampled(scratch.block, at)) * source.weight);
+      if (!staggered_) return Value(turned(local, sampled(scratch.block, at)) * weight);
       // Each component lives on the face before the voxel in its direction, in the in-between as in the grid.
       Value result;
       const double size = std::cbrt(double(local.volume));
@@ -285,7 +359,7 @@ class Warper {
           own[c] += 0.5;
           whole[c] = Element(scratch.block.cubic(own, c));
         }
-        result[axis] = Element(turned(local, whole)[axis] * source.weight);
+        result[axis] = Element(turned(local, whole)[axis] * weight);
       }
       return result;
     }
@@ -307,12 +381,14 @@ class Warper {
 
   const NodeMap& nodes_;
   NodePlaces places_;
+  const LocalWeights& weights_;
+  bool vary_;
   const Transform& transform_;
   typename GridType::ConstPtr like_;
   Mat3d worldPerVoxel_;
   bool conserve_, turn_, staggered_;
   bool smooth_;  ///< splines; jumps of dense level sets to their far values would ring
-  bool band_;
+  bool band_, color_;
   std::vector<typename GridType::ConstPtr> grids_;
   std::vector<Source> sources_;
   Value background_;
@@ -353,7 +429,9 @@ Transform::Ptr commonTransform(const std::vector<CarriedGrid>& grids) {
     const Vec3d middle = active.empty() ? Vec3d(0.0) : active.getCenter();
     size += g.weight * std::cbrt(std::abs(g.grid->transform().voxelVolume(middle))), weight += g.weight;
   }
-  return same ? grids[0].grid->transform().copy() : Transform::createLinearTransform(size / weight);
+  if (same) return grids[0].grid->transform().copy();
+  // Regions may take what counts nowhere else.
+  return Transform::createLinearTransform(weight > 0 ? size / weight : std::cbrt(std::abs(grids[0].grid->transform().voxelVolume())));
 }
 
 openvdb::CoordBBox boxOf(const std::vector<CarriedGrid>& grids, const Carrying& carrying, const Transform& transform) {
@@ -390,11 +468,11 @@ NodeMap carryingNodes(const openvdb::CoordBBox& box, const Carrying& carrying, c
   return nodes;
 }
 
-GridBase::Ptr warpGrids(const std::vector<CarriedGrid>& grids, const NodeMap& nodes, const Transform& transform,
-                        bool conserve) {
+GridBase::Ptr warpGrids(const std::vector<CarriedGrid>& grids, const NodeMap& nodes, const LocalWeights& weights,
+                        const Transform& transform, bool conserve) {
   GridBase::Ptr result;
   const bool known = grids.front().grid->apply<CarriedTypes>([&](const auto& grid) {
-    result = Warper<std::decay_t<decltype(grid)>>(grids, nodes, transform, conserve).run();
+    result = Warper<std::decay_t<decltype(grid)>>(grids, nodes, weights, transform, conserve).run();
   });
   if (!known) throw InputError("values of the type " + grids.front().grid->valueType() + " cannot be carried");
   return result;

@@ -10,6 +10,7 @@ struct CarriedGrid {
   size_t shape = 0;                  ///< which object of the node map they ride with
   Vec3d anchor{0, 0, 0};             ///< of that object's field
   double weight = 0;
+  size_t object = 0;                 ///< whose weight it is where weights vary
 };
 
 /// Whether values of the grid's type can be carried. Float, double, vec3s and vec3d are blended; of bool, mask, int32, int64
@@ -42,9 +43,10 @@ NodeMap carryingNodes(const openvdb::CoordBBox& box, const Carrying& carrying, c
 /// In-between of the grids: sum_k w_k g_k(M_k(p)), trilinear, leaf by leaf and only where some grid is active; what is
 /// missing to a sum of weights of 1 is background. Of the first grid's type and class. Vectors turn with the map's
 /// rotation unless they are colours or places; staggered ones are taken face by face.
-/// `conserve`: densities, whose total is the weighted sum of theirs, thinned where the map widens.
+/// Colours, by their name, are blended by their weights among what is active, and so is what lies between voxels.
+/// `weights`: of the objects at each place. `conserve`: densities, whose total is the weighted sum of theirs, thinned where the map widens.
 /// Throws InputError for grids of different types, and for more than one of a type that is not blended.
-openvdb::GridBase::Ptr warpGrids(const std::vector<CarriedGrid>& grids, const NodeMap& nodes,
+openvdb::GridBase::Ptr warpGrids(const std::vector<CarriedGrid>& grids, const NodeMap& nodes, const LocalWeights& weights,
                                  const openvdb::math::Transform& transform, bool conserve);
 
 }  // namespace slicemorph

@@ -1,6 +1,7 @@
 #include "engine/render/render.h"
 
 #include "engine/errors.h"
+#include "engine/volume/color_sampler.h"
 
 #include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/RayIntersector.h>
@@ -12,6 +13,7 @@
 #include <tbb/partitioner.h>
 
 #include <algorithm>
+#include <optional>
 #include <cmath>
 #include <sstream>
 
@@ -43,7 +45,7 @@ constexpr double kSpread = 0.33;
 class Shader {
  public:
   Shader(const FloatGrid& grid, const ViewBasis& basis, const Intersector& intersector,
-         const RenderOptions& options)
+         const RenderOptions& options, const openvdb::Vec3SGrid* colors)
       : grid_(grid),
         basis_(basis),
         intersector_(intersector),
@@ -51,7 +53,9 @@ class Shader {
         key_(towardsLight(options, basis)),
         acrossKey_(key_),
         intensity_(float(options.intensity)),
-        voxelSize_(grid.voxelSize()[0]) {}
+        voxelSize_(grid.voxelSize()[0]) {
+    if (colors) colors_.emplace(*colors);
+  }
 
   /// Central differences, interpolated: continuous over the surface, unlike the gradient of one cell.
   Vec3d normalAt(const Vec3d& world) const {
@@ -102,7 +106,7 @@ class Shader {
 
   /// Clay. `shines`: the share of the key light that is seen.
   Colour operator()(const Vec3d& world, Vec3d normal, const Vec3d& viewDirection, float shines) const {
-    static const Colour albedo(0.53f, 0.435f, 0.355f);
+    const Colour albedo = albedoAt(world);
     static const Vec3d fillLight = Vec3d(0.85, 0.1, 0.5).unit(), rimLight = Vec3d(0.45, 0.6, -0.75).unit();
     if (normal.dot(viewDirection) > 0) normal -= viewDirection * normal.dot(viewDirection);
     const Vec3d toViewer = -viewDirection;
@@ -131,6 +135,17 @@ class Shader {
  private:
   double sample(const Vec3d& index) const { return openvdb::tools::BoxSampler::sample(accessor_, index); }
 
+  /// Colours are meant for a screen; as paint they are a little darker than white paper.
+  Colour albedoAt(const Vec3d& world) const {
+    static const Colour clay(0.53f, 0.435f, 0.355f);
+    if (!colors_) return clay;
+    const std::optional<Colour> own = colors_->at(world);
+    if (!own) return clay;
+    Colour albedo;
+    for (int i = 0; i < 3; ++i) albedo[i] = 0.85f * std::pow(std::clamp((*own)[i], 0.0f, 1.0f), 2.2f);
+    return albedo;
+  }
+
   /// How open the surface is at the scale of the narrow band: 1 open, 0 deep in a crease.
   float openness(const Vec3d& world, const Vec3d& normal) const {
     double open = 1;
@@ -149,6 +164,7 @@ class Shader {
   Across acrossKey_;
   float intensity_;
   double voxelSize_;
+  std::optional<ColorSampler> colors_;
 };
 
 void check(const FloatGrid& levelSet, const Camera& camera) {
@@ -323,7 +339,8 @@ openvdb::BBoxd surfaceBox(const FloatGrid& levelSet) {
   return levelSet.transform().indexToWorld(index);
 }
 
-Picture renderSurface(const FloatGrid& levelSet, const Camera& camera, const RenderOptions& options) {
+Picture renderSurface(const FloatGrid& levelSet, const Camera& camera, const RenderOptions& options,
+                      const openvdb::Vec3SGrid* colors) {
   Film film(options);
   check(levelSet, camera);
   const openvdb::CoordBBox active = levelSet.evalActiveVoxelBoundingBox();
@@ -341,7 +358,7 @@ Picture renderSurface(const FloatGrid& levelSet, const Camera& camera, const Ren
       tbb::blocked_range<int>(0, across * down, 1),
       [&](const tbb::blocked_range<int>& range) {
         const Intersector intersector(original);
-        const Shader shader(levelSet, rays.basis(), original, options);
+        const Shader shader(levelSet, rays.basis(), original, options, colors);
         for (int n = range.begin(); n < range.end(); ++n)
           Part(n % across * Part::kSize, n / across * Part::kSize, film, rays, options, intersector, shader)
               .draw();

@@ -184,9 +184,15 @@ Chart blendCharts(const std::vector<Chart>& charts, const Weights& weights) {
   for (int i = 0; i < 30; ++i) {
     Vec3d step(0.0);
     for (size_t k = 0; k < charts.size(); ++k)
-      if (weights[k] > 0) step += weights[k] * rotationVector(result.axes.transpose() * charts[k].axes);
+      if (weights[k] != 0) step += weights[k] * rotationVector(result.axes.transpose() * charts[k].axes);
     result.axes = result.axes * rotationFromVector(step);
     if (step.length() < 1e-14) break;
+  }
+  // Weights below 0 might lead to a size of nothing.
+  for (int axis = 0; axis < 3; ++axis) {
+    double least = 1e300;
+    for (const Chart& c : charts) least = std::min(least, c.scale[axis]);
+    result.scale[axis] = std::max(result.scale[axis], 0.5 * least);
   }
   if (half > 0) result.bend = Bend(half, std::move(rates));
   result.center = middle - result.axes * (result.scale[0] * result.bend.middle());

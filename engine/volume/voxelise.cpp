@@ -175,6 +175,17 @@ FloatGrid::Ptr voxelise(const Mesh& mesh, double voxelSize) {
   return grid;
 }
 
+openvdb::Int32Grid::Ptr nearestTriangles(const Mesh& mesh, const openvdb::math::Transform& transform,
+                                         double halfWidth) {
+  using openvdb::tools::QuadAndTriangleDataAdapter;
+  auto nearest = openvdb::Int32Grid::create(openvdb::Int32(openvdb::util::INVALID_IDX));
+  openvdb::util::NullInterrupter never;
+  openvdb::tools::meshToVolume<FloatGrid>(never, QuadAndTriangleDataAdapter<Vec3s, Vec3I>(mesh.points, mesh.triangles),
+                                          transform, float(halfWidth), float(halfWidth),
+                                          openvdb::tools::UNSIGNED_DISTANCE_FIELD, nearest.get());
+  return nearest;
+}
+
 Mesh surfaceOf(const FloatGrid& grid, double iso) {
   ManifoldMesh result = makeManifold(rawSurface(grid, iso));
   if (result.coincident > 0) result = makeManifold(rawSurface(*awayFrom(grid, iso), iso));

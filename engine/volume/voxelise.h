@@ -9,6 +9,11 @@ namespace slicemorph {
 /// GeometryError where nothing lies inside.
 FloatGrid::Ptr voxelise(const Mesh& mesh, double voxelSize);
 
+/// The index of the triangle nearest to each voxel that is less than `halfWidth` voxels from one, whichever side it is on
+/// (or of one that is hardly further away: see MeshToVolume.h); below 0 elsewhere. `mesh`: in the index space of `transform`, open or closed.
+openvdb::Int32Grid::Ptr nearestTriangles(const Mesh& mesh, const openvdb::math::Transform& transform,
+                                         double halfWidth);
+
 /// The triangles of a grid's surface at `iso` in world space: closed, manifold, wound outwards.
 Mesh surfaceOf(const FloatGrid& grid, double iso = 0.0);
 

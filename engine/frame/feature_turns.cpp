@@ -1,0 +1,92 @@
+#include "engine/frame/feature_turns.h"
+
+#include "engine/spine/chart.h"
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <Eigen/SVD>
+
+#include <cmath>
+
+namespace slicemorph {
+
+namespace {
+
+/// Places that spread less than this share of their length across it lie in a line.
+constexpr double kInLine = 0.2;
+
+/// Without place and size.
+std::vector<Vec3d> normalised(const std::vector<Vec3d>& places) {
+  Vec3d middle(0.0);
+  for (const Vec3d& p : places) middle += p / double(places.size());
+  double size = 0;
+  for (const Vec3d& p : places) size += (p - middle).lengthSqr() / double(places.size());
+  std::vector<Vec3d> result;
+  for (const Vec3d& p : places) result.push_back(size > 0 ? (p - middle) / std::sqrt(size) : Vec3d(0.0));
+  return result;
+}
+
+Eigen::Matrix3d productOf(const std::vector<Vec3d>& b, const std::vector<Vec3d>& a) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (size_t i = 0; i < a.size(); ++i)
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) sum(r, c) += b[i][r] * a[i][c];
+  return sum;
+}
+
+}  // namespace
+
+std::vector<Vec3d> placesOn(const std::vector<Feature>& features, size_t object) {
+  std::vector<Vec3d> places;
+  for (const Feature& feature : features) {
+    const std::vector<Vec3d>& own = feature.places[object];
+    // Lines may have other numbers of places on each object; their ends are the same places.
+    places.push_back(own.front());
+    if (feature.kind == Feature::Kind::kLine) places.push_back(own.back());
+    if (feature.kind == Feature::Kind::kDisk)
+      places.push_back(own.front() + feature.radii[object] * feature.normals[object].unit());
+  }
+  return places;
+}
+
+Mat3d rotationOnto(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to) {
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(productOf(to, from), Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Matrix3d flip = Eigen::Matrix3d::Identity();
+  flip(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
+  const Eigen::Matrix3d fit = svd.matrixU() * flip * svd.matrixV().transpose();
+  Mat3d rotation;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) rotation(r, c) = fit(r, c);
+  return rotation;
+}
+
+double misfit(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to, const Mat3d& rotation) {
+  if (from.size() < 2) return 0;
+  const std::vector<Vec3d> a = normalised(from), b = normalised(to);
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) sum += (rotation * a[i] - b[i]).lengthSqr() / double(a.size());
+  return std::sqrt(sum);
+}
+
+std::vector<Mat3d> turnsOf(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to) {
+  if (from.size() < 2) return {};
+  const std::vector<Vec3d> a = normalised(from), b = normalised(to);
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(productOf(b, a), Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Vector3d spread = svd.singularValues();
+  if (!(spread[0] > 0)) return {};
+  const Mat3d best = rotationOnto(a, b);
+  if (spread[1] > kInLine * kInLine * spread[0]) return {best};  // these are squares of lengths
+  const Vec3d line(svd.matrixU()(0, 0), svd.matrixU()(1, 0), svd.matrixU()(2, 0));
+  // The least turn first: about the line as little as the world's directions allow.
+  const Vec3d start(svd.matrixV()(0, 0), svd.matrixV()(1, 0), svd.matrixV()(2, 0));
+  const Vec3d axis = start.cross(line);
+  const double sine = axis.length(), cosine = start.dot(line);
+  Vec3d side = std::abs(line[0]) < 0.6 ? Vec3d(1, 0, 0) : Vec3d(0, 1, 0);
+  side = line.cross(side).unit();
+  const Mat3d least = rotationFromVector((sine > 1e-9 ? axis / sine : side) * std::atan2(sine, cosine));
+  std::vector<Mat3d> turns;
+  for (int quarter = 0; quarter < 4; ++quarter) turns.push_back(rotationFromVector(line * (quarter * M_PI / 2)) * least);
+  return turns;
+}
+
+}  // namespace slicemorph
