@@ -267,7 +267,7 @@ bool MorphPlan::Impl::follow(const Impl& before, Progress& progress) {
     move(true);
     return true;
   }
-  frames = trackFrames(before.frames, before.fields, fields, options.align);
+  frames = trackFrames(before.frames, before.fields, fields, names, options.align);
   MorphOptions following = options;
   following.features.clear();
   std::optional<Registration> next = followRegistration(before.registration, fields, inner, frames, following, progress);

@@ -94,14 +94,14 @@ Laid laidOn(const DistanceField& fieldA, const Chart& a, const DistanceField& fi
 
 /// Lays every object on the first, `ways(k)` telling in which ways object k may lie.
 template <typename Ways>
-LaidFrames laid(const Fields& fields, const Frames& frames, const Ways& ways) {
+LaidFrames laid(const Fields& fields, const std::vector<std::string>& names, const Frames& frames, const Ways& ways) {
   LaidFrames result{frames, frames};
   bool any = false;
   for (size_t k = 1; k < fields.size(); ++k) {
     const Laid one = laidOn(*fields[0], frames.charts[0], *fields[k], ways(k), frames.halfLength);
     result.steady.charts[k] = one.steady;
     result.twisted->charts[k] = one.twisted.value_or(one.steady);
-    if (one.twisted) any = true, result.twisted->notes.push_back("shape " + std::to_string(k + 1) + " " + one.twist);
+    if (one.twisted) any = true, result.twisted->notes.push_back(names[k] + " " + one.twist);
   }
   if (!any) result.twisted.reset();
   return result;
@@ -109,7 +109,7 @@ LaidFrames laid(const Fields& fields, const Frames& frames, const Ways& ways) {
 
 }  // namespace
 
-std::optional<LaidFrames> framesAlongSpines(const Fields& fields) {
+std::optional<LaidFrames> framesAlongSpines(const Fields& fields, const std::vector<std::string>& names) {
   std::vector<std::optional<FittedSpine>> spines(fields.size());
   tbb::parallel_for(size_t(0), fields.size(), [&](size_t k) { spines[k] = fitSpine(*fields[k]); });
   double bow = 0, aspect = 0;
@@ -129,18 +129,18 @@ std::optional<LaidFrames> framesAlongSpines(const Fields& fields) {
     chart.bend = Bend(aspect, std::move(rates));
     frames.charts.push_back(chart);
     char text[96];
-    std::snprintf(text, sizeof text, "shape %zu has a spine that turns by %.0f degrees in all", k + 1, turn * 180 / kPi);
-    frames.notes.push_back(text);
+    std::snprintf(text, sizeof text, " has a spine that turns by %.0f degrees in all", turn * 180 / kPi);
+    frames.notes.push_back(names[k] + text);
   }
-  LaidFrames result = laid(fields, frames, [&](size_t k) {
+  LaidFrames result = laid(fields, names, frames, [&](size_t k) {
     return std::vector<Chart>{frames.charts[k], reversed(frames.charts[k])};
   });
   result.bowed = bow >= kLeastBow;
   return result;
 }
 
-std::optional<Frames> twistedFrames(const Fields& fields, const Frames& frames) {
-  return laid(fields, frames, [&](size_t k) { return std::vector<Chart>{frames.charts[k]}; }).twisted;
+std::optional<Frames> twistedFrames(const Fields& fields, const std::vector<std::string>& names, const Frames& frames) {
+  return laid(fields, names, frames, [&](size_t k) { return std::vector<Chart>{frames.charts[k]}; }).twisted;
 }
 
 }  // namespace slicemorph

@@ -136,7 +136,8 @@ Motion trackMotion(const DistanceField& earlier, const DistanceField& now, Align
   return Tracker(earlier, now, align).run();
 }
 
-Frames trackFrames(const Frames& frames, const Fields& earlier, const Fields& now, Align align) {
+Frames trackFrames(const Frames& frames, const Fields& earlier, const Fields& now, const std::vector<std::string>& names,
+                   Align align) {
   Frames result = frames;
   result.notes.clear();
   for (size_t k = 0; k < now.size(); ++k) {
@@ -148,10 +149,10 @@ Frames trackFrames(const Frames& frames, const Fields& earlier, const Fields& no
     chart.scale *= motion.scale;
     char text[160];
     std::snprintf(text, sizeof text,
-                  "shape %zu moved by %.4g, turned by %.1f degrees and grew %.3f times since the frame before", k + 1,
+                  " moved by %.4g, turned by %.1f degrees and grew %.3f times since the frame before",
                   (motion.to - motion.from).length(), rotationVector(motion.rotation).length() * 180 / kPi,
                   motion.scale);
-    result.notes.push_back(text);
+    result.notes.push_back(names[k] + text);
   }
   return result;
 }

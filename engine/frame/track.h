@@ -19,7 +19,8 @@ struct Motion {
 Motion trackMotion(const DistanceField& earlier, const DistanceField& now, Align align);
 
 /// The charts, moved with their objects from the earlier fields to the present ones; those of equal fields stay. Bends
-/// and the half length are kept.
-Frames trackFrames(const Frames& frames, const Fields& earlier, const Fields& now, Align align);
+/// and the half length are kept. `names`: of the objects, for notes.
+Frames trackFrames(const Frames& frames, const Fields& earlier, const Fields& now, const std::vector<std::string>& names,
+                   Align align);
 
 }  // namespace slicemorph

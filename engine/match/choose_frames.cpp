@@ -110,10 +110,10 @@ Frames chooseFrames(const Fields& fields, const std::vector<std::string>& names,
     if (wins) best = *frames, least = a;
     best.notes.push_back(text);
   };
-  if (mayWin()) consider(twistedFrames(fields, best), "twist");
+  if (mayWin()) consider(twistedFrames(fields, names, best), "twist");
   const bool wanted = options.spine == SpineKind::kCurved;
   if (!wanted && (options.spine == SpineKind::kStraight || options.axis.length() > 0 || !mayWin())) return best;
-  if (const std::optional<LaidFrames> own = framesAlongSpines(fields)) {
+  if (const std::optional<LaidFrames> own = framesAlongSpines(fields, names)) {
     if (own->bowed || wanted) consider(own->steady, "curved spine", wanted);
     consider(own->twisted, own->bowed ? "curved spine with twist" : "own spine with twist");
   } else if (wanted) {

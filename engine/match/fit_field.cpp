@@ -1,6 +1,7 @@
 #include "engine/match/fit_field.h"
 
 #include <tbb/parallel_for.h>
+#include <Eigen/Core>
 
 #include <algorithm>
 #include <cmath>
@@ -9,16 +10,24 @@ namespace slicemorph {
 
 namespace {
 
+/// Four columns that are solved beside each other.
+using Four = Eigen::Array4f;
+using FourDoubles = Eigen::Array4d;
+using Column = std::vector<Four>;
+
 struct Stencil {
   size_t base;
   float w[8];
 };
 
-/// The normal equations' operator W^T W + stiffness L^T L + a trace of the identity, for one component.
+/// The normal equations' operator W^T W + stiffness L^T L + a trace of the identity. Columns hold the
+/// lattice's nodes within a ring of zeros.
 class NormalOperator {
  public:
   NormalOperator(const Lattice& lattice, const Sites& sites, double stiffness)
       : lattice_(lattice), weight_(sites.weight), stiffness_(float(stiffness)) {
+    dy_ = lattice.size[0] + 2, dz_ = dy_ * (lattice.size[1] + 2);
+    for (int i = 0; i < 8; ++i) offset_[i] = (i & 1 ? 1 : 0) + (i & 2 ? dy_ : 0) + (i & 4 ? dz_ : 0);
     for (const Vec3d& p : sites.position) {
       const Vec3d q = (p - lattice.origin) / lattice.spacing;
       int b[3];
@@ -29,85 +38,89 @@ class NormalOperator {
         w[a] = float(c - b[a]);
       }
       Stencil s;
-      s.base = lattice.index(b[0], b[1], b[2]);
+      s.base = index(b[0], b[1], b[2]);
       for (int i = 0; i < 8; ++i)
         s.w[i] = (i & 1 ? w[0] : 1 - w[0]) * (i & 2 ? w[1] : 1 - w[1]) * (i & 4 ? w[2] : 1 - w[2]);
       stencils_.push_back(s);
     }
-    const size_t dy = lattice.size[0], dz = dy * lattice.size[1];
-    for (int i = 0; i < 8; ++i) offset_[i] = (i & 1 ? 1 : 0) + (i & 2 ? dy : 0) + (i & 4 ? dz : 0);
   }
 
-  std::vector<float> rightHandSide(const std::vector<Vec3d>& values, int component) const {
-    std::vector<float> b(lattice_.count(), 0.f);
-    for (size_t i = 0; i < stencils_.size(); ++i)
-      for (int c = 0; c < 8; ++c)
-        b[stencils_[i].base + offset_[c]] += weight_[i] * stencils_[i].w[c] * float(values[i][component]);
+  size_t index(int x, int y, int z) const { return size_t(x + 1) + (y + 1) * dy_ + (z + 1) * dz_; }
+  Column zero() const { return Column(dz_ * (lattice_.size[2] + 2), Four::Zero()); }
+
+  /// `values(i)`: the four columns' values at site i.
+  template <typename Values>
+  Column rightHandSide(const Values& values) const {
+    Column b = zero();
+    for (size_t i = 0; i < stencils_.size(); ++i) {
+      const Four v = values(i);
+      for (int c = 0; c < 8; ++c) b[stencils_[i].base + offset_[c]] += (weight_[i] * stencils_[i].w[c]) * v;
+    }
     return b;
   }
 
-  std::vector<float> operator()(const std::vector<float>& x) const {
-    std::vector<float> y = laplacian(laplacian(x));
-    for (size_t i = 0; i < y.size(); ++i) y[i] = stiffness_ * y[i] + 1e-5f * x[i];
+  /// y = this times x; `scratch` and `y` are of the same size and zero in the ring.
+  void operator()(const Column& x, Column& scratch, Column& y) const {
+    laplacian(x, scratch);
+    laplacian(scratch, y);
+    forEachRow([&](size_t n, size_t end) {
+      for (; n < end; ++n) y[n] = stiffness_ * y[n] + 1e-5f * x[n];
+    });
     for (size_t i = 0; i < stencils_.size(); ++i) {
-      float v = 0;
-      for (int c = 0; c < 8; ++c) v += stencils_[i].w[c] * x[stencils_[i].base + offset_[c]];
+      const Stencil& s = stencils_[i];
+      Four v = Four::Zero();
+      for (int c = 0; c < 8; ++c) v += s.w[c] * x[s.base + offset_[c]];
       v *= weight_[i];
-      for (int c = 0; c < 8; ++c) y[stencils_[i].base + offset_[c]] += stencils_[i].w[c] * v;
+      for (int c = 0; c < 8; ++c) y[s.base + offset_[c]] += s.w[c] * v;
     }
-    return y;
   }
 
  private:
-  std::vector<float> laplacian(const std::vector<float>& x) const {
-    std::vector<float> y(x.size());
-    const int nx = lattice_.size[0], ny = lattice_.size[1], nz = lattice_.size[2];
-    const size_t dy = nx, dz = size_t(nx) * ny;
-    for (int k = 0; k < nz; ++k)
-      for (int j = 0; j < ny; ++j) {
-        const size_t row = lattice_.index(0, j, k);
-        for (int i = 0; i < nx; ++i) {
-          const size_t n = row + i;
-          float s = 0;
-          if (i > 0) s += x[n - 1];
-          if (i + 1 < nx) s += x[n + 1];
-          if (j > 0) s += x[n - dy];
-          if (j + 1 < ny) s += x[n + dy];
-          if (k > 0) s += x[n - dz];
-          if (k + 1 < nz) s += x[n + dz];
-          y[n] = x[n] - s / 6;
-        }
-      }
-    return y;
+  /// The first node of every row, and the one after its last.
+  template <typename Body>
+  void forEachRow(const Body& body) const {
+    for (int z = 0; z < lattice_.size[2]; ++z)
+      for (int y = 0; y < lattice_.size[1]; ++y) body(index(0, y, z), index(lattice_.size[0], y, z));
+  }
+
+  void laplacian(const Column& x, Column& y) const {
+    forEachRow([&](size_t n, size_t end) {
+      for (; n < end; ++n)
+        y[n] = x[n] - (x[n - 1] + x[n + 1] + x[n - dy_] + x[n + dy_] + x[n - dz_] + x[n + dz_]) / 6;
+    });
   }
 
   const Lattice& lattice_;
   const std::vector<float>& weight_;
   float stiffness_;
+  size_t dy_, dz_;
   std::vector<Stencil> stencils_;
   size_t offset_[8];
 };
 
-double dot(const std::vector<float>& a, const std::vector<float>& b) {
-  double s = 0;
-  for (size_t i = 0; i < a.size(); ++i) s += double(a[i]) * b[i];
+FourDoubles dot(const Column& a, const Column& b) {
+  FourDoubles s = FourDoubles::Zero();
+  for (size_t i = 0; i < a.size(); ++i) s += a[i].cast<double>() * b[i].cast<double>();
   return s;
 }
 
-std::vector<float> solve(const NormalOperator& op, const std::vector<float>& b, std::vector<float> x) {
-  std::vector<float> r = op(x);
-  for (size_t i = 0; i < r.size(); ++i) r[i] = b[i] - r[i];
-  std::vector<float> p = r;
-  double rr = dot(r, r);
-  const double enough = 1e-6 * std::max(dot(b, b), 1e-30);
-  for (int iteration = 0; iteration < 80 && rr > enough; ++iteration) {
-    const std::vector<float> q = op(p);
-    const double pq = dot(p, q);
-    if (!(pq > 0)) break;
-    const float alpha = float(rr / pq);
+/// Conjugate gradients, each column for itself.
+Column solve(const NormalOperator& op, const Column& b, Column x) {
+  Column scratch = op.zero(), q = op.zero(), r = op.zero();
+  op(x, scratch, q);
+  for (size_t i = 0; i < r.size(); ++i) r[i] = b[i] - q[i];
+  Column p = r;
+  FourDoubles rr = dot(r, r);
+  const FourDoubles enough = 1e-6 * dot(b, b).max(1e-30);
+  for (int iteration = 0; iteration < 80 && (rr > enough).any(); ++iteration) {
+    op(p, scratch, q);
+    const FourDoubles pq = dot(p, q);
+    const auto goesOn = rr > enough && pq > 0;
+    if (!goesOn.any()) break;
+    const Four alpha = goesOn.select(rr / pq, 0.0).cast<float>();
     for (size_t i = 0; i < x.size(); ++i) x[i] += alpha * p[i], r[i] -= alpha * q[i];
-    const double next = dot(r, r);
-    const float beta = float(next / rr);
+    const FourDoubles next = dot(r, r);
+    const Four beta = goesOn.select(next / rr, 0.0).cast<float>();
     rr = next;
     for (size_t i = 0; i < p.size(); ++i) p[i] = r[i] + beta * p[i];
   }
@@ -116,11 +129,13 @@ std::vector<float> solve(const NormalOperator& op, const std::vector<float>& b, 
 
 }  // namespace
 
-Displacements fitFields(const Lattice& lattice, const Sites& sites, double stiffness, const Displacements& start) {
+Displacements fitFields(const Lattice& lattice, const Sites& sites, double stiffness,
+                        const Displacements& start) {
   const size_t objects = sites.value.size();
   const NormalOperator op(lattice, sites, stiffness);
   Displacements result{lattice, start.of};
-  // The fit is linear: the last object follows from the others and from the sum of all, which mostly is nothing.
+  // The fit is linear: the last object follows from the others and from the sum of all, which mostly is
+  // nothing.
   std::vector<Vec3d> sums(sites.position.size(), Vec3d(0.0));
   VectorField sum(lattice.count(), openvdb::Vec3s(0.f));
   double most = 0, largest = 0;
@@ -135,16 +150,34 @@ Displacements fitFields(const Lattice& lattice, const Sites& sites, double stiff
   for (const auto& s : sum) most = std::max(most, double(s.lengthSqr()));
   const bool bowed = most > 1e-8 * largest;
   if (!bowed) std::fill(sum.begin(), sum.end(), openvdb::Vec3s(0.f));
-  tbb::parallel_for(size_t(0), 3 * (objects - 1 + bowed), [&](size_t task) {
-    const size_t object = task / 3;
-    const int component = int(task % 3);
-    const bool last = object == objects - 1;
-    const VectorField& from = last ? sum : start.of[object];
-    std::vector<float> x(lattice.count());
-    for (size_t i = 0; i < x.size(); ++i) x[i] = from[i][component];
-    x = solve(op, op.rightHandSide(last ? sums : sites.value[object], component), std::move(x));
-    VectorField& to = last ? sum : result.of[object];
-    for (size_t i = 0; i < x.size(); ++i) to[i][component] = x[i];
+  const size_t columns = 3 * (objects - 1 + bowed);
+  tbb::parallel_for(size_t(0), (columns + 3) / 4, [&](size_t four) {
+    const auto forEachColumn = [&](const auto& body) {
+      for (int lane = 0; lane < 4; ++lane)
+        if (const size_t column = 4 * four + lane; column < columns) body(lane, column / 3, int(column % 3));
+    };
+    const auto forEachNode = [&](const auto& body) {
+      for (int z = 0; z < lattice.size[2]; ++z)
+        for (int y = 0; y < lattice.size[1]; ++y)
+          for (int x = 0; x < lattice.size[0]; ++x) body(lattice.index(x, y, z), op.index(x, y, z));
+    };
+    Column x = op.zero();
+    forEachColumn([&](int lane, size_t object, int component) {
+      const VectorField& from = object == objects - 1 ? sum : start.of[object];
+      forEachNode([&](size_t node, size_t ringed) { x[ringed][lane] = from[node][component]; });
+    });
+    x = solve(op, op.rightHandSide([&](size_t site) {
+      Four value = Four::Zero();
+      forEachColumn([&](int lane, size_t object, int component) {
+        value[lane] = float((object == objects - 1 ? sums : sites.value[object])[site][component]);
+      });
+      return value;
+    }),
+              std::move(x));
+    forEachColumn([&](int lane, size_t object, int component) {
+      VectorField& to = object == objects - 1 ? sum : result.of[object];
+      forEachNode([&](size_t node, size_t ringed) { to[node][component] = x[ringed][lane]; });
+    });
   });
   for (size_t i = 0; i < lattice.count(); ++i) {
     result.of.back()[i] = sum[i];

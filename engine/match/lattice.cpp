@@ -87,28 +87,31 @@ Vec3d sampleContinued(const Lattice& lattice, const VectorField& field, const Ve
 }
 
 VectorField resampleField(const Lattice& from, const VectorField& field, const Lattice& to) {
-  VectorField result(to.count(), openvdb::Vec3s(0.f));
-  std::vector<Taps> taps[3];
-  for (int axis = 0; axis < 3; ++axis)
+  // One axis after the other; what is not yet resampled keeps its old size.
+  std::vector<Vec3d> values(field.begin(), field.end());
+  openvdb::Coord size = from.size;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<Taps> taps;
     for (int i = 0; i < to.size[axis]; ++i)
-      taps[axis].push_back(catmullRom((to.position(i, i, i)[axis] - from.origin[axis]) / from.spacing));
-  tbb::parallel_for(0, int(to.size[2]), [&](int z) {
-    const Taps& tz = taps[2][z];
-    for (int y = 0; y < to.size[1]; ++y)
-      for (int x = 0; x < to.size[0]; ++x) {
-        const Taps &tx = taps[0][x], &ty = taps[1][y];
+      taps.push_back(catmullRom((to.position(i, i, i)[axis] - from.origin[axis]) / from.spacing));
+    const size_t stride = axis == 0 ? 1 : axis == 1 ? size_t(size[0]) : size_t(size[0]) * size[1];
+    const size_t lines = values.size() / (stride * size[axis]);
+    std::vector<Vec3d> along(stride * to.size[axis] * lines);
+    tbb::parallel_for(size_t(0), lines * to.size[axis], [&](size_t row) {
+      const Taps& t = taps[row % to.size[axis]];
+      const size_t first = row / to.size[axis] * stride * size[axis];
+      for (size_t n = 0; n < stride; ++n) {
         Vec3d sum(0.0);
-        for (int k = 0; k < 4; ++k)
-          for (int j = 0; j < 4; ++j)
-            for (int i = 0; i < 4; ++i) {
-              const int a = tx.base + i, b = ty.base + j, c = tz.base + k;
-              if (a < 0 || b < 0 || c < 0 || a >= from.size[0] || b >= from.size[1] || c >= from.size[2]) continue;
-              sum += tx.w[i] * ty.w[j] * tz.w[k] * Vec3d(field[from.index(a, b, c)]);
-            }
-        result[to.index(x, y, z)] = openvdb::Vec3s(sum);
+        for (int i = 0; i < 4; ++i)
+          if (const int at = t.base + i; at >= 0 && at < size[axis])
+            sum += t.w[i] * values[first + at * stride + n];
+        along[row * stride + n] = sum;
       }
-  });
-  return result;
+    });
+    values.swap(along);
+    size[axis] = to.size[axis];
+  }
+  return {values.begin(), values.end()};
 }
 
 Weights pathWeights(const Weights& weights) {
@@ -127,7 +130,8 @@ bool toMiddle(const Displacements& map, size_t object, const Vec3d& a, Vec3d& s)
 }
 
 bool toMiddleContinued(const Lattice& lattice, const VectorField& displacement, const Vec3d& a, Vec3d& s) {
-  return solveMiddle([&](const Vec3d& p) { return sampleContinued(lattice, displacement, p); }, lattice.spacing, a, s);
+  return solveMiddle([&](const Vec3d& p) { return sampleContinued(lattice, displacement, p); },
+                     lattice.spacing, a, s);
 }
 
 MiddleGuess::MiddleGuess(const Lattice& lattice, const VectorField& displacement)

@@ -52,7 +52,7 @@ Kernel kernel(const Features& a, const Features& b) {
   return k;
 }
 
-/// Kernel times vector, and its transpose times vector, each sum in a fixed order.
+/// Kernel times vector, each sum in a fixed order.
 Vector times(const Kernel& k, const Vector& v) {
   Vector r(k.rows());
   overBlocks(k.rows(), [&](Eigen::Index first, Eigen::Index n) {
@@ -61,12 +61,32 @@ Vector times(const Kernel& k, const Vector& v) {
   return r;
 }
 
+/// Transpose times vector.
 Vector transposedTimes(const Kernel& k, const Vector& u) {
   Vector r = Vector::Zero(k.cols());
   overBlocks(k.cols(), [&](Eigen::Index first, Eigen::Index n) {
-    for (Eigen::Index i = 0; i < k.rows(); ++i) r.segment(first, n) += u[i] * k.row(i).segment(first, n).transpose();
+    for (Eigen::Index i = 0; i < k.rows(); ++i)
+      r.segment(first, n) += u[i] * k.row(i).segment(first, n).transpose();
   });
   return r;
+}
+
+/// Both products from one reading of the kernel, which is what takes the time; each sum in a fixed order.
+void bothTimes(const Kernel& k, const Vector& v, const Vector& u, Vector& kv, Vector& ku) {
+  constexpr Eigen::Index kRows = 512;
+  const Eigen::Index parts = (k.rows() + kRows - 1) / kRows;
+  kv.resize(k.rows());
+  Kernel sums = Kernel::Zero(parts, k.cols());
+  tbb::parallel_for(Eigen::Index(0), parts, [&](Eigen::Index part) {
+    auto sum = sums.row(part);
+    for (Eigen::Index i = part * kRows; i < std::min(k.rows(), (part + 1) * kRows); ++i) {
+      const auto row = k.row(i);
+      kv[i] = (row.transpose() * v).sum();
+      sum += u[i] * row;
+    }
+  });
+  ku = sums.row(0).transpose();
+  for (Eigen::Index part = 1; part < parts; ++part) ku += sums.row(part).transpose();
 }
 
 Vector scaled(const Vector& mass, const Vector& sum, const Vector& old) {
@@ -81,10 +101,19 @@ struct Transport {
 
 Transport transport(const Features& fa, const Features& fb, const Vector& ma, const Vector& mb) {
   Transport t{kernel(fa, fb), Vector::Ones(fa.rows()), Vector::Ones(fb.rows())};
+  Vector kv, ku;
   for (int i = 0; i < kIterations; ++i) {
-    const Vector kv = times(t.k, t.v), ku = transposedTimes(t.k, t.u);
+    bothTimes(t.k, t.v, t.u, kv, ku);
     t.u = scaled(ma, kv, t.u), t.v = scaled(mb, ku, t.v);
   }
+  return t;
+}
+
+/// Of points to themselves: the kernel is its own transpose, so what leaves and what arrives is scaled alike.
+Transport transportHome(const Features& f, const Vector& mass) {
+  Transport t{kernel(f, f), Vector::Ones(f.rows()), {}};
+  for (int i = 0; i < kIterations; ++i) t.u = scaled(mass, times(t.k, t.u), t.u);
+  t.v = t.u;
   return t;
 }
 
@@ -132,8 +161,8 @@ SoftMatch softMatch(const OrientedPoints& a, const OrientedPoints& b, double blu
     match.aToB = rowTargets(t, b, ma, false);
     match.bToA = rowTargets(t, a, mb, true);
   }
-  debias(match.aToB, a, rowTargets(transport(fa, fa, ma, ma), a, ma, false));
-  debias(match.bToA, b, rowTargets(transport(fb, fb, mb, mb), b, mb, false));
+  debias(match.aToB, a, rowTargets(transportHome(fa, ma), a, ma, false));
+  debias(match.bToA, b, rowTargets(transportHome(fb, mb), b, mb, false));
   return match;
 }
 
