@@ -10,6 +10,7 @@
 #include "io/mesh_reader.h"
 #include "tests/all_tests.h"
 #include "tests/section_parts.h"
+#include "tests/shapes.h"
 
 #include <gtest/gtest.h>
 
@@ -122,6 +123,57 @@ INSTANTIATE_TEST_SUITE_P(Meshes, RealPair,
                                          Pair{"horse_ref.obj", "horse-01.obj", true, 6, 0.22, 4},
                                          Pair{"fandisk.obj", "armadillo.obj", false, 0, 0, 0, true},
                                          Pair{"stanford-bunny.obj", "armadillo.obj", false}));
+
+/// Two models that stand upright, and a place on the head or the tail of each, read off the meshes.
+struct Facing {
+  const char* from;
+  Vec3d there;
+  const char* to;
+  Vec3d here;
+};
+
+/// What looks another way is turned round: heads meet heads, and not tails. Spot's head is .44 of its length from the nose to
+/// the horns; its tail is a whole length off.
+TEST(Facing, RealHeadsMeet) {
+  const Vec3d horseNose(0, 0.812, 0.484), spotNose(0, 0.301, -0.669), bunnyNose(-0.095, 0.124, 0.02);
+  for (const Facing& pair : {Facing{"horse_ref.obj", horseNose, "spot.obj", spotNose}, Facing{"spot.obj", spotNose, "horse_ref.obj", horseNose},
+                             Facing{"stanford-bunny.obj", bunnyNose, "spot.obj", spotNose},
+                             Facing{"horse_ref.obj", {0.021, 0.234, -0.547}, "horse-01.obj", {0.094, 0.597, -0.808}}}) {
+    const std::string from = kMeshes / pair.from, to = kMeshes / pair.to;
+    if (!std::filesystem::exists(from)) GTEST_SKIP() << from << " is not there";
+    LoadOptions coarse;
+    coarse.resolution = 64;
+    const Object a = loadObject(from, coarse).object, b = loadObject(to, coarse).object;
+    const Vec3d arrived = MorphPlan({a, b}).correspond({pair.there}, 0, 1)[0];
+    const double off = (arrived - pair.here).length() / (64 * b.levelSet->voxelSize()[0]);
+    std::printf("  %s -> %s: off by %.2f of the length (%.3f %.3f %.3f)\n", pair.from, pair.to, off, arrived[0], arrived[1], arrived[2]);
+    EXPECT_LE(off, 0.45) << pair.from << " -> " << pair.to;
+  }
+}
+
+/// A standing animal that looks along z or, `ahead` -1, against it: neck, head, tail, four legs.
+Object animal(double ahead, double legs, double thick, double neck) {
+  const auto at = [&](double x, double y, double z) { return Vec3d(x, y, ahead * z); };
+  std::vector<shapes::Distance> parts{shapes::capsule(at(0, 0, -0.5), at(0, 0, 0.5), 0.2 * thick),
+                                      shapes::capsule(at(0, 0, 0.5), at(0, neck, 0.5 + 0.6 * neck), 0.1 * thick),
+                                      shapes::capsule(at(0, neck, 0.5 + 0.6 * neck), at(0, neck - 0.05, 0.75 + 0.6 * neck), 0.11 * thick),
+                                      shapes::capsule(at(0, 0.05, -0.55), at(0, -0.2, -0.8), 0.05)};
+  for (double z : {-0.45, 0.45})
+    for (double x : {-0.13, 0.13})
+      parts.push_back(shapes::capsule(at(x * thick, -0.05, z), at(x * thick, -legs, z), 0.065 * thick));
+  return {"animal", shapes::levelSet(shapes::joined(parts), openvdb::BBoxd(Vec3d(-0.6, -1.0, -1.6), Vec3d(0.6, 1.0, 1.6)), 2.0 / 64)};
+}
+
+TEST(Facing, StandingAnimalsTurnTheirHeads) {
+  const Object tall = animal(1, 0.75, 1, 0.5), stout = animal(-1, 0.45, 1.5, 0.3);
+  const Vec3d nose(0, 0.45, 0.75 + 0.3 + 0.11), tail(0, -0.2, -0.85);
+  const Vec3d stoutNose(0, 0.25, -(0.75 + 0.18 + 0.165)), stoutTail(0, -0.2, 0.85);
+  const MorphPlan plan({tall, stout});
+  for (const std::string& note : plan.notes()) std::printf("  %s\n", note.c_str());
+  const std::vector<Vec3d> arrived = plan.correspond({nose, tail}, 0, 1);
+  EXPECT_LE((arrived[0] - stoutNose).length(), 0.4);  // a fifth of the length
+  EXPECT_LE((arrived[1] - stoutTail).length(), 0.4);
+}
 
 }  // namespace
 }  // namespace slicemorph

@@ -28,8 +28,9 @@ struct Turn {
 /// price on the angle. One only where overlap alone decides. The same the other way round.
 std::vector<Turn> proposeTurns(const DistanceField& a, const DistanceField& b);
 
-/// Price of a turn by an angle (radians) in overlap: what a morph must gain to be worth turning the object.
-double priceOf(double angle);
+/// Price of a turn in overlap: what a morph must gain to be worth turning the object. Turns about the world's y, which is up
+/// in most programs, cost a third.
+double priceOf(const Mat3d& rotation);
 
 /// Gives every object its chart, in the shared axes of all. `rotations`: from the first object's directions to each
 /// object's; ignored where the options keep the world's. Symmetric in the objects' order.

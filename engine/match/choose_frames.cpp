@@ -16,6 +16,8 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr int kQuickSlices = 32;
 /// What curved spines or a twist must win: they are for objects that clearly need them.
 constexpr double kPrice = 0.03;
+/// What strain costs: anything can be matched with anything, a head with a tail, but only by bending it.
+constexpr double kStrainPrice = 0.5;
 
 /// What features may leave over more than the best turn for them does, for a turn that the shapes suggest to be good enough.
 constexpr double kFeatureSlack = 0.3;
@@ -42,9 +44,10 @@ Turn chooseTurn(const Fields& pair, const std::vector<Turn>& turns, const MorphO
   const Turn* best = nullptr;
   double most = -1e30;
   for (const Turn& turn : turns) {
-    if (1 - priceOf(turn.angle) <= most) continue;  // no overlap is above 1
+    if (1 - priceOf(turn.rotation) <= most) continue;  // no overlap is above 1
     const Frames frames = frameObjects(pair, {Mat3d::identity(), turn.rotation}, options);
-    const double value = quickAgreement(pair, frames, options, progress).after - priceOf(turn.angle);
+    const Agreement reached = quickAgreement(pair, frames, options, progress);
+    const double value = reached.after - kStrainPrice * reached.strain - priceOf(turn.rotation);
     if (value > most) most = value, best = &turn;
   }
   return *best;
@@ -54,7 +57,7 @@ Turn chooseTurn(const Fields& pair, const std::vector<Turn>& turns, const MorphO
 double turnPrice(const Frames& frames) {
   double price = 0;
   for (size_t k = 1; k < frames.charts.size(); ++k)
-    price += priceOf(rotationVector(frames.charts[0].axes.transpose() * frames.charts[k].axes).length());
+    price += priceOf(frames.charts[k].axes * frames.charts[0].axes.transpose());
   return price / double(std::max<size_t>(frames.charts.size() - 1, 1));
 }
 

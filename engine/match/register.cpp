@@ -142,7 +142,7 @@ class Registrar {
     quick_ = true;
     start();
     for (const Round& round : kQuickRounds) refine(round);
-    return {result_.overlapBefore, now_.overlap};
+    return {result_.overlapBefore, now_.overlap, strain()};
   }
 
  private:
@@ -635,6 +635,32 @@ class Registrar {
     double sumBoth = 0, sumEither = 0;
     for (size_t z = 0; z < both.size(); ++z) sumBoth += both[z], sumEither += either[z];
     return sumEither > 0 ? sumBoth / sumEither : 0;
+  }
+
+  /// Root mean square of the displacements' derivatives inside the objects.
+  double strain() const {
+    const Displacements& map = now_.map;
+    const Lattice& lattice = map.lattice;
+    const size_t step[3] = {1, size_t(lattice.size[0]), size_t(lattice.size[0]) * lattice.size[1]};
+    std::vector<double> sum(lattice.size[2], 0), count(lattice.size[2], 0);
+    tbb::parallel_for(1, int(lattice.size[2]) - 1, [&](int z) {
+      for (int y = 1; y + 1 < lattice.size[1]; ++y)
+        for (int x = 1; x + 1 < lattice.size[0]; ++x) {
+          const size_t i = lattice.index(x, y, z);
+          const Vec3d s = lattice.position(x, y, z);
+          bool any = false;
+          for (size_t k = 0; k < objects_ && !any; ++k)
+            any = fields_[k]->coarse(charts_[k].toWorld(s + Vec3d(map.of[k][i]))) < 0;
+          if (!any) continue;
+          double squares = 0;
+          for (const VectorField& field : map.of)
+            for (size_t d : step) squares += ((field[i + d] - field[i - d]) / (2 * lattice.spacing)).lengthSqr();
+          sum[z] += squares / double(objects_), count[z] += 1;
+        }
+    });
+    double total = 0, n = 0;
+    for (size_t z = 0; z < sum.size(); ++z) total += sum[z], n += count[z];
+    return n > 0 ? std::sqrt(total / n) : 0;
   }
 
   /// The lattice the frames move: as fine as the eye needs, still free of folds. `last`: nothing is matched after it.

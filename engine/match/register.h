@@ -41,9 +41,11 @@ std::optional<Registration> followRegistration(const Registration& before, const
                                                const std::vector<Fields>& inner, const Frames& frames,
                                                const MorphOptions& options, Progress& progress);
 
-/// Overlap of the objects in chart space and, after a quick, coarse matching, in the middle space.
+/// Overlap of the objects in chart space and, after a quick, coarse matching, in the middle space; and how much that bends
+/// the objects, free of size.
 struct Agreement {
   double before = 0, after = 0;
+  double strain = 0;  ///< root mean square of the displacements' derivatives inside the objects
 };
 Agreement quickAgreement(const Fields& fields, const Frames& frames, const MorphOptions& options, Progress& progress);
 
