@@ -35,6 +35,7 @@ struct MorphOptions {
   std::vector<Feature> features = {};     ///< places that the map is to carry onto each other
   std::vector<Region> regions = {};       ///< parts with weights of their own; where they overlap the later one counts
   ContourPath path = ContourPath::kLinear;
+  Vec3d up{0, 1, 0};                      ///< world; what stands is turned about it rather than otherwise; zero: nothing stands
 };
 
 /// One slice of the plan, for debug pictures: contours in chart space (x, y) and the pairs that were accepted.

@@ -249,7 +249,7 @@ MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Val
            command.add_flag("--add-velocity", v.addVelocity,
                             "Add the inputs' own velocities (vel, v, velocity; world units per second), morphed"));
   add("fps", v.framesPerSecond, JobType::kNumber, "Frames per second, for velocities and metadata (24)", "F");
-  add("glb-up", v.glbUp, JobType::kText, "The inputs' axis that points up, for .glb, where Y does (y)", "y|z")->check(oneOf({"y", "z"}));
+  add("glb-up", v.glbUp, JobType::kText, "The inputs' axis that points up: what stands is turned about it, and .glb, where Y is up, says so (y)", "y|z")->check(oneOf({"y", "z"}));
   add("glb-unit", v.glbUnit, JobType::kText, "The inputs' unit, for .glb, which is in metres (m)", "m|cm|mm")
       ->check(oneOf({"m", "cm", "mm"}));
   add("exr", v.exrContent, JobType::kText,
@@ -453,6 +453,8 @@ MorphSettings MorphOptionSet::checked() {
                      (s.holdsGrids() ? "this --method makes the surface alone" : s.output + " holds the surface alone"));
   if (s.toPictures()) s.velocity.name = "none";
   s.glb.zUp = v.glbUp == "z";
+  // Scans know where they lie.
+  s.plan.up = images ? Vec3d(0.0) : s.glb.zUp ? Vec3d(0, 0, 1) : Vec3d(0, 1, 0);
   s.glb.metres = v.glbUnit == "mm" ? 1e-3 : v.glbUnit == "cm" ? 1e-2 : 1;
   if (s.frames.size() > 1 && !name.isSequence() && !s.oneGlb())
     throw InputError(

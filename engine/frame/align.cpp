@@ -20,7 +20,7 @@ constexpr double kSmallPrice = 0.02;
 /// Overlap that a turn of 90 degrees must win, once the shapes are warped onto each other, to be made; and what
 /// leaving the world's own directions must win at all, for near-degenerate axes must not turn by noise.
 constexpr double kPricePerRightAngle = 0.12, kTurnMargin = 0.01;
-/// The same where a turn is about the axis that is up in most programs: what stands goes on standing.
+/// The same where a turn is about what is up: what stands goes on standing.
 constexpr double kUprightPricePerRightAngle = 0.04;
 /// An alignment so good, and so much better than none, needs no second look.
 constexpr double kDecisive = 0.8, kDecisiveGain = 0.1;
@@ -255,7 +255,7 @@ Frames worldFrames(const std::vector<Normalised>& objects, const Vec3d& axis) {
 
 }  // namespace
 
-std::vector<Turn> proposeTurns(const DistanceField& fieldA, const DistanceField& fieldB) {
+std::vector<Turn> proposeTurns(const DistanceField& fieldA, const DistanceField& fieldB, const Vec3d& up) {
   const Normalised a = normalise(fieldA), b = normalise(fieldB);
   std::vector<Turn> turns = suggestedTurns(a, b);
   turns.resize(std::min<size_t>(turns.size(), 9));
@@ -289,15 +289,16 @@ std::vector<Turn> proposeTurns(const DistanceField& fieldA, const DistanceField&
   }
   tbb::parallel_for(size_t(1), worthTrying.size(), [&](size_t i) { worthTrying[i] = polished(a, b, worthTrying[i]); });
   // Models mostly stand upright, each looking its own way.
-  for (int quarter = 1; quarter < 4; ++quarter)
-    worthTrying.push_back(measured(a, b, rotationFromVector(Vec3d(0, quarter * kPi / 2, 0))));
+  for (int quarter = 1; quarter < 4 && up.length() > 0; ++quarter)
+    worthTrying.push_back(measured(a, b, rotationFromVector(quarter * kPi / 2 * up.unit())));
   return worthTrying;
 }
 
-double priceOf(const Mat3d& rotation) {
+double priceOf(const Mat3d& rotation, const Vec3d& up) {
   constexpr double kNoTurn = 0.5 * kPi / 180;
   const Vec3d turn = rotationVector(rotation);
-  const double angle = turn.length(), upright = angle > 0 ? std::abs(turn[1]) / angle : 0;
+  const double angle = turn.length(), both = angle * up.length();
+  const double upright = both > 0 ? std::abs(turn.dot(up)) / both : 0;
   // Upright turns are those within some 8 degrees of it.
   const double share = std::min(std::max((upright - 0.98) / 0.01, 0.0), 1.0);
   const double perRightAngle = kPricePerRightAngle + share * (kUprightPricePerRightAngle - kPricePerRightAngle);

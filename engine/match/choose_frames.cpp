@@ -24,8 +24,8 @@ constexpr double kFeatureSlack = 0.3;
 
 /// The turns worth trying from one object to another. Features rule out what goes against them, and suggest their own turn
 /// where that leaves none.
-std::vector<Turn> turnsToTry(const Fields& pair, const std::vector<Vec3d>& from, const std::vector<Vec3d>& to) {
-  std::vector<Turn> turns = proposeTurns(*pair[0], *pair[1]);
+std::vector<Turn> turnsToTry(const Fields& pair, const std::vector<Vec3d>& from, const std::vector<Vec3d>& to, const Vec3d& up) {
+  std::vector<Turn> turns = proposeTurns(*pair[0], *pair[1], up);
   const std::vector<Mat3d> told = turnsOf(from, to);
   if (told.empty()) return turns;
   double best = misfit(from, to, told[0]);
@@ -44,20 +44,20 @@ Turn chooseTurn(const Fields& pair, const std::vector<Turn>& turns, const MorphO
   const Turn* best = nullptr;
   double most = -1e30;
   for (const Turn& turn : turns) {
-    if (1 - priceOf(turn.rotation) <= most) continue;  // no overlap is above 1
+    if (1 - priceOf(turn.rotation, options.up) <= most) continue;  // no overlap is above 1
     const Frames frames = frameObjects(pair, {Mat3d::identity(), turn.rotation}, options);
     const Agreement reached = quickAgreement(pair, frames, options, progress);
-    const double value = reached.after - kStrainPrice * reached.strain - priceOf(turn.rotation);
+    const double value = reached.after - kStrainPrice * reached.strain - priceOf(turn.rotation, options.up);
     if (value > most) most = value, best = &turn;
   }
   return *best;
 }
 
 /// Price of all the objects' turns against the first.
-double turnPrice(const Frames& frames) {
+double turnPrice(const Frames& frames, const Vec3d& up) {
   double price = 0;
   for (size_t k = 1; k < frames.charts.size(); ++k)
-    price += priceOf(frames.charts[k].axes * frames.charts[0].axes.transpose());
+    price += priceOf(frames.charts[k].axes * frames.charts[0].axes.transpose(), up);
   return price / double(std::max<size_t>(frames.charts.size() - 1, 1));
 }
 
@@ -70,7 +70,7 @@ Frames straightFrames(const Fields& fields, const std::vector<std::string>& name
     MorphOptions pairOptions = options;
     pairOptions.features.clear();
     const Fields pair{fields[0], fields[k]};
-    const std::vector<Turn> turns = turnsToTry(pair, placesOn(options.features, 0), placesOn(options.features, k));
+    const std::vector<Turn> turns = turnsToTry(pair, placesOn(options.features, 0), placesOn(options.features, k), options.up);
     const Turn turn = chooseTurn(pair, turns, pairOptions, progress);
     rotations[k] = turn.rotation;
     const double degrees = turn.angle * 180 / kPi;
@@ -101,11 +101,11 @@ Frames chooseFrames(const Fields& fields, const std::vector<std::string>& names,
   if (options.align == Align::kNone) return best;
   Agreement least = quickAgreement(fields, best, quick, progress);
   // No overlap is above 1 and no price below 0: what cannot win is not tried.
-  const auto mayWin = [&] { return 0.5 * (2 - least.before - least.after) + turnPrice(best) > kPrice; };
+  const auto mayWin = [&] { return 0.5 * (2 - least.before - least.after) + turnPrice(best, options.up) > kPrice; };
   const auto consider = [&](const std::optional<Frames>& frames, const char* name, bool wanted = false) {
     if (!frames) return;
     const Agreement a = quickAgreement(fields, *frames, quick, progress);
-    const double gain = 0.5 * (a.before + a.after - least.before - least.after) + turnPrice(best) - turnPrice(*frames);
+    const double gain = 0.5 * (a.before + a.after - least.before - least.after) + turnPrice(best, options.up) - turnPrice(*frames, options.up);
     const bool wins = wanted || (gain > kPrice && a.after > least.after - kPrice);
     char text[128];
     std::snprintf(text, sizeof text, "%s %s: overlap %.3f before and %.3f after a quick matching, else %.3f and %.3f", name,
