@@ -85,8 +85,8 @@ void bothTimes(const Kernel& k, const Vector& v, const Vector& u, Vector& kv, Ve
       sum += u[i] * row;
     }
   });
-  ku = sums.row(0).transpose();
-  for (Eigen::Index part = 1; part < parts; ++part) ku += sums.row(part).transpose();
+  ku.setZero(k.cols());
+  for (Eigen::Index part = 0; part < parts; ++part) ku += sums.row(part).transpose();
 }
 
 Vector scaled(const Vector& mass, const Vector& sum, const Vector& old) {
