@@ -8,12 +8,12 @@ import os
 import struct
 import subprocess
 import sys
-import tempfile
-import time
 
 sys.path.append("/usr/lib/python3/dist-packages")
 import numpy as np
 import pyopenvdb as vdb
+
+from cases import named_cases, run_cases
 
 PROGRAM, REPOSITORY, ONLY = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2]), sys.argv[3:]
 RESOLUTION = 24
@@ -528,21 +528,4 @@ def case_errors(folder):
     refused("nan.glb", "the colour of point 8 is not finite (nan, 0, 0)")
 
 
-def main():
-    failed = 0
-    for name, case in sorted((n[5:], c) for n, c in globals().items() if n.startswith("case_")):
-        if ONLY and not any(o in name for o in ONLY):
-            continue
-        start = time.time()
-        with tempfile.TemporaryDirectory() as folder:
-            try:
-                case(folder)
-                verdict = "ok"
-            except (AssertionError, KeyError, IndexError, ValueError, subprocess.TimeoutExpired) as error:
-                failed += 1
-                verdict = "FAILED: %s %s" % (type(error).__name__, error)
-        print("%-14s %5.1f s  %s" % (name, time.time() - start, verdict), flush=True)
-    sys.exit(1 if failed else 0)
-
-
-main()
+sys.exit(run_cases(sorted(named_cases(globals())), ONLY))

@@ -14,12 +14,12 @@ import shutil
 import struct
 import subprocess
 import sys
-import tempfile
-import time
 
 sys.path.append("/usr/lib/python3/dist-packages")
 import numpy as np
 import pyopenvdb as vdb
+
+from cases import Skip, run_cases
 
 if len(sys.argv) < 2:
     sys.exit(__doc__)
@@ -122,10 +122,6 @@ def real(name):
     if not os.path.exists(path):
         raise Skip("no " + path)
     return path
-
-
-class Skip(Exception):
-    pass
 
 
 # ---------------------------------------------------------------- puffs
@@ -422,20 +418,4 @@ def truncated(d):
 CASES = [puff_travels, puff_turns, puff_doubles, velocity_of_a_moving_sphere, velocity_of_a_turning_bar,
          own_velocities_are_added, gas, odd_files, unknown_types, order_is_kept,
          mixed_pairs, sequences, truncated]
-failed = 0
-for case in CASES:
-    if ONLY and not any(name in case.__name__ for name in ONLY):
-        continue
-    folder = tempfile.mkdtemp(prefix="fog_test.")
-    start = time.time()
-    try:
-        case(folder)
-        print("ok      %s (%.0f s)" % (case.__name__, time.time() - start), flush=True)
-    except Skip as reason:
-        print("skipped %s: %s" % (case.__name__, reason), flush=True)
-    except Exception as error:
-        failed += 1
-        print("FAILED  %s: %s: %s" % (case.__name__, type(error).__name__, str(error)[:2000]), flush=True)
-    finally:
-        shutil.rmtree(folder)
-sys.exit(1 if failed else 0)
+sys.exit(run_cases([(case.__name__, case) for case in CASES], ONLY))

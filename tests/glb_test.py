@@ -11,21 +11,17 @@ import shutil
 import struct
 import subprocess
 import sys
-import tempfile
-import time
 
 sys.path.append("/usr/lib/python3/dist-packages")
 import numpy as np
 import pyopenvdb as vdb
 
+from cases import Skip, named_cases, run_cases
+
 PROGRAM, REPOSITORY, ONLY = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2]), sys.argv[3:]
 ASSETS = os.path.join(REPOSITORY, "assets")
 COMPONENTS = {"SCALAR": 1, "VEC3": 3}
 TYPES = {5125: np.uint32, 5126: np.float32}
-
-
-class Skip(Exception):
-    pass
 
 
 class Glb:
@@ -361,23 +357,4 @@ def case_blender(folder):
             assert abs(shown[0][1] / wanted - 1) < 1e-3, (name, frame, shown, wanted)
 
 
-def main():
-    failed = 0
-    for name, case in sorted((n[5:], c) for n, c in globals().items() if n.startswith("case_")):
-        if ONLY and not any(o in name for o in ONLY):
-            continue
-        start = time.time()
-        with tempfile.TemporaryDirectory() as folder:
-            try:
-                case(folder)
-                verdict = "ok"
-            except Skip as reason:
-                verdict = "skipped: %s" % reason
-            except (AssertionError, KeyError, IndexError, ValueError, subprocess.TimeoutExpired) as error:
-                failed += 1
-                verdict = "FAILED: %s %s" % (type(error).__name__, error)
-        print("%-14s %5.1f s  %s" % (name, time.time() - start, verdict), flush=True)
-    sys.exit(1 if failed else 0)
-
-
-main()
+sys.exit(run_cases(sorted(named_cases(globals())), ONLY))

@@ -13,8 +13,6 @@ import os
 import shutil
 import subprocess
 import sys
-import tempfile
-import time
 import zlib
 
 sys.path.append("/usr/lib/python3/dist-packages")
@@ -25,16 +23,14 @@ import pyopenvdb as vdb
 from pydicom.dataset import FileDataset, FileMetaDataset
 from pydicom.uid import CTImageStorage, ExplicitVRLittleEndian, generate_uid
 
+from cases import Skip, named_cases, run_cases
+
 if len(sys.argv) < 2:
     sys.exit(__doc__)
 PROGRAM = os.path.abspath(sys.argv[1])
 ONLY = sys.argv[2:]
 DATA = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../shared/data/medical")
 LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
-
-
-class Skip(Exception):
-    pass
 
 
 def data(name):
@@ -721,27 +717,15 @@ def case_reconstruct_contours():
     assert json.load(open("h.json"))["structures"][0]["genus"] == 0
 
 
-def main():
-    failed = []
-    for name, case in list(globals().items()):
-        if not name.startswith("case_") or (ONLY and not any(o in name for o in ONLY)):
-            continue
-        folder = tempfile.mkdtemp(prefix="slicemorph_image_")
+def within(case):
+    """The case with its folder as the working directory."""
+    def run_there(folder):
         os.chdir(folder)
-        start = time.time()
         try:
             case()
-            print("ok    %s (%.0f s)" % (name[5:], time.time() - start), flush=True)
-        except Skip as why:
-            print("skip ", name[5:] + ":", why, flush=True)
-        except Exception as error:
-            failed.append(name[5:])
-            print("FAILED", name[5:] + ":", type(error).__name__, error, flush=True)
         finally:
             os.chdir("/")
-            shutil.rmtree(folder, ignore_errors=True)
-    if failed:
-        sys.exit("failed: " + ", ".join(failed))
+    return run_there
 
 
-main()
+sys.exit(run_cases([(name, within(case)) for name, case in named_cases(globals())], ONLY))

@@ -12,7 +12,8 @@ import re
 import shlex
 import subprocess
 import sys
-import tempfile
+
+from cases import named_cases, run_cases
 
 if len(sys.argv) < 3:
     sys.exit(__doc__)
@@ -264,26 +265,9 @@ def wrong_job(case, o):
     assert os.listdir(o) == ["job.toml"], os.listdir(o)
 
 
-def main():
-    cases = [("wrong: " + c[0], lambda o, c=c: wrong_job(c, o)) for c in WRONG]
-    cases += [(name[5:].replace("_", " "), function) for name, function in sorted(globals().items()) if name.startswith("case_")]
-    cases += [("example " + os.path.basename(job), lambda o, job=job: run_example(job, o)) for job in JOBS]
-    if len(JOBS) < 6:
-        sys.exit("found only %d jobs" % len(JOBS))
-    run_count = failed = 0
-    for name, check in cases:
-        if ONLY and not any(word in name for word in ONLY):
-            continue
-        run_count += 1
-        with tempfile.TemporaryDirectory(prefix="slicemorph-jobs-test-") as o:
-            try:
-                check(o)
-            except (AssertionError, subprocess.TimeoutExpired, OSError) as error:
-                failed += 1
-                print("FAILED  %s\n        %s" % (name, error))
-    print("%d cases, %d failed" % (run_count, failed))
-    return 1 if failed or not run_count else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+if len(JOBS) < 6:
+    sys.exit("found only %d jobs" % len(JOBS))
+CASES = [("wrong: " + c[0], lambda o, c=c: wrong_job(c, o)) for c in WRONG]
+CASES += [(name.replace("_", " "), case) for name, case in sorted(named_cases(globals()))]
+CASES += [("example " + os.path.basename(job), lambda o, job=job: run_example(job, o)) for job in JOBS]
+sys.exit(run_cases(CASES, ONLY))

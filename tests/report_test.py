@@ -21,11 +21,9 @@ sys.path.append("/usr/lib/python3/dist-packages")
 import numpy as np
 import OpenImageIO as oiio
 
+from cases import Skip, named_cases, run_cases
+
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-
-
-class Skip(Exception):
-    pass
 
 
 class Browser:
@@ -227,25 +225,6 @@ def case_names_cannot_break_the_page(folder):
         assert browser.errors() == [], browser.errors()
 
 
-def main():
-    failed = 0
-    for name, case in sorted((n[5:], c) for n, c in globals().items() if n.startswith("case_")):
-        if ONLY and not any(o in name for o in ONLY):
-            continue
-        start = time.time()
-        with tempfile.TemporaryDirectory(prefix="slicemorph-report-") as folder:
-            try:
-                case(folder)
-                verdict = "ok"
-            except Skip as reason:
-                verdict = "SKIPPED: %s" % reason
-            except Exception as problem:
-                failed += 1
-                verdict = "FAILED: %s %s" % (type(problem).__name__, problem)
-        print("%-34s %5.1f s  %s" % (name, time.time() - start, verdict), flush=True)
-    return 1 if failed else 0
-
-
 if len(sys.argv) > 3 and sys.argv[1] == "--screenshot":
     with Browser(1240, 2400) as browser:
         browser.open(sys.argv[2])
@@ -257,4 +236,4 @@ if len(sys.argv) > 3 and sys.argv[1] == "--screenshot":
 if len(sys.argv) < 3:
     sys.exit(__doc__)
 PROGRAM, ASSETS, ONLY = os.path.abspath(sys.argv[1]), os.path.join(sys.argv[2], "assets"), sys.argv[3:]
-sys.exit(main())
+sys.exit(run_cases(sorted(named_cases(globals())), ONLY))

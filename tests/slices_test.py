@@ -13,12 +13,13 @@ import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 
 sys.path.append("/usr/lib/python3/dist-packages")
 import numpy as np
 import pyopenvdb as vdb
+
+from cases import Skip, run_cases
 
 try:
     import OpenImageIO as oiio
@@ -29,10 +30,6 @@ if len(sys.argv) < 2:
     sys.exit(__doc__)
 PROGRAM = os.path.abspath(sys.argv[1])
 ONLY = sys.argv[2:]
-
-
-class Skip(Exception):
-    pass
 
 
 def run(*arguments, code=0):
@@ -326,29 +323,7 @@ def morph_straight_to_images(d):
             assert attribute(a, "sliceOrigin") == attribute(b, "sliceOrigin") and (a.width, a.height) == (b.width, b.height)
 
 
-CASES = [morph_straight_to_images,values_are_trilinear, parts_tiles_half_planes, oiiotool_reads_all, rebuilt_within_a_tenth_of_a_voxel,
+CASES = [morph_straight_to_images, values_are_trilinear, parts_tiles_half_planes, oiiotool_reads_all, rebuilt_within_a_tenth_of_a_voxel,
          same_bytes_for_any_threads, constants_stay_themselves, frames_are_not_mixed,
          morph_slices_hold_all_of_the_fog, what_cannot_be_written_leaves_nothing, lost_slices_are_told]
-
-
-def main():
-    failed = 0
-    for case in CASES:
-        if ONLY and not any(word in case.__name__ for word in ONLY):
-            continue
-        folder = tempfile.mkdtemp(prefix="slicemorph-slices-")
-        try:
-            case(folder)
-            print("ok      " + case.__name__)
-        except Skip as reason:
-            print("SKIPPED %s: %s" % (case.__name__, reason))
-        except Exception as problem:
-            failed += 1
-            print("FAILED  %s: %s: %s" % (case.__name__, type(problem).__name__, problem))
-        finally:
-            shutil.rmtree(folder, ignore_errors=True)
-    return 1 if failed else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+sys.exit(run_cases([(case.__name__, case) for case in CASES], ONLY))

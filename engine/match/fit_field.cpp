@@ -129,13 +129,11 @@ Column solve(const NormalOperator& op, const Column& b, Column x) {
 
 }  // namespace
 
-Displacements fitFields(const Lattice& lattice, const Sites& sites, double stiffness,
-                        const Displacements& start) {
+Displacements fitFields(const Lattice& lattice, const Sites& sites, double stiffness, const Displacements& start) {
   const size_t objects = sites.value.size();
   const NormalOperator op(lattice, sites, stiffness);
   Displacements result{lattice, start.of};
-  // The fit is linear: the last object follows from the others and from the sum of all, which mostly is
-  // nothing.
+  // The fit is linear: the last object follows from the others and from the sum of all, which mostly is nothing.
   std::vector<Vec3d> sums(sites.position.size(), Vec3d(0.0));
   VectorField sum(lattice.count(), openvdb::Vec3s(0.f));
   double most = 0, largest = 0;
@@ -161,19 +159,19 @@ Displacements fitFields(const Lattice& lattice, const Sites& sites, double stiff
         for (int y = 0; y < lattice.size[1]; ++y)
           for (int x = 0; x < lattice.size[0]; ++x) body(lattice.index(x, y, z), op.index(x, y, z));
     };
-    Column x = op.zero();
+    Column first = op.zero();
     forEachColumn([&](int lane, size_t object, int component) {
       const VectorField& from = object == objects - 1 ? sum : start.of[object];
-      forEachNode([&](size_t node, size_t ringed) { x[ringed][lane] = from[node][component]; });
+      forEachNode([&](size_t node, size_t ringed) { first[ringed][lane] = from[node][component]; });
     });
-    x = solve(op, op.rightHandSide([&](size_t site) {
+    const Column wanted = op.rightHandSide([&](size_t site) {
       Four value = Four::Zero();
       forEachColumn([&](int lane, size_t object, int component) {
         value[lane] = float((object == objects - 1 ? sums : sites.value[object])[site][component]);
       });
       return value;
-    }),
-              std::move(x));
+    });
+    const Column x = solve(op, wanted, std::move(first));
     forEachColumn([&](int lane, size_t object, int component) {
       VectorField& to = object == objects - 1 ? sum : result.of[object];
       forEachNode([&](size_t node, size_t ringed) { to[node][component] = x[ringed][lane]; });

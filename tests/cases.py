@@ -1,0 +1,37 @@
+"""What the Python tests share: every case runs in a folder of its own and tells its verdict and its time."""
+import tempfile
+import time
+
+
+class Skip(Exception):
+    """Raised by a case that cannot run here; says why."""
+
+
+def named_cases(names):
+    """The functions case_NAME of a module's globals() as pairs (NAME, function), in their order there."""
+    return [(name[5:], function) for name, function in names.items() if name.startswith("case_")]
+
+
+def run_cases(cases, only=()):
+    """Runs pairs (name, function of an empty folder); with `only`, those whose names hold one of these words.
+
+    Returns the exit code: 1 where a case failed or none was run, else 0.
+    """
+    ran = failed = 0
+    for name, case in cases:
+        if only and not any(word in name for word in only):
+            continue
+        ran += 1
+        start = time.time()
+        with tempfile.TemporaryDirectory(prefix="slicemorph-test-") as folder:
+            try:
+                case(folder)
+                verdict = "ok"
+            except Skip as reason:
+                verdict = "SKIPPED: %s" % reason
+            except Exception as problem:
+                failed += 1
+                verdict = "FAILED: %s: %s" % (type(problem).__name__, str(problem)[:2000])
+        print("%-40s %5.1f s  %s" % (name, time.time() - start, verdict), flush=True)
+    print("%d cases, %d failed" % (ran, failed))
+    return 1 if failed or not ran else 0
