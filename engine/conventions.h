@@ -7,9 +7,11 @@
 /// Level set       signed distance in world units, negative inside, narrow band of half width 3 voxels,
 ///                 grid class GRID_LEVEL_SET, uniform voxels with axes parallel to the world's.
 /// Triangles       wound so that (b - a) x (c - a) points outwards.
-/// Chart space     (u, x, y): u in [-1, 1] along the spine, (x, y) in the slice plane, in units of the frame's radius.
-/// Time            t in [0, 1]; t = 0 is the first input. A morph of N objects is given by N weights of sum 1, each >= 0
-///                 (a little below where splines through keys lead beyond the objects); a two-object morph at t has the weights (1 - t, t).
+/// Chart space     (u, x, y): u in [-1, 1] along the spine, (x, y) in the slice plane, in units of the
+/// frame's radius. Time            t in [0, 1]; t = 0 is the first input. A morph of N objects is given by N
+/// weights of sum 1, each >= 0
+///                 (a little below where splines through keys lead beyond the objects); a two-object morph at
+///                 t has the weights (1 - t, t).
 
 #include <openvdb/openvdb.h>
 

@@ -21,8 +21,8 @@
 #include <sstream>
 #include <utility>
 
-/// The whole pipeline on one screen: a plan (volume -> frames -> slices -> contours -> match), then one frame after
-/// another (blend -> rebuild).
+/// The whole pipeline on one screen: a plan (volume -> frames -> slices -> contours -> match), then one frame
+/// after another (blend -> rebuild).
 namespace slicemorph {
 
 struct MorphPlan::Impl {
@@ -30,16 +30,16 @@ struct MorphPlan::Impl {
   std::vector<size_t> shapeOf;                 ///< the distinct shape of each object; equal objects share one
   std::vector<FloatGrid::ConstPtr> levelSets;  ///< per distinct shape, as all below
   Fields fields;
-  std::vector<Fields> inner;                   ///< further surfaces, each per distinct shape; null where one has none
+  std::vector<Fields> inner;  ///< further surfaces, each per distinct shape; null where one has none
   Frames frames;
   Registration registration;
   std::unique_ptr<MovingLattice> lattice;
-  std::vector<int> pieces;                     ///< of each shape
-  std::vector<size_t> order;                   ///< of the distinct shapes: their numbers in the objects' order
-  std::vector<std::string> names;              ///< of each shape
-  std::vector<Feature> features;               ///< the options', of the shapes
-  std::vector<Region> regions;                 ///< the options', of the shapes
-  std::vector<Chart> drawn;                    ///< the charts of the first frame, on which regions are drawn
+  std::vector<int> pieces;         ///< of each shape
+  std::vector<size_t> order;       ///< of the distinct shapes: their numbers in the objects' order
+  std::vector<std::string> names;  ///< of each shape
+  std::vector<Feature> features;   ///< the options', of the shapes
+  std::vector<Region> regions;     ///< the options', of the shapes
+  std::vector<Chart> drawn;        ///< the charts of the first frame, on which regions are drawn
 
   void measure(const std::vector<Object>& objects, const Impl* before, Progress& progress);
   void measureInner(const std::vector<Object>& objects);
@@ -57,26 +57,28 @@ struct MorphPlan::Impl {
 
 namespace {
 
-/// Nodes that carry images lie this share of the matching's lattice apart; without one that many on the object's diagonal.
+/// Nodes that carry images lie this share of the matching's lattice apart; without one that many on the
+/// object's diagonal.
 constexpr double kImageShare = 0.75, kImageNodes = 64;
 
 void check(const Feature& feature, size_t objects) {
   const bool disk = feature.kind == Feature::Kind::kDisk;
   const auto count = [&](const char* what, size_t given) {
     if (given != objects)
-      throw InputError("feature '" + feature.name + "' has " + what + " for " + std::to_string(given) + " objects; there are " +
-                       std::to_string(objects));
+      throw InputError("feature '" + feature.name + "' has " + what + " for " + std::to_string(given) +
+                       " objects; there are " + std::to_string(objects));
   };
   count("places", feature.places.size());
   if (disk) count("normals", feature.normals.size()), count("radii", feature.radii.size());
   const size_t least = feature.kind == Feature::Kind::kLine ? 2 : 1;
   for (const auto& places : feature.places)
     if (places.size() < least)
-      throw InputError("feature '" + feature.name + "' has " + std::to_string(places.size()) + " places on an object; it needs " +
-                       std::to_string(least));
+      throw InputError("feature '" + feature.name + "' has " + std::to_string(places.size()) +
+                       " places on an object; it needs " + std::to_string(least));
   for (const auto& places : feature.places)
     for (const Vec3d& p : places)
-      if (!std::isfinite(p.lengthSqr())) throw InputError("feature '" + feature.name + "' has a place that is not finite");
+      if (!std::isfinite(p.lengthSqr()))
+        throw InputError("feature '" + feature.name + "' has a place that is not finite");
   for (size_t k = 0; disk && k < objects; ++k)
     if (!(feature.radii[k] > 0) || !(feature.normals[k].length() > 0))
       throw InputError("feature '" + feature.name + "': a disk's radius and normal must not be 0");
@@ -88,19 +90,19 @@ void check(const std::vector<Object>& objects, const MorphOptions& options) {
     if (!o.levelSet || o.levelSet->empty()) throw GeometryError("'" + o.name + "' is empty");
   const auto range = [](const char* name, int value, int low, int high) {
     if (value < low || value > high)
-      throw InputError(std::string(name) + " is " + std::to_string(value) + "; it must be from " + std::to_string(low) +
-                       " to " + std::to_string(high));
+      throw InputError(std::string(name) + " is " + std::to_string(value) + "; it must be from " +
+                       std::to_string(low) + " to " + std::to_string(high));
   };
   range("slices", options.slices, 8, 1024);
   range("samples", options.samples, 16, 4096);
   for (const Feature& feature : options.features) check(feature, objects.size());
   for (const Region& region : options.regions) {
     if (region.object >= objects.size())
-      throw InputError("region '" + region.name + "' is drawn on object " + std::to_string(region.object + 1) + "; there are " +
-                       std::to_string(objects.size()));
+      throw InputError("region '" + region.name + "' is drawn on object " +
+                       std::to_string(region.object + 1) + "; there are " + std::to_string(objects.size()));
     if (region.weights.size() != objects.size())
-      throw InputError("region '" + region.name + "' has " + std::to_string(region.weights.size()) + " weights for " +
-                       std::to_string(objects.size()) + " objects");
+      throw InputError("region '" + region.name + "' has " + std::to_string(region.weights.size()) +
+                       " weights for " + std::to_string(objects.size()) + " objects");
     const Vec3d box = region.box.extents();
     if ((region.kind == Region::Kind::kSphere && !(region.radius > 0)) ||
         (region.kind == Region::Kind::kBox && !(box[0] > 0 && box[1] > 0 && box[2] > 0)) ||
@@ -185,7 +187,8 @@ void MorphPlan::Impl::reorder(const std::vector<size_t>& by) {
 void MorphPlan::Impl::takeGuidance(const std::vector<Object>& objects) {
   for (const Feature& feature : options.features) {
     Feature own{feature.name, feature.kind, {}, {}, {}};
-    own.places.resize(levelSets.size()), own.normals.resize(levelSets.size()), own.radii.resize(levelSets.size());
+    own.places.resize(levelSets.size()), own.normals.resize(levelSets.size()),
+        own.radii.resize(levelSets.size());
     for (size_t k = objects.size(); k-- > 0;) {
       own.places[shapeOf[k]] = feature.places[k];
       if (feature.kind != Feature::Kind::kDisk) continue;
@@ -207,7 +210,8 @@ void MorphPlan::Impl::measureInner(const std::vector<Object>& objects) {
   for (size_t n = 0; n < count; ++n) {
     std::vector<FloatGrid::ConstPtr> grids(levelSets.size());
     for (size_t k = 0; k < objects.size(); ++k)
-      if (n < objects[k].inner.size() && objects[k].inner[n] && !objects[k].inner[n]->empty()) grids[shapeOf[k]] = objects[k].inner[n];
+      if (n < objects[k].inner.size() && objects[k].inner[n] && !objects[k].inner[n]->empty())
+        grids[shapeOf[k]] = objects[k].inner[n];
     if (grids.size() - size_t(std::count(grids.begin(), grids.end(), nullptr)) < 2) continue;
     Fields surface(levelSets.size());
     tbb::parallel_for(size_t(0), surface.size(), [&](size_t k) {
@@ -224,10 +228,9 @@ void MorphPlan::Impl::decide(Progress& progress) {
   ofShapes.features = featuresInReach(features, fields, notes);
   frames = chooseFrames(fields, names, ofShapes, progress);
   frames.notes.insert(frames.notes.begin(), notes.begin(), notes.end());
-  registration = fields.size() == 2
-                     ? registerObjects(fields, inner, frames, ofShapes, progress)
-                     : matchThroughMean(startRegistration(fields, frames, ofShapes, progress), fields, inner, frames, names,
-                                        ofShapes, progress);
+  registration = fields.size() == 2 ? registerObjects(fields, inner, frames, ofShapes, progress)
+                                    : matchThroughMean(startRegistration(fields, frames, ofShapes, progress),
+                                                       fields, inner, frames, names, ofShapes, progress);
   if (drawn.empty()) drawn = frames.charts;
   move(false);
 }
@@ -240,14 +243,16 @@ void MorphPlan::Impl::move(bool following) {
     if (const size_t k = regions[r].object; !shares->holdsAnything(r, *fields[k])) {
       const openvdb::BBoxd& box = fields[k]->box();
       std::ostringstream text;
-      text << "region '" << regions[r].name << "' holds nothing of " << names[k] << ", on which it is drawn; that lies between ("
-           << box.min()[0] << ", " << box.min()[1] << ", " << box.min()[2] << ") and (" << box.max()[0] << ", " << box.max()[1]
-           << ", " << box.max()[2] << ")";
+      text << "region '" << regions[r].name << "' holds nothing of " << names[k]
+           << ", on which it is drawn; that lies between (" << box.min()[0] << ", " << box.min()[1] << ", "
+           << box.min()[2] << ") and (" << box.max()[0] << ", " << box.max()[1] << ", " << box.max()[2]
+           << ")";
       throw InputError(text.str());
     }
   std::shared_ptr<const ContourPaths> paths;
   if (options.path != ContourPath::kLinear)
-    paths = std::make_shared<ContourPaths>(options.path, registration.map, fields, frames.charts, options.slices);
+    paths =
+        std::make_shared<ContourPaths>(options.path, registration.map, fields, frames.charts, options.slices);
   lattice = std::make_unique<MovingLattice>(registration.map, fields, frames.charts, shares, paths);
 }
 
@@ -270,9 +275,11 @@ bool MorphPlan::Impl::follow(const Impl& before, Progress& progress) {
   frames = trackFrames(before.frames, before.fields, fields, names, options.align);
   MorphOptions following = options;
   following.features.clear();
-  std::optional<Registration> next = followRegistration(before.registration, fields, inner, frames, following, progress);
+  std::optional<Registration> next =
+      followRegistration(before.registration, fields, inner, frames, following, progress);
   if (!next) {
-    frames.notes = {"planned anew: the objects are not where those of the frame before lead to, as after a cut"};
+    frames.notes = {
+        "planned anew: the objects are not where those of the frame before lead to, as after a cut"};
     return false;
   }
   registration = std::move(*next);
@@ -283,7 +290,8 @@ bool MorphPlan::Impl::follow(const Impl& before, Progress& progress) {
 InBetween MorphPlan::frame(const Weights& weights) const {
   const Impl& p = *impl_;
   const Weights w = p.shapeWeights(weights);
-  if (const std::optional<size_t> alone = p.aloneAt(w)) return {resampledTo(p.levelSets[*alone], p.frameVoxelSize(w))};
+  if (const std::optional<size_t> alone = p.aloneAt(w))
+    return {resampledTo(p.levelSets[*alone], p.frameVoxelSize(w))};
 
   const MovingLattice::Pose pose = p.lattice->poseAt(w);
   const double voxelSize = p.frameVoxelSize(pose.mean);
@@ -306,8 +314,10 @@ Carrier MorphPlan::carrier(const Weights& weights) const {
   carrier->shapeWeights = p.shapeWeights(weights);
   if (!p.regions.empty() && p.lattice) {
     std::vector<Region> ofObjects = p.regions;
-    for (size_t r = 0; r < ofObjects.size(); ++r) ofObjects[r].weights = withoutNegatives(p.options.regions[r].weights);
-    carrier->regions = std::make_unique<RegionShares>(std::move(ofObjects), p.fields, p.frames.charts, p.drawn);
+    for (size_t r = 0; r < ofObjects.size(); ++r)
+      ofObjects[r].weights = withoutNegatives(p.options.regions[r].weights);
+    carrier->regions =
+        std::make_unique<RegionShares>(std::move(ofObjects), p.fields, p.frames.charts, p.drawn);
   }
   for (const auto& field : p.fields) carrier->anchors.push_back(field->anchor());
   carrier->carrying.anchor = carrier->anchors[0];
@@ -318,7 +328,8 @@ Carrier MorphPlan::carrier(const Weights& weights) const {
   if (p.lattice) {
     carrier->carrying.pose = p.lattice->poseAt(carrier->shapeWeights);
     const Chart& chart = carrier->carrying.pose.chart;
-    for (size_t k = 0; k < p.fields.size(); ++k) carrier->sizes[k] = chart.meanScale() / p.frames.charts[k].meanScale();
+    for (size_t k = 0; k < p.fields.size(); ++k)
+      carrier->sizes[k] = chart.meanScale() / p.frames.charts[k].meanScale();
     carrier->imageSpacing = p.registration.map.lattice.spacing * chart.meanScale() * kImageShare;
   }
   return Carrier(std::move(carrier));
@@ -327,19 +338,22 @@ Carrier MorphPlan::carrier(const Weights& weights) const {
 std::vector<Vec3d> MorphPlan::correspond(const std::vector<Vec3d>& points, size_t from, size_t to) const {
   const Impl& p = *impl_;
   if (from >= p.shapeOf.size() || to >= p.shapeOf.size())
-    throw InputError("there is no object " + std::to_string(std::max(from, to)) + "; there are " + std::to_string(p.shapeOf.size()));
+    throw InputError("there is no object " + std::to_string(std::max(from, to)) + "; there are " +
+                     std::to_string(p.shapeOf.size()));
   if (!p.lattice || p.shapeOf[from] == p.shapeOf[to]) return points;
   return p.lattice->carryPoints(points, p.lattice->poseOf(p.shapeOf[from]), p.lattice->poseOf(p.shapeOf[to]));
 }
 
-std::vector<Vec3d> MorphPlan::carryPoints(const std::vector<Vec3d>& points, size_t from, const Weights& to) const {
+std::vector<Vec3d> MorphPlan::carryPoints(const std::vector<Vec3d>& points, size_t from,
+                                          const Weights& to) const {
   const Impl& p = *impl_;
   const Weights w = p.shapeWeights(to);
   if (!p.lattice || p.aloneAt(w) == p.shapeOf.at(from)) return points;
   return p.lattice->carryPoints(points, p.lattice->poseOf(p.shapeOf[from]), p.lattice->poseAt(w));
 }
 
-std::vector<Vec3d> MorphPlan::carryPoints(const std::vector<Vec3d>& points, const Weights& from, const Weights& to) const {
+std::vector<Vec3d> MorphPlan::carryPoints(const std::vector<Vec3d>& points, const Weights& from,
+                                          const Weights& to) const {
   const Impl& p = *impl_;
   const Weights a = p.shapeWeights(from), b = p.shapeWeights(to);
   if (a == b || !p.lattice) return points;
@@ -348,15 +362,17 @@ std::vector<Vec3d> MorphPlan::carryPoints(const std::vector<Vec3d>& points, cons
 
 Weights MorphPlan::Impl::shapeWeights(const Weights& weights) const {
   if (weights.size() != shapeOf.size())
-    throw InputError(std::to_string(weights.size()) + " weights were given for " + std::to_string(shapeOf.size()) +
-                     " objects");
+    throw InputError(std::to_string(weights.size()) + " weights were given for " +
+                     std::to_string(shapeOf.size()) + " objects");
   double sum = 0;
   for (double w : weights) {
     if (!(w >= kLeastWeight))
-      throw InputError("weight " + std::to_string(w) + " is below " + std::to_string(kLeastWeight) + "; weights are 0 or more");
+      throw InputError("weight " + std::to_string(w) + " is below " + std::to_string(kLeastWeight) +
+                       "; weights are 0 or more");
     sum += w;
   }
-  if (std::abs(sum - 1) > 1e-6) throw InputError("the weights sum to " + std::to_string(sum) + "; they must sum to 1");
+  if (std::abs(sum - 1) > 1e-6)
+    throw InputError("the weights sum to " + std::to_string(sum) + "; they must sum to 1");
   Weights result(levelSets.size(), 0);
   for (size_t k = 0; k < weights.size(); ++k) result[shapeOf[k]] += weights[k] / sum;
   if (const std::optional<size_t> alone = aloneIn(result)) {

@@ -23,7 +23,8 @@ std::filesystem::path folderOf(const std::string& path) {
 }
 
 std::string temporaryFor(const std::string& path) {
-  const std::string name = "." + std::filesystem::path(path).filename().string() + ".tmp-" + std::to_string(getpid());
+  const std::string name =
+      "." + std::filesystem::path(path).filename().string() + ".tmp-" + std::to_string(getpid());
   return (folderOf(path) / name).string();
 }
 
@@ -57,7 +58,9 @@ class AtomicFile::StreamBuffer : public std::streambuf {
     const int whence = from == std::ios::beg ? SEEK_SET : from == std::ios::cur ? SEEK_CUR : SEEK_END;
     return pos_type(::lseek(file_.descriptor_, off_t(offset), whence));
   }
-  pos_type seekpos(pos_type to, std::ios::openmode mode) override { return seekoff(off_type(to), std::ios::beg, mode); }
+  pos_type seekpos(pos_type to, std::ios::openmode mode) override {
+    return seekoff(off_type(to), std::ios::beg, mode);
+  }
 
  private:
   void drain() {
@@ -112,7 +115,8 @@ void AtomicFile::read(std::uint64_t offset, const std::function<void(std::string
 }
 
 void AtomicFile::overwrite(std::uint64_t offset, std::string_view bytes) {
-  if (::pwrite(descriptor_, bytes.data(), bytes.size(), off_t(offset)) != ssize_t(bytes.size())) fail("cannot be written");
+  if (::pwrite(descriptor_, bytes.data(), bytes.size(), off_t(offset)) != ssize_t(bytes.size()))
+    fail("cannot be written");
 }
 
 void AtomicFile::commit() {

@@ -9,9 +9,9 @@
 
 namespace slicemorph {
 
-/// A file that appears whole or not at all: written as `.name.tmp-PID` in the same folder, flushed to the disk and
-/// renamed by commit(). Until then, and after any failure, there is no file; the temporary is removed.
-/// Every call throws IoError naming the file and the system's reason (no space left, read-only ...).
+/// A file that appears whole or not at all: written as `.name.tmp-PID` in the same folder, flushed to the
+/// disk and renamed by commit(). Until then, and after any failure, there is no file; the temporary is
+/// removed. Every call throws IoError naming the file and the system's reason (no space left, read-only ...).
 class AtomicFile {
  public:
   explicit AtomicFile(const std::string& path);
@@ -20,7 +20,8 @@ class AtomicFile {
   AtomicFile& operator=(const AtomicFile&) = delete;
 
   void write(std::string_view bytes);
-  /// For writers that go back to fill in what they learn later; not together with write(). Throws as write() does.
+  /// For writers that go back to fill in what they learn later; not together with write(). Throws as write()
+  /// does.
   std::ostream& stream();
   /// Everything from `offset` on, in parts; what was written to the stream has to be flushed.
   void read(std::uint64_t offset, const std::function<void(std::string_view)>& part);

@@ -13,7 +13,8 @@ namespace {
 
 bool isCsl(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
   return extension == ".csl";
 }
 
@@ -21,6 +22,8 @@ bool isCsl(const std::string& path) {
 
 bool isContourFile(const std::string& path) { return isCsl(path) || isRtStructureSet(path); }
 
-ContourFile readContours(const std::string& path) { return isCsl(path) ? readCsl(path) : readRtStructureSet(path); }
+ContourFile readContours(const std::string& path) {
+  return isCsl(path) ? readCsl(path) : readRtStructureSet(path);
+}
 
 }  // namespace slicemorph

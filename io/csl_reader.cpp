@@ -12,7 +12,8 @@ namespace slicemorph {
 
 namespace {
 
-/// Points may lie off their plane by this share of the contours' extent: coordinates are written with few digits.
+/// Points may lie off their plane by this share of the contours' extent: coordinates are written with few
+/// digits.
 constexpr double kOffPlane = 5e-4;
 constexpr long kMostLabels = 100000;
 
@@ -32,7 +33,8 @@ class Parser {
  public:
   explicit Parser(const std::string& path) : path_(path) {
     text_ = readWholeFile(path);
-    if (text_.compare(0, 4, "CSLC") != 0) throw IoError(path + " is no CSL file: it does not begin with CSLC");
+    if (text_.compare(0, 4, "CSLC") != 0)
+      throw IoError(path + " is no CSL file: it does not begin with CSLC");
     at_ = 4;
   }
 
@@ -45,7 +47,8 @@ class Parser {
       planes.push_back(plane());
     }
     if (!word().empty()) fail("there is more after the last plane");
-    if (endsInLine() && lastPointRepeats(planes.back())) fail("the file ends inside its last number: it was cut short");
+    if (endsInLine() && lastPointRepeats(planes.back()))
+      fail("the file ends inside its last number: it was cut short");
     return planes;
   }
 
@@ -79,8 +82,8 @@ class Parser {
     errno = 0;
     const long value = std::strtol(w.c_str(), &end, 10);
     if (end == w.c_str() || *end || errno || value < least || value > most)
-      fail(std::string(what) + " is '" + w.substr(0, 40) + "', not a whole number from " + std::to_string(least) +
-           " to " + std::to_string(most));
+      fail(std::string(what) + " is '" + w.substr(0, 40) + "', not a whole number from " +
+           std::to_string(least) + " to " + std::to_string(most));
     return value;
   }
   long whole(const char* what, long least, long most) { return toWhole(required(what), what, least, most); }
@@ -178,7 +181,8 @@ ContourSet setOf(const std::string& path, const std::vector<StoredPlane>& planes
     set.planes.push_back(std::move(contours));
   }
   if (small > 0)
-    notes.push_back(path + ", " + set.name + ": " + std::to_string(small) + " contours of less than three points left out");
+    notes.push_back(path + ", " + set.name + ": " + std::to_string(small) +
+                    " contours of less than three points left out");
   return set;
 }
 
@@ -193,7 +197,8 @@ ContourFile readCsl(const std::string& path) {
     for (const Component& c : plane.components)
       if (c.parent < 0) labels.insert(c.label);
   ContourFile file;
-  if (parser.endsInLine()) file.notes.push_back(path + ": the last line has no end; the file may have been cut short");
+  if (parser.endsInLine())
+    file.notes.push_back(path + ": the last line has no end; the file may have been cut short");
   for (int label : labels) file.sets.push_back(setOf(path, planes, label, file.notes));
   if (file.sets.empty()) throw IoError(path + ": no plane has a contour");
   return file;

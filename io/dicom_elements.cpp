@@ -7,8 +7,8 @@ namespace slicemorph {
 namespace {
 
 constexpr std::uint32_t kUndefined = 0xffffffff;
-constexpr DicomTag kItem = 0xfffee000, kItemEnd = 0xfffee00d, kSequenceEnd = 0xfffee0dd, kTransferSyntax = 0x00020010,
-                   kPixels = 0x7fe00010;
+constexpr DicomTag kItem = 0xfffee000, kItemEnd = 0xfffee00d, kSequenceEnd = 0xfffee0dd,
+                   kTransferSyntax = 0x00020010, kPixels = 0x7fe00010;
 constexpr size_t kPreamble = 128;
 constexpr int kMostNested = 32;
 
@@ -23,7 +23,8 @@ bool isAnyOf(std::string_view type, std::initializer_list<const char*> types) {
 /// Steps through bytes, element by element.
 class DicomElements::Walk {
  public:
-  Walk(std::string_view bytes, bool withTypes, int depth = 0) : bytes_(bytes), withTypes_(withTypes), depth_(depth) {
+  Walk(std::string_view bytes, bool withTypes, int depth = 0)
+      : bytes_(bytes), withTypes_(withTypes), depth_(depth) {
     if (depth > kMostNested) throw DicomDamage("its sequences are nested too deeply");
   }
 
@@ -90,7 +91,8 @@ class DicomElements::Walk {
   }
 
   std::string_view take(size_t count) {
-    if (count > bytes_.size() - at_) throw DicomDamage("it ends inside an element: it is damaged or was cut short");
+    if (count > bytes_.size() - at_)
+      throw DicomDamage("it ends inside an element: it is damaged or was cut short");
     at_ += count;
     return bytes_.substr(at_ - count, count);
   }
@@ -112,7 +114,8 @@ class DicomElements::Walk {
   }
   /// Some writers fill a file's last block with zeros.
   bool onlyPaddingLeft() const {
-    return withTypes_ && depth_ == 0 && bytes_[at_] == 0 && bytes_.find_first_not_of('\0', at_) == std::string_view::npos;
+    return withTypes_ && depth_ == 0 && bytes_[at_] == 0 &&
+           bytes_.find_first_not_of('\0', at_) == std::string_view::npos;
   }
   /// Packed pixels: items of plain bytes up to the end mark.
   std::string_view takeFragments() {
@@ -121,7 +124,8 @@ class DicomElements::Walk {
       const DicomTag tag = takeTag();
       const std::uint32_t size = takeSize(4);
       if (tag == kSequenceEnd) return bytes_.substr(first, at_ - first);
-      if (tag != kItem || size == kUndefined) throw DicomDamage("its packed pixels hold something else than items");
+      if (tag != kItem || size == kUndefined)
+        throw DicomDamage("its packed pixels hold something else than items");
       take(size);
     }
   }
@@ -143,22 +147,26 @@ class DicomElements::Walk {
 DicomElements DicomElements::ofFile(std::string_view bytes) {
   if (bytes.size() < kPreamble + 4 || bytes.substr(kPreamble, 4) != "DICM") {
     // Old files begin with the identifying group itself.
-    if (bytes.size() < 8 || bytes.substr(0, 2) != std::string_view("\x08\0", 2)) throw DicomDamage("it is no DICOM file");
-    return Walk(bytes, bytes[4] >= 'A' && bytes[4] <= 'Z' && bytes[5] >= 'A' && bytes[5] <= 'Z').elements(false);
+    if (bytes.size() < 8 || bytes.substr(0, 2) != std::string_view("\x08\0", 2))
+      throw DicomDamage("it is no DICOM file");
+    return Walk(bytes, bytes[4] >= 'A' && bytes[4] <= 'Z' && bytes[5] >= 'A' && bytes[5] <= 'Z')
+        .elements(false);
   }
   // The head is the elements of group 2; its own length, (0002,0000), may be missing or wrong.
   Walk head(bytes.substr(kPreamble + 4), true);
   const DicomElements meta = head.elements(false, 2);
   const std::string syntax = meta.text(kTransferSyntax);
   if (syntax == "1.2.840.10008.1.2.2" || syntax == "1.2.840.10008.1.2.1.99")
-    throw DicomDamage("it is big endian or deflated as a whole (transfer syntax '" + syntax + "'), which is not read");
+    throw DicomDamage("it is big endian or deflated as a whole (transfer syntax '" + syntax +
+                      "'), which is not read");
   return Walk(bytes.substr(kPreamble + 4 + head.at()), syntax != "1.2.840.10008.1.2").elements(false);
 }
 
 int DicomElements::number(DicomTag tag) const {
   const auto found = values_.find(tag);
   if (found == values_.end() || found->second.bytes.size() < 2) return -1;
-  return static_cast<unsigned char>(found->second.bytes[0]) + 256 * static_cast<unsigned char>(found->second.bytes[1]);
+  return static_cast<unsigned char>(found->second.bytes[0]) +
+         256 * static_cast<unsigned char>(found->second.bytes[1]);
 }
 
 size_t DicomElements::size(DicomTag tag) const {

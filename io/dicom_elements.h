@@ -22,8 +22,8 @@ using DicomTag = std::uint32_t;
 /// believed: GDCM's reader aborts the program on files that were cut short.
 class DicomElements {
  public:
-  /// Of a whole file, or of one without preamble and head. Throws DicomDamage, also where the bytes are no DICOM, or big
-  /// endian or deflated as a whole. Packed pixels are walked over, not unpacked.
+  /// Of a whole file, or of one without preamble and head. Throws DicomDamage, also where the bytes are no
+  /// DICOM, or big endian or deflated as a whole. Packed pixels are walked over, not unpacked.
   static DicomElements ofFile(std::string_view bytes);
 
   bool has(DicomTag tag) const { return values_.count(tag) > 0; }

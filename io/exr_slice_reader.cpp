@@ -244,8 +244,9 @@ ExrSlices readSliceExrs(const std::string& input, const std::vector<std::string>
   std::set<int> seen;
   for (const SectionPlane& plane : planes)
     if (!seen.insert(plane.index).second)
-      throw IoError(input + ": slice " + std::to_string(plane.index + 1) +
-                    " is there twice: these are slices of several volumes or frames; name the file or files of one");
+      throw IoError(
+          input + ": slice " + std::to_string(plane.index + 1) +
+          " is there twice: these are slices of several volumes or frames; name the file or files of one");
   if (int(planes.size()) < planes[0].count)
     result.notes.push_back("there are " + std::to_string(planes.size()) + " slices of " +
                            std::to_string(planes[0].count) + "; gaps are bridged");

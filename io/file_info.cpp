@@ -57,7 +57,8 @@ bool isRotated(const openvdb::math::Transform& transform) {
   return false;
 }
 
-/// From the statistics that the file keeps with a grid, without reading its voxels; `voxels`: empty where there are none.
+/// From the statistics that the file keeps with a grid, without reading its voxels; `voxels`: empty where
+/// there are none.
 openvdb::CoordBBox describeStatistics(const openvdb::GridBase& grid, GridInfo& info) {
   const auto count = grid.getMetadata<openvdb::Int64Metadata>(openvdb::GridBase::META_FILE_VOXEL_COUNT);
   const auto low = grid.getMetadata<openvdb::Vec3IMetadata>(openvdb::GridBase::META_FILE_BBOX_MIN);
@@ -168,7 +169,8 @@ ImageInfo describeImage(const ImageFile& file) {
     info.reading = "cannot be read without --spacing X,Y,Z";
   } else if (looksLikeLabels(file.image)) {
     info.labels = labelsOf(file.image).size();
-    info.reading = "map of " + std::to_string(info.labels) + (info.labels == 1 ? " label" : " labels") + ", the shape is that of all";
+    info.reading = "map of " + std::to_string(info.labels) + (info.labels == 1 ? " label" : " labels") +
+                   ", the shape is that of all";
   } else if (info.minimum < info.maximum) {
     std::ostringstream how;
     how << "grey values, the shape is what is above " << otsuValue(file.image) << " (--iso sets another)";
@@ -199,7 +201,8 @@ FileInfo describeFile(const std::string& input, const ImageOptions& options) {
   info.bytes = sizeOfInput(name.path);
   if (extension != ".vdb" && !isMeshExtension(extension)) {
     throw InputError(name.path + ": cannot read the extension '" + extension +
-                     "'; use .vdb, .obj, .ply, .stl, .off, .glb or an image (.nii .nii.gz .nrrd .nhdr .mha .mhd, a DICOM folder)");
+                     "'; use .vdb, .obj, .ply, .stl, .off, .glb or an image (.nii .nii.gz .nrrd .nhdr .mha "
+                     ".mhd, a DICOM folder)");
   }
   info.format = extension.substr(1);
   if (extension == ".vdb") {

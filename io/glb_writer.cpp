@@ -138,7 +138,8 @@ class GlbBuilder {
   std::vector<unsigned char>& bytes_() { return model_.buffers[0].data; }
   std::vector<int>& parent_() { return hasRoot_ ? model_.nodes[0].children : model_.scenes[0].nodes; }
 
-  /// Neutral clay, or "colors": white, which leaves the points' own as they are. glTF's own default is a metal.
+  /// Neutral clay, or "colors": white, which leaves the points' own as they are. glTF's own default is a
+  /// metal.
   int materialOf(const std::string& name) {
     for (size_t i = 0; i < model_.materials.size(); ++i)
       if (model_.materials[i].name == name) return int(i);

@@ -49,7 +49,8 @@ size_t findGrid(const VdbFile& file, const InputName& name) {
     if (file.entries()[i].name != name.grid && !first) continue;
     const openvdb::GridBase::Ptr grid = file.readHeader(i);
     if (grid && isScalar(*grid)) return i;
-    throw InputError(name.path + ": grid '" + name.grid + "' holds " + (grid ? grid->valueType() : "unknown") +
+    throw InputError(name.path + ": grid '" + name.grid + "' holds " +
+                     (grid ? grid->valueType() : "unknown") +
                      " values, no scalar ones that have a surface; " + listOf(file));
   }
   throw InputError(name.path + ": there is no grid '" + name.grid + "'; " + listOf(file));
@@ -61,12 +62,17 @@ std::vector<size_t> gridsToTry(const VdbFile& file, const std::string& path) {
     const openvdb::GridBase::Ptr grid = headerOrNull(file, i);
     if (!grid || !isScalar(*grid)) continue;
     const openvdb::GridClass gridClass = grid->getGridClass();
-    if (gridClass == openvdb::GRID_LEVEL_SET) (isDense(*grid) ? dense : levelSets).push_back(i);
-    else if (grid->getName() == "density") density.push_back(i);
-    else (gridClass == openvdb::GRID_FOG_VOLUME ? fogs : others).push_back(i);
+    if (gridClass == openvdb::GRID_LEVEL_SET)
+      (isDense(*grid) ? dense : levelSets).push_back(i);
+    else if (grid->getName() == "density")
+      density.push_back(i);
+    else
+      (gridClass == openvdb::GRID_FOG_VOLUME ? fogs : others).push_back(i);
   }
-  for (const auto* more : {&density, &dense, &others, &fogs}) levelSets.insert(levelSets.end(), more->begin(), more->end());
-  if (levelSets.empty()) throw InputError(path + ": no grid of scalar values to take a surface from; " + listOf(file));
+  for (const auto* more : {&density, &dense, &others, &fogs})
+    levelSets.insert(levelSets.end(), more->begin(), more->end());
+  if (levelSets.empty())
+    throw InputError(path + ": no grid of scalar values to take a surface from; " + listOf(file));
   return levelSets;
 }
 

@@ -39,7 +39,8 @@ GridSets pairGrids(const std::vector<LoadedObject>& inputs, bool onlyNamed) {
       const openvdb::GridBase::ConstPtr header = headerOf(file, i);
       const std::string of = "grid '" + file.entries()[i].name + "' of " + inputs[k].object.name;
       if (!header) {
-        result.notes.push_back(of + " is left out: values of the type " + file.entries()[i].type + " cannot be morphed");
+        result.notes.push_back(of + " is left out: values of the type " + file.entries()[i].type +
+                               " cannot be morphed");
         continue;
       }
       const auto [at, fresh] = known.emplace(key, result.sets.size());
@@ -47,8 +48,8 @@ GridSets pairGrids(const std::vector<LoadedObject>& inputs, bool onlyNamed) {
         result.sets.push_back({name, std::vector<std::optional<size_t>>(inputs.size())});
         types.push_back(header->valueType());
       } else if (types[at->second] != header->valueType()) {
-        result.notes.push_back(of + " is left out: it holds " + header->valueType() + " values, the one before of that name " +
-                               types[at->second]);
+        result.notes.push_back(of + " is left out: it holds " + header->valueType() +
+                               " values, the one before of that name " + types[at->second]);
         continue;
       }
       result.sets[at->second].index[k] = i;
@@ -67,7 +68,8 @@ GridSet shapeSet(const std::vector<LoadedObject>& inputs) {
   return set;
 }
 
-std::vector<openvdb::GridBase::ConstPtr> readGrids(const GridSet& set, const std::vector<LoadedObject>& inputs) {
+std::vector<openvdb::GridBase::ConstPtr> readGrids(const GridSet& set,
+                                                   const std::vector<LoadedObject>& inputs) {
   std::vector<openvdb::GridBase::ConstPtr> grids;
   for (size_t k = 0; k < inputs.size(); ++k)
     grids.push_back(set.index[k] ? inputs[k].file->readDelayed(*set.index[k]) : nullptr);

@@ -52,8 +52,8 @@ LoadedObject loadMesh(const std::string& path, const LoadOptions& options) {
   RepairedMesh repaired = closeSurface(path, stored);
   const int resolution = options.resolution ? options.resolution : kDefaultResolution;
   LoadedObject loaded;
-  loaded.object.levelSet =
-      voxelise(repaired.mesh, options.voxelSize > 0 ? options.voxelSize : voxelSizeFor(repaired.mesh, resolution));
+  loaded.object.levelSet = voxelise(
+      repaired.mesh, options.voxelSize > 0 ? options.voxelSize : voxelSizeFor(repaired.mesh, resolution));
   loaded.notes = std::move(repaired.notes);
   loaded.colors = colorsAround(*loaded.object.levelSet, stored.mesh);
   return loaded;
@@ -140,8 +140,9 @@ LoadedObject loadImage(const std::string& input, const LoadOptions& options) {
   if (loaded.labels) {
     const size_t count = labelsOf(image).size();
     if (count == 0) throw GeometryError("the label map is empty: every voxel is 0");
-    loaded.notes.push_back("read as a map of " + std::to_string(count) + (count == 1 ? " label" : " labels") +
-                           (options.imageKind == ImageKind::kAuto ? " (--image grey reads grey values)" : ""));
+    loaded.notes.push_back(
+        "read as a map of " + std::to_string(count) + (count == 1 ? " label" : " labels") +
+        (options.imageKind == ImageKind::kAuto ? " (--image grey reads grey values)" : ""));
     const FloatGrid::Ptr shape = shapeOfLabels(image);
     loaded.object.levelSet = levelSetOf(shape, 0.5, voxelSizeFor(image, *shape, options));
     return loaded;
@@ -183,7 +184,8 @@ LoadedObject loadObject(const std::string& input, const LoadOptions& options) {
     if (extension != ".vdb" && !isMeshExtension(extension)) {
       sizeOfInput(name.path);  // a missing file or a folder is the better message
       throw InputError(name.path + ": cannot read the extension '" + extension +
-                       "'; use .vdb, .obj, .ply, .stl, .off, .glb, or an image: .nii .nii.gz .nrrd .nhdr .mha .mhd, a DICOM "
+                       "'; use .vdb, .obj, .ply, .stl, .off, .glb, or an image: .nii .nii.gz .nrrd .nhdr "
+                       ".mha .mhd, a DICOM "
                        "folder, name.####.tif|png|exr");
     }
     LoadedObject loaded = extension == ".vdb" ? loadVdb(name, options) : loadMesh(name.path, options);
@@ -209,14 +211,21 @@ LoadOptions optionsOfInput(const LoadOptions& options, size_t input) {
 
 void addLabelSurfaces(std::vector<LoadedObject>& objects) {
   constexpr size_t kMost = 24;
-  std::map<std::int64_t, std::pair<size_t, double>> found;  // per label: objects that have it, its volume in them
+  std::map<std::int64_t, std::pair<size_t, double>>
+      found;  // per label: objects that have it, its volume in them
   for (const LoadedObject& object : objects) {
     if (!object.labels) return;
     std::map<std::int64_t, size_t> counts;
-    std::visit([&](const auto& values) { for (const auto v : values) if (v != 0) ++counts[std::int64_t(v)]; }, object.image->values);
+    std::visit(
+        [&](const auto& values) {
+          for (const auto v : values)
+            if (v != 0) ++counts[std::int64_t(v)];
+        },
+        object.image->values);
     const ImageLattice& lattice = object.image->lattice;
     const double voxel = std::abs(lattice.step[0].dot(lattice.step[1].cross(lattice.step[2])));
-    for (const auto& [label, count] : counts) ++found[label].first, found[label].second += double(count) * voxel;
+    for (const auto& [label, count] : counts)
+      ++found[label].first, found[label].second += double(count) * voxel;
   }
   if (found.size() < 2) return;  // the shape itself
   std::vector<std::pair<double, std::int64_t>> shared;

@@ -10,7 +10,8 @@
 
 namespace slicemorph {
 
-/// How the values of an image are taken; kAuto: whole numbers from 0 that are mostly like their neighbours are labels.
+/// How the values of an image are taken; kAuto: whole numbers from 0 that are mostly like their neighbours
+/// are labels.
 enum class ImageKind { kAuto, kGrey, kLabels };
 
 struct LoadOptions {
@@ -23,7 +24,8 @@ struct LoadOptions {
   std::vector<std::vector<double>> isosByInput;
   ImageKind imageKind = ImageKind::kAuto;
   ImageOptions image;
-  int fogResolution = 0; ///< most voxels along the longest side of the shape found in fog; 0: as many as the fog has
+  int fogResolution =
+      0;  ///< most voxels along the longest side of the shape found in fog; 0: as many as the fog has
 };
 
 /// The options with what is said of one input alone.
@@ -31,26 +33,28 @@ LoadOptions optionsOfInput(const LoadOptions& options, size_t input);
 
 struct LoadedObject {
   Object object;
-  bool halfFloat = false;           ///< the input grid was stored as half floats
-  std::vector<std::string> notes;   ///< what was repaired, chosen or converted, one sentence each
-  bool fog = false;                 ///< the shape is that of a fog volume
+  bool halfFloat = false;               ///< the input grid was stored as half floats
+  std::vector<std::string> notes;       ///< what was repaired, chosen or converted, one sentence each
+  bool fog = false;                     ///< the shape is that of a fog volume
   std::shared_ptr<const VdbFile> file;  ///< null for meshes
-  size_t grid = 0;                  ///< in the file, that the shape is taken from
-  bool named = false;               ///< that grid was asked for by name
+  size_t grid = 0;                      ///< in the file, that the shape is taken from
+  bool named = false;                   ///< that grid was asked for by name
   std::shared_ptr<const Image> image;   ///< null for meshes and VDBs
-  bool labels = false;              ///< the image is a map of labels; the shape is that of all of them
-  double iso = 0;                   ///< the surface's value in a grey image
-  openvdb::Vec3SGrid::ConstPtr colors = nullptr;  ///< of the shape's surface, on its level set's active voxels; null: it has none
+  bool labels = false;                  ///< the image is a map of labels; the shape is that of all of them
+  double iso = 0;                       ///< the surface's value in a grey image
+  openvdb::Vec3SGrid::ConstPtr colors =
+      nullptr;  ///< of the shape's surface, on its level set's active voxels; null: it has none
 };
 
-/// Reads one input of the command line as a level set: `file.vdb`, `file.vdb:grid`, `.obj .ply .stl .off .glb`, images (see
-/// io/image/image_file.h). The surface of a grey image is at `iso`, else at its Otsu value; its voxel size is the smallest
-/// spacing, but at most 256 voxels go along the longest side.
-/// Throws IoError (missing, unreadable, truncated, not of its format), InputError (extension, grid name, voxel size),
-/// GeometryError (open, not orientable, empty). Every message names the file.
+/// Reads one input of the command line as a level set: `file.vdb`, `file.vdb:grid`, `.obj .ply .stl .off
+/// .glb`, images (see io/image/image_file.h). The surface of a grey image is at `iso`, else at its Otsu
+/// value; its voxel size is the smallest spacing, but at most 256 voxels go along the longest side. Throws
+/// IoError (missing, unreadable, truncated, not of its format), InputError (extension, grid name, voxel
+/// size), GeometryError (open, not orientable, empty). Every message names the file.
 LoadedObject loadObject(const std::string& input, const LoadOptions& options = {});
 
-/// Gives the objects of label maps the surfaces of the labels that more than one of them has, the largest 24 of them.
+/// Gives the objects of label maps the surfaces of the labels that more than one of them has, the largest 24
+/// of them.
 void addLabelSurfaces(std::vector<LoadedObject>& objects);
 
 /// Whether an input is another file at every frame: a numbered sequence, but not the slices of one image.

@@ -56,15 +56,16 @@ class ObjScan {
     if (!usesMaterials_) counts_.materialFiles.clear();
     if (counts_.points == 0) refuse(path_, "holds no vertices: it is no OBJ mesh, or cut short");
     if (counts_.faces == 0) {
-      refuse(path_, "holds " + std::to_string(counts_.points) + " vertices but no faces: it is cut short, or no surface");
+      refuse(path_, "holds " + std::to_string(counts_.points) +
+                        " vertices but no faces: it is cut short, or no surface");
     }
     if (highest_ > counts_.points) {
-      refuse(path_, "line " + std::to_string(highestLine_) + ": a face refers to vertex " + std::to_string(highest_) +
-                        ", the file has " + std::to_string(counts_.points));
+      refuse(path_, "line " + std::to_string(highestLine_) + ": a face refers to vertex " +
+                        std::to_string(highest_) + ", the file has " + std::to_string(counts_.points));
     }
     if (colored_ > 0 && colored_ < counts_.points) {
-      refuse(path_, "gives colours to " + std::to_string(colored_) + " of its " + std::to_string(counts_.points) +
-                        " vertices; give them to all or to none");
+      refuse(path_, "gives colours to " + std::to_string(colored_) + " of its " +
+                        std::to_string(counts_.points) + " vertices; give them to all or to none");
     }
     used_.resize(counts_.points + 1, false);
     counts_.unusedPoints = size_t(std::count(used_.begin() + 1, used_.end(), false));
@@ -107,7 +108,8 @@ class ObjScan {
     for (std::string_view token = tokens.token(); !token.empty(); token = tokens.token()) {
       if (token.front() == '#') break;
       std::int64_t index = 0;
-      if (!parse(token, index)) incomplete("a face, has '" + std::string(token.substr(0, 20)) + "' for a corner");
+      if (!parse(token, index))
+        incomplete("a face, has '" + std::string(token.substr(0, 20)) + "' for a corner");
       if (index < 0) index += std::int64_t(counts_.points) + 1;
       if (index < 1) refuse(path_, where() + ": a face refers to a vertex that does not exist");
       if (std::uint64_t(index) > highest_) {
@@ -186,8 +188,8 @@ MeshCounts checkPly(const std::string& path, std::string_view bytes) {
     const bool whole =
         header.text ? skipText(body, element) : skipBinary(bytes, element, header.bigEndian, at);
     if (!whole) {
-      refuseTruncated(path, "the header says " + std::to_string(element.count) + " elements '" + element.name +
-                                "', the file ends before the last of them");
+      refuseTruncated(path, "the header says " + std::to_string(element.count) + " elements '" +
+                                element.name + "', the file ends before the last of them");
     }
     if (element.name == "vertex") counts.points = element.count;
     if (element.name == "face") counts.faces = element.count;
@@ -218,15 +220,17 @@ MeshCounts checkStlText(const std::string& path, std::string_view bytes) {
   }
   if (counts.faces == 0) refuse(path, "holds no facets: it is no STL mesh, or cut short");
   if (counts.faces != ended || solids != endedSolids || counts.points != 3 * counts.faces) {
-    refuseTruncated(path, std::to_string(counts.faces) + " facets begin and " + std::to_string(ended) + " end, " +
-                              std::to_string(solids) + " solids begin and " + std::to_string(endedSolids) + " end");
+    refuseTruncated(path, std::to_string(counts.faces) + " facets begin and " + std::to_string(ended) +
+                              " end, " + std::to_string(solids) + " solids begin and " +
+                              std::to_string(endedSolids) + " end");
   }
   return counts;
 }
 
 MeshCounts checkStl(const std::string& path, std::string_view bytes) {
   // Binary headers may begin with 'solid' too: the size decides.
-  const bool binarySized = bytes.size() >= 84 && bytes.size() == 84 + 50 * std::uint64_t(littleEndian32(bytes, 80));
+  const bool binarySized =
+      bytes.size() >= 84 && bytes.size() == 84 + 50 * std::uint64_t(littleEndian32(bytes, 80));
   const bool text = bytes.substr(0, 5) == "solid" && bytes.find('\0') == std::string_view::npos;
   if (text && !binarySized) return checkStlText(path, bytes);
   if (bytes.size() < 84) refuseTruncated(path, "a binary STL begins with 84 bytes");
@@ -237,8 +241,9 @@ MeshCounts checkStl(const std::string& path, std::string_view bytes) {
                               std::to_string(bytes.size()));
   }
   if (!binarySized) {
-    refuse(path, "is damaged: " + std::to_string(count) + " triangles take " + std::to_string(84 + 50 * count) +
-                     " bytes, the file has " + std::to_string(bytes.size()));
+    refuse(path, "is damaged: " + std::to_string(count) + " triangles take " +
+                     std::to_string(84 + 50 * count) + " bytes, the file has " +
+                     std::to_string(bytes.size()));
   }
   return {size_t(count) * 3, size_t(count), 0, false};
 }
@@ -271,7 +276,8 @@ MeshCounts checkOff(const std::string& path, std::string_view bytes) {
   OffLines lines(bytes);
   std::string_view line = lines.next();
   Text first(line);
-  if (first.token().find("OFF") == std::string_view::npos) refuse(path, "is no OFF file: it does not begin with 'OFF'");
+  if (first.token().find("OFF") == std::string_view::npos)
+    refuse(path, "is no OFF file: it does not begin with 'OFF'");
   Text counts = tokenCount(line) > 1 ? first : Text(lines.next());
   MeshCounts result;
   result.points = parseCount(path, counts.token(), "vertices", bytes.size());
@@ -307,8 +313,8 @@ void checkGlbColors(const std::string& path, std::string_view text) {
         if (!attributes.contains("COLOR_0")) continue;
         const size_t colors = countOf(attributes.at("COLOR_0")), points = countOf(attributes.at("POSITION"));
         if (colors == points) continue;
-        refuse(path, "is damaged: a mesh of " + std::to_string(points) + " points has " + std::to_string(colors) +
-                         " colours");
+        refuse(path, "is damaged: a mesh of " + std::to_string(points) + " points has " +
+                         std::to_string(colors) + " colours");
       }
     }
   } catch (const nlohmann::json::exception&) {  // the importer says what is wrong

@@ -7,8 +7,8 @@
 #include "io/paths.h"
 #include "io/ply_reader.h"
 
-#include <assimp/Importer.hpp>
 #include <assimp/scene.h>
+#include <assimp/Importer.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -52,7 +52,8 @@ class SceneReader {
 
   /// Walks the nodes without recursion: a hostile file may nest them deeply.
   StoredMesh read(const aiScene& scene) {
-    std::vector<std::pair<const aiNode*, aiMatrix4x4>> open{{scene.mRootNode, scene.mRootNode->mTransformation}};
+    std::vector<std::pair<const aiNode*, aiMatrix4x4>> open{
+        {scene.mRootNode, scene.mRootNode->mTransformation}};
     while (!open.empty()) {
       const auto [node, toWorld] = open.back();
       open.pop_back();
@@ -97,14 +98,16 @@ class SceneReader {
     for (unsigned i = 0; i < part.mNumVertices; ++i) {
       const aiVector3D p = toWorld * part.mVertices[i];
       points.emplace_back(p.x, p.y, p.z);
-      if (!isFinite(points.back())) refuseNotFinite(path_, "point " + std::to_string(first + i + 1), points.back());
+      if (!isFinite(points.back()))
+        refuseNotFinite(path_, "point " + std::to_string(first + i + 1), points.back());
     }
     return first;
   }
 
   void addFaces(const aiMesh& part, size_t first, const PartColors& colors) {
     PolygonMesh& mesh = stored_.mesh;
-    if (colors.any() && stored_.colorsOf != "points") stored_.colorsOf = colors.ofPoints ? "points" : "materials";
+    if (colors.any() && stored_.colorsOf != "points")
+      stored_.colorsOf = colors.ofPoints ? "points" : "materials";
     for (unsigned f = 0; f < part.mNumFaces; ++f) {
       const aiFace& face = part.mFaces[f];
       if (face.mNumIndices < 3) {
@@ -121,7 +124,8 @@ class SceneReader {
         mesh.corners.push_back(std::uint32_t(first + point));
         mesh.colors.push_back(colors.at(point));
         if (!isFinite(mesh.colors.back()))
-          refuseNotFinite(path_, "the colour of point " + std::to_string(first + point + 1), mesh.colors.back());
+          refuseNotFinite(path_, "the colour of point " + std::to_string(first + point + 1),
+                          mesh.colors.back());
       }
       mesh.faceStarts.push_back(std::uint32_t(mesh.corners.size()));
     }
@@ -162,7 +166,8 @@ StoredMesh readPolygons(const std::string& path) {
   stored.points = counted ? counts.points : stored.mesh.points.size();
   stored.faces = counted ? counts.faces : stored.mesh.faceCount();
   const std::string extension = extensionOf(path);
-  if (extension == ".stl") stored.mesh.importCopies = stored.mesh.points.size();  // the format has no shared points
+  if (extension == ".stl")
+    stored.mesh.importCopies = stored.mesh.points.size();  // the format has no shared points
   if (extension == ".obj") {
     const size_t used = counts.points - counts.unusedPoints, imported = stored.mesh.points.size();
     stored.mesh.importCopies = imported - std::min(used, imported);

@@ -19,11 +19,11 @@ struct StoredMesh {
 /// True for `.obj .ply .stl .off .glb`, with the dot and in lower case.
 bool isMeshExtension(const std::string& extension);
 
-/// Reads `.obj .ply .stl .off .glb`. Colours: of PLY the points' own, else the faces'; of OBJ the points' own, else each
-/// material's Kd (none without an .mtl); of GLB COLOR_0 times the material's baseColorFactor. Parts without one are white
-/// where others have one. Numbers are the file's, whole ones divided by the largest of their type: PLY and OBJ files tend to
-/// hold sRGB, GLB linear values, and neither is converted. Throws IoError: missing, empty, truncated, damaged, points or
-/// colours that are not finite.
+/// Reads `.obj .ply .stl .off .glb`. Colours: of PLY the points' own, else the faces'; of OBJ the points'
+/// own, else each material's Kd (none without an .mtl); of GLB COLOR_0 times the material's baseColorFactor.
+/// Parts without one are white where others have one. Numbers are the file's, whole ones divided by the
+/// largest of their type: PLY and OBJ files tend to hold sRGB, GLB linear values, and neither is converted.
+/// Throws IoError: missing, empty, truncated, damaged, points or colours that are not finite.
 StoredMesh readPolygons(const std::string& path);
 
 /// The closed surface of a mesh that was read. Throws GeometryError and IoError naming `path`.

@@ -16,7 +16,8 @@
 namespace slicemorph {
 namespace {
 
-static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "binary PLY and STL are written as they lie in memory");
+static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
+              "binary PLY and STL are written as they lie in memory");
 
 /// One line of text, used again for the next.
 class Line {
@@ -67,11 +68,11 @@ std::uint8_t toByte(float share) { return std::uint8_t(std::lround(std::clamp(sh
 
 void writePly(AtomicFile& file, const Mesh& mesh) {
   const bool colored = !mesh.colors.empty();
-  const std::string colors =
-      colored ? "property uchar red\nproperty uchar green\nproperty uchar blue\n" : "";
+  const std::string colors = colored ? "property uchar red\nproperty uchar green\nproperty uchar blue\n" : "";
   file.write("ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(mesh.points.size()) +
              "\nproperty float x\nproperty float y\nproperty float z\n" + colors + "element face " +
-             std::to_string(mesh.triangles.size()) + "\nproperty list uchar uint vertex_indices\nend_header\n");
+             std::to_string(mesh.triangles.size()) +
+             "\nproperty list uchar uint vertex_indices\nend_header\n");
   for (size_t i = 0; i < mesh.points.size(); ++i) {
     file.write({reinterpret_cast<const char*>(mesh.points[i].asPointer()), 12});
     if (!colored) continue;
@@ -124,7 +125,8 @@ void writeMesh(const std::string& path, const Mesh& mesh) {
   } else if (extension == ".stl") {
     writeStl(file, path, mesh);
   } else {
-    throw InputError(path + ": no mesh format has the extension '" + extension + "'; use .obj, .ply, .stl or .glb");
+    throw InputError(path + ": no mesh format has the extension '" + extension +
+                     "'; use .obj, .ply, .stl or .glb");
   }
   file.commit();
 }

@@ -38,9 +38,10 @@ void checkSurfaceOutput(const std::string& path) {
   const std::string extension = extensionOf(path);
   if (extension != ".vdb" && extension != ".obj" && extension != ".ply" && extension != ".stl" &&
       extension != ".glb") {
-    throw InputError(path + ": cannot write " +
-                     (extension.empty() ? "a file without an extension" : "the extension '" + extension + "'") +
-                     "; use .vdb, .obj, .ply, .stl, .glb, or .nii.gz, .nrrd, .mha for images");
+    throw InputError(
+        path + ": cannot write " +
+        (extension.empty() ? "a file without an extension" : "the extension '" + extension + "'") +
+        "; use .vdb, .obj, .ply, .stl, .glb, or .nii.gz, .nrrd, .mha for images");
   }
   std::filesystem::path folder = std::filesystem::path(path).parent_path();
   if (folder.empty()) folder = ".";
@@ -48,9 +49,11 @@ void checkSurfaceOutput(const std::string& path) {
   if (!std::filesystem::exists(folder, ignored)) {
     throw IoError(path + ": the folder " + folder.string() + " does not exist");
   }
-  if (!std::filesystem::is_directory(folder, ignored)) throw IoError(path + ": " + folder.string() + " is no folder");
+  if (!std::filesystem::is_directory(folder, ignored))
+    throw IoError(path + ": " + folder.string() + " is no folder");
   if (::access(folder.c_str(), W_OK | X_OK) != 0) {
-    throw IoError(path + ": the folder " + folder.string() + " cannot be written to: " + std::strerror(errno));
+    throw IoError(path + ": the folder " + folder.string() +
+                  " cannot be written to: " + std::strerror(errno));
   }
   if (std::filesystem::is_directory(path, ignored)) throw IoError(path + " is a folder, not a file");
 }

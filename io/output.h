@@ -9,8 +9,8 @@
 
 namespace slicemorph {
 
-/// An output name of the command line: `name.####.vdb` is a sequence (the run of # is the frame number, padded with
-/// zeros), any other name a single file.
+/// An output name of the command line: `name.####.vdb` is a sequence (the run of # is the frame number,
+/// padded with zeros), any other name a single file.
 class OutputName {
  public:
   explicit OutputName(std::string pattern);
@@ -28,7 +28,8 @@ struct VdbOutput {
   double framesPerSecond = 24;
   int frame = 1;
   openvdb::MetaMap metadata;  ///< of the file, beside ours
-  std::uint32_t compression = openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK;  ///< flags of openvdb::io
+  std::uint32_t compression =
+      openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK;  ///< flags of openvdb::io
 };
 
 struct SurfaceOutput {
@@ -37,8 +38,8 @@ struct SurfaceOutput {
   openvdb::Vec3SGrid::ConstPtr colors = nullptr;  ///< around the surface, named "Cd"; null: it has none
 };
 
-/// Throws InputError where `path` has no extension that writeSurface knows, IoError where its folder does not exist or
-/// cannot be written to: to be called before any work is done.
+/// Throws InputError where `path` has no extension that writeSurface knows, IoError where its folder does not
+/// exist or cannot be written to: to be called before any work is done.
 void checkSurfaceOutput(const std::string& path);
 
 /// The level set as the grid `surface` of an output; shares its tree.

@@ -14,7 +14,8 @@ namespace slicemorph {
 namespace {
 
 std::string lowered(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return char(std::tolower(c)); });
   return text;
 }
 
@@ -31,7 +32,9 @@ bool exists(const std::string& path) {
 
 }  // namespace
 
-std::string extensionOf(const std::string& path) { return lowered(std::filesystem::path(path).extension().string()); }
+std::string extensionOf(const std::string& path) {
+  return lowered(std::filesystem::path(path).extension().string());
+}
 
 std::uint64_t sizeOfInput(const std::string& path) {
   std::error_code error;
@@ -64,7 +67,8 @@ InputName splitInput(const std::string& input) {
 
 bool isSequenceInput(const std::string& input) {
   return !exists(splitSequenceInput(input).path) &&
-         std::filesystem::path(splitSequenceInput(input).path).filename().string().find('#') != std::string::npos;
+         std::filesystem::path(splitSequenceInput(input).path).filename().string().find('#') !=
+             std::string::npos;
 }
 
 InputName splitSequenceInput(const std::string& input) {

@@ -17,16 +17,16 @@ namespace slicemorph {
 
 namespace {
 
-constexpr double kOffPlane = 0.25;       // millimetres: points farther off their contour's plane are an error
-constexpr double kSamePlane = 0.05;      // millimetres: contours closer than this are on one plane
-constexpr double kRounding = 0.01;       // millimetres: what files round coordinates to
+constexpr double kOffPlane = 0.25;   // millimetres: points farther off their contour's plane are an error
+constexpr double kSamePlane = 0.05;  // millimetres: contours closer than this are on one plane
+constexpr double kRounding = 0.01;   // millimetres: what files round coordinates to
 constexpr size_t kHeadSize = 4096;
 constexpr const char* kStructureSet = "1.2.840.10008.5.1.4.1.1.481.3";
 
 constexpr DicomTag kSopClass = 0x00080016, kRegions = 0x30060020, kRegionNumber = 0x30060022,
                    kRegionName = 0x30060026, kRegionContours = 0x30060039, kContours = 0x30060040,
-                   kKind = 0x30060042, kPointCount = 0x30060046, kPoints = 0x30060050, kObservations = 0x30060080,
-                   kReference = 0x30060084, kApproval = 0x300e0002;
+                   kKind = 0x30060042, kPointCount = 0x30060046, kPoints = 0x30060050,
+                   kObservations = 0x30060080, kReference = 0x30060084, kApproval = 0x300e0002;
 
 struct Loop {
   std::vector<Vec3d> points;
@@ -40,7 +40,8 @@ std::vector<double> numbersOf(const std::string& text, const std::string& where)
     const double value = std::strtod(at, &end);
     while (*end == ' ') ++end;
     if (end == at || !std::isfinite(value) || (*end && *end != '\\'))
-      throw IoError(where + ": its data hold '" + std::string(at).substr(0, 20) + "', which is no coordinate");
+      throw IoError(where + ": its data hold '" + std::string(at).substr(0, 20) +
+                    "', which is no coordinate");
     numbers.push_back(value);
     at = *end ? end + 1 : end;
   }
@@ -54,10 +55,12 @@ Loop loopOf(const DicomElements& item, const std::string& where) {
     throw IoError(where + ": has " + std::to_string(numbers.size()) + " coordinates where " +
                   (count.empty() ? std::string("three a point") : count + " points") + " are announced");
   Loop loop;
-  for (size_t n = 0; n < numbers.size(); n += 3) loop.points.emplace_back(numbers[n], numbers[n + 1], numbers[n + 2]);
+  for (size_t n = 0; n < numbers.size(); n += 3)
+    loop.points.emplace_back(numbers[n], numbers[n + 1], numbers[n + 2]);
   for (const Vec3d& p : loop.points) loop.middle += p / double(loop.points.size());
   for (size_t n = 0; n < loop.points.size(); ++n)
-    loop.area += 0.5 * (loop.points[n] - loop.middle).cross(loop.points[(n + 1) % loop.points.size()] - loop.middle);
+    loop.area +=
+        0.5 * (loop.points[n] - loop.middle).cross(loop.points[(n + 1) % loop.points.size()] - loop.middle);
   return loop;
 }
 
@@ -67,7 +70,8 @@ double offPlane(const Loop& loop, const Vec3d& normal) {
   return most;
 }
 
-/// The first axis that a normal has a share of is positive, and an axis of the patient is exact where it is meant.
+/// The first axis that a normal has a share of is positive, and an axis of the patient is exact where it is
+/// meant.
 Vec3d tidy(Vec3d normal) {
   for (int a = 0; a < 3; ++a)
     if (std::abs(normal[a]) > 1 - 1e-6) {
@@ -98,10 +102,13 @@ class RegionReader {
         continue;
       }
       Loop loop = loopOf(item, where);
-      if (loop.points.size() < 3 || !(loop.area.length() > 0)) ++few;
-      else loops.push_back(std::move(loop));
+      if (loop.points.size() < 3 || !(loop.area.length() > 0))
+        ++few;
+      else
+        loops.push_back(std::move(loop));
     }
-    for (const auto& [kind, count] : others) say(count, " contours of type " + kind + " left out: they enclose nothing");
+    for (const auto& [kind, count] : others)
+      say(count, " contours of type " + kind + " left out: they enclose nothing");
     say(few, " contours of less than three points or without area left out");
     arrange(loops);
     if (set_.planes.empty()) notes_.push_back(where_ + ": has no closed contour");
@@ -112,8 +119,8 @@ class RegionReader {
     if (count > 0) notes_.push_back(where_ + ": " + std::to_string(count) + what);
   }
 
-  /// Groups the contours by plane, in order along each normal. Most regions have one normal: that of the largest
-  /// contour is taken wherever it fits, since small contours do not tell theirs well.
+  /// Groups the contours by plane, in order along each normal. Most regions have one normal: that of the
+  /// largest contour is taken wherever it fits, since small contours do not tell theirs well.
   void arrange(const std::vector<Loop>& loops) {
     if (loops.empty()) return;
     const Loop& largest = *std::max_element(loops.begin(), loops.end(), [](const Loop& a, const Loop& b) {
@@ -127,15 +134,17 @@ class RegionReader {
       const Vec3d normal = fits ? usual : own;
       const double off = offPlane(loops[i], normal);
       if (off > kOffPlane)
-        throw IoError(where_ + ": a contour near (" + placeOf(loops[i].middle) + ") is not flat: a point lies " +
-                      std::to_string(off) + " mm off its plane, more than " + std::to_string(kOffPlane));
+        throw IoError(where_ + ": a contour near (" + placeOf(loops[i].middle) +
+                      ") is not flat: a point lies " + std::to_string(off) + " mm off its plane, more than " +
+                      std::to_string(kOffPlane));
       moved += off > kRounding;
       add(loops[i], normal);
     }
     say(moved, " contours not quite flat: points moved onto their plane by up to 0.25 mm");
-    std::stable_sort(set_.planes.begin(), set_.planes.end(), [&](const PlaneContours& a, const PlaneContours& b) {
-      return a.origin.dot(usual) < b.origin.dot(usual);
-    });
+    std::stable_sort(set_.planes.begin(), set_.planes.end(),
+                     [&](const PlaneContours& a, const PlaneContours& b) {
+                       return a.origin.dot(usual) < b.origin.dot(usual);
+                     });
   }
   static std::string placeOf(const Vec3d& p) {
     return std::to_string(p[0]) + ", " + std::to_string(p[1]) + ", " + std::to_string(p[2]);
@@ -173,7 +182,8 @@ std::vector<ContourSet> regionsOf(const std::string& path, const DicomElements& 
 
 ContourFile contoursOf(const std::string& path, const DicomElements& all) {
   if (all.text(kSopClass) != kStructureSet)
-    throw IoError(path + " is DICOM, but no RT structure set (its SOP class is '" + all.text(kSopClass) + "')");
+    throw IoError(path + " is DICOM, but no RT structure set (its SOP class is '" + all.text(kSopClass) +
+                  "')");
   if (!all.has(kRegionContours) || !all.has(kObservations))
     throw IoError(path + ": the file ends before its contours and observations do: it was cut short");
   ContourFile file;
@@ -182,15 +192,18 @@ ContourFile contoursOf(const std::string& path, const DicomElements& all) {
   file.sets = regionsOf(path, all);
   for (const DicomElements& item : all.items(kRegionContours)) {
     const int number = std::atoi(item.text(kReference).c_str());
-    const auto set = std::find_if(file.sets.begin(), file.sets.end(), [&](const ContourSet& s) { return s.label == number; });
+    const auto set = std::find_if(file.sets.begin(), file.sets.end(),
+                                  [&](const ContourSet& s) { return s.label == number; });
     if (set == file.sets.end()) {
-      file.notes.push_back(path + ": contours of region " + std::to_string(number) + ", which is not named, left out");
+      file.notes.push_back(path + ": contours of region " + std::to_string(number) +
+                           ", which is not named, left out");
       continue;
     }
     RegionReader(path, *set, file.notes).read(item);
   }
   const auto empty = [](const ContourSet& s) { return s.planes.empty(); };
-  if (std::all_of(file.sets.begin(), file.sets.end(), empty)) throw IoError(path + ": no region has a closed contour");
+  if (std::all_of(file.sets.begin(), file.sets.end(), empty))
+    throw IoError(path + ": no region has a closed contour");
   return file;
 }
 
@@ -199,15 +212,17 @@ ContourFile contoursOf(const std::string& path, const DicomElements& all) {
 bool isRtStructureSet(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) return false;
-  // Only the head of the file, so that a damaged one is still known for what it is: the storage class is named there.
+  // Only the head of the file, so that a damaged one is still known for what it is: the storage class is
+  // named there.
   std::ifstream file(path, std::ios::binary);
   std::string head(kHeadSize, '\0');
   file.read(head.data(), kHeadSize);
   head.resize(size_t(file.gcount()));
   if (head.size() < 132 || head.compare(128, 4, "DICM") != 0) return false;
   const size_t at = head.find(kStructureSet);
-  return at != std::string::npos && (at + std::strlen(kStructureSet) >= head.size() ||
-                                     !std::isdigit(static_cast<unsigned char>(head[at + std::strlen(kStructureSet)])));
+  return at != std::string::npos &&
+         (at + std::strlen(kStructureSet) >= head.size() ||
+          !std::isdigit(static_cast<unsigned char>(head[at + std::strlen(kStructureSet)])));
 }
 
 ContourFile readRtStructureSet(const std::string& path) {

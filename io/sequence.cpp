@@ -14,7 +14,8 @@ std::vector<SequenceFile> findSequence(const std::string& pattern) {
   const std::string name = fs::path(pattern).filename().string();
   const size_t last = name.find_last_of('#');
   const size_t first = last == std::string::npos ? 0 : name.find_last_not_of('#', last) + 1;
-  const std::string before = name.substr(0, first), after = last == std::string::npos ? "" : name.substr(last + 1);
+  const std::string before = name.substr(0, first),
+                    after = last == std::string::npos ? "" : name.substr(last + 1);
   std::vector<SequenceFile> files;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(parent.empty() ? fs::path(".") : parent, error)) {

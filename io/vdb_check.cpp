@@ -78,18 +78,21 @@ class TreeWalker {
   /// What readCompressedValues of openvdb/io/Compression.h reads.
   void values(size_t active, size_t all) {
     const auto kind = walker_.number<std::int8_t>();
-    if (kind < vdb::NO_MASK_OR_INACTIVE_VALS || kind > vdb::NO_MASK_AND_ALL_VALS) throw Damaged("its tree is damaged");
+    if (kind < vdb::NO_MASK_OR_INACTIVE_VALS || kind > vdb::NO_MASK_AND_ALL_VALS)
+      throw Damaged("its tree is damaged");
     const bool one = kind == vdb::NO_MASK_AND_ONE_INACTIVE_VAL || kind == vdb::MASK_AND_ONE_INACTIVE_VAL;
     const bool two = kind == vdb::MASK_AND_TWO_INACTIVE_VALS;
     walker_.skip(storage_.valueSize * (one ? 1u : two ? 2u : 0u));
-    if (two || kind == vdb::MASK_AND_ONE_INACTIVE_VAL || kind == vdb::MASK_AND_NO_INACTIVE_VALS) walker_.skip(all / 8);
+    if (two || kind == vdb::MASK_AND_ONE_INACTIVE_VAL || kind == vdb::MASK_AND_NO_INACTIVE_VALS)
+      walker_.skip(all / 8);
     const bool masked = storage_.compression & vdb::COMPRESS_ACTIVE_MASK && kind != vdb::NO_MASK_AND_ALL_VALS;
     chunk((masked ? active : all) * std::uint64_t(storage_.storedSize));
   }
 
   void chunk(std::uint64_t bytes) {
     if (!(storage_.compression & (vdb::COMPRESS_BLOSC | vdb::COMPRESS_ZIP))) return walker_.skip(bytes);
-    if (bytes == 0 && storage_.storedSize < storage_.valueSize) return;  // half floats: nothing is stored for none
+    if (bytes == 0 && storage_.storedSize < storage_.valueSize)
+      return;  // half floats: nothing is stored for none
     const auto stored = walker_.number<std::int64_t>();
     const std::uint64_t size = stored < 0 ? std::uint64_t(0) - std::uint64_t(stored) : std::uint64_t(stored);
     if (stored <= 0 ? size != bytes : size > mostCompressed(bytes)) throw Damaged("its values are damaged");

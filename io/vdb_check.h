@@ -11,7 +11,8 @@ struct Damaged : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Steps over parts of a stream without believing their sizes: none may reach beyond `size`, the whole stream's.
+/// Steps over parts of a stream without believing their sizes: none may reach beyond `size`, the whole
+/// stream's.
 class Walker {
  public:
   Walker(std::istream& stream, std::uint64_t size);
@@ -36,14 +37,14 @@ class Walker {
 
 /// How the values of a float or double tree of the usual shape (5, 4, 3) are stored.
 struct TreeStorage {
-  unsigned valueSize = 4;      ///< bytes of a value in memory: tiles and inactive values
-  unsigned storedSize = 4;     ///< bytes of an active value: 2 for half floats
+  unsigned valueSize = 4;         ///< bytes of a value in memory: tiles and inactive values
+  unsigned storedSize = 4;        ///< bytes of an active value: 2 for half floats
   std::uint32_t compression = 0;  ///< flags of openvdb::io
 };
 
-/// Walks a tree from its topology to its last value and throws Damaged where a size does not fit. OpenVDB's reader reads
-/// "uncompressed" chunks of whatever length the file states over the end of its buffers before it compares.
-/// For files of version 222 or later; the stream stands at the topology.
+/// Walks a tree from its topology to its last value and throws Damaged where a size does not fit. OpenVDB's
+/// reader reads "uncompressed" chunks of whatever length the file states over the end of its buffers before
+/// it compares. For files of version 222 or later; the stream stands at the topology.
 void checkTree(Walker& walker, const TreeStorage& storage);
 
 }  // namespace slicemorph

@@ -82,7 +82,8 @@ class Reader : public openvdb::io::Archive {
     constexpr std::string_view kHalf = "_HalfFloat";
     const std::string name = openvdb::readString(stream_);
     std::string type = openvdb::readString(stream_);
-    const bool half = type.size() > kHalf.size() && type.compare(type.size() - kHalf.size(), kHalf.size(), kHalf) == 0;
+    const bool half =
+        type.size() > kHalf.size() && type.compare(type.size() - kHalf.size(), kHalf.size(), kHalf) == 0;
     if (half) type.resize(type.size() - kHalf.size());
     GridDescriptor descriptor(name, type, half);
     if (version() >= kFirstWithInstances) descriptor.setInstanceParentName(openvdb::readString(stream_));
@@ -200,7 +201,8 @@ std::vector<VdbEntry> entriesOf(const std::vector<GridDescriptor>& descriptors) 
   for (const GridDescriptor& d : descriptors) ++total[d.gridName()];
   std::vector<VdbEntry> entries;
   for (const GridDescriptor& d : descriptors) {
-    const std::string suffix = total[d.gridName()] > 1 ? "[" + std::to_string(seen[d.gridName()]++) + "]" : "";
+    const std::string suffix =
+        total[d.gridName()] > 1 ? "[" + std::to_string(seen[d.gridName()]++) + "]" : "";
     entries.push_back({d.gridName() + suffix, d.gridType(), d.saveFloatAsHalf()});
   }
   return entries;
@@ -225,7 +227,8 @@ struct VdbFile::Impl {
   std::uint32_t compression = openvdb::io::COMPRESS_NONE;
   std::vector<GridDescriptor> descriptors;
   std::vector<VdbEntry> entries;
-  std::vector<GridBase::Ptr> streamed;  // all grids of a file without offsets, which can only be read in order
+  std::vector<GridBase::Ptr>
+      streamed;  // all grids of a file without offsets, which can only be read in order
 
   void readContents() {
     Reader reader(path, size);
@@ -250,8 +253,9 @@ struct VdbFile::Impl {
 
   GridBase::Ptr readDelayed(size_t index) const {
     // OpenVDB's own files, which alone read with delay, have to know all types.
-    const bool known = std::all_of(descriptors.begin(), descriptors.end(),
-                                   [](const GridDescriptor& d) { return GridBase::isRegistered(d.gridType()); });
+    const bool known = std::all_of(descriptors.begin(), descriptors.end(), [](const GridDescriptor& d) {
+      return GridBase::isRegistered(d.gridType());
+    });
     if (!streamed.empty() || !known || descriptors.at(index).isInstance()) return readConnected(index);
     Reader(path, size).checkGrid(descriptors[index]);
     openvdb::io::File file(path);
@@ -270,7 +274,9 @@ struct VdbFile::Impl {
     if (!descriptors[index].isInstance()) return grid;
     for (size_t i = 0; i < descriptors.size(); ++i) {
       const bool parent = descriptors[i].uniqueName() == descriptors[index].instanceParentName();
-      if (!parent || descriptors[i].isInstance() || descriptors[i].gridType() != descriptors[index].gridType()) continue;
+      if (!parent || descriptors[i].isInstance() ||
+          descriptors[i].gridType() != descriptors[index].gridType())
+        continue;
       grid->setTree(readOwn(i)->baseTreePtr());
       return grid;
     }
@@ -297,8 +303,9 @@ std::string VdbFile::libraryVersion() const { return impl_->libraryVersion; }
 
 GridBase::Ptr VdbFile::readHeader(size_t index) const {
   return guarded(impl_->cannotRead(index), [&] {
-    return impl_->streamed.empty() ? Reader(impl_->path, impl_->size).readHeaderOf(impl_->descriptors.at(index))
-                                   : impl_->streamed.at(index);
+    return impl_->streamed.empty()
+               ? Reader(impl_->path, impl_->size).readHeaderOf(impl_->descriptors.at(index))
+               : impl_->streamed.at(index);
   });
 }
 

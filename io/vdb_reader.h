@@ -15,15 +15,15 @@ void initialiseVdb();
 
 /// One grid of a VDB file, as its table of contents lists it.
 struct VdbEntry {
-  std::string name;      ///< `density`; `density[1]` for the second of several grids of one name
-  std::string type;      ///< of the tree, for example `Tree_float_5_4_3`
+  std::string name;  ///< `density`; `density[1]` for the second of several grids of one name
+  std::string type;  ///< of the tree, for example `Tree_float_5_4_3`
   bool halfFloat = false;
 };
 
-/// A VDB file, read grid by grid so that one that cannot be read leaves the others. OpenVDB's own reader takes sizes in
-/// the file at their word; here they are first compared with each other and with what the file can hold: those of the
-/// contents, the metadata and of trees of numbers and vectors. (Trees of other types are only as safe as OpenVDB is.)
-/// Everything throws IoError naming the file.
+/// A VDB file, read grid by grid so that one that cannot be read leaves the others. OpenVDB's own reader
+/// takes sizes in the file at their word; here they are first compared with each other and with what the file
+/// can hold: those of the contents, the metadata and of trees of numbers and vectors. (Trees of other types
+/// are only as safe as OpenVDB is.) Everything throws IoError naming the file.
 class VdbFile {
  public:
   /// Reads the table of contents; a truncated file is refused here.
@@ -37,8 +37,8 @@ class VdbFile {
   /// Metadata and transform only, for a look at the class; null for grid types this OpenVDB does not know.
   openvdb::GridBase::Ptr readHeader(size_t index) const;
   openvdb::GridBase::Ptr read(size_t index) const;
-  /// As read(), but values are mapped from the file (no copy of it is made) and read where they are first looked at: the
-  /// file must not change as long as the grid lives.
+  /// As read(), but values are mapped from the file (no copy of it is made) and read where they are first
+  /// looked at: the file must not change as long as the grid lives.
   openvdb::GridBase::Ptr readDelayed(size_t index) const;
 
   /// Of the file, not of its grids.

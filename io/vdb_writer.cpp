@@ -18,7 +18,8 @@ namespace {
 
 constexpr const char* kCreator = "slicemorph 0.1.0";
 
-/// In the file: magic number (8), file version (4), library version (2 x 4), grid offsets (1), then the identifier.
+/// In the file: magic number (8), file version (4), library version (2 x 4), grid offsets (1), then the
+/// identifier.
 constexpr size_t kIdentifierAt = 21, kIdentifierSize = 36;
 
 class Writer : public openvdb::io::Archive {
@@ -54,7 +55,8 @@ class Hash {
 /// The grid with the tree of the one given and metadata of its own.
 openvdb::GridBase::Ptr stamped(const openvdb::GridBase& grid) {
   const openvdb::GridBase::Ptr copy = openvdb::ConstPtrCast<openvdb::GridBase>(grid.copyGrid());
-  for (const char* name : {"file_bbox_min", "file_bbox_max", "file_mem_bytes", "file_voxel_count", "file_compression"})
+  for (const char* name :
+       {"file_bbox_min", "file_bbox_max", "file_mem_bytes", "file_voxel_count", "file_compression"})
     copy->removeMeta(name);
   copy->setCreator(kCreator);
   return copy;

@@ -1,5 +1,5 @@
-// Bars that bend and twist against the closed form: half way the bar is bent by half. 128 voxels along the longest side;
-// errors in voxels, symmetric between the surfaces.
+// Bars that bend and twist against the closed form: half way the bar is bent by half. 128 voxels along the
+// longest side; errors in voxels, symmetric between the surfaces.
 #include "engine/measure/measure.h"
 #include "engine/slicemorph.h"
 #include "engine/spine/chart.h"
@@ -10,8 +10,8 @@
 #include "tests/shapes.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 #include <openvdb/tools/Interpolation.h>
+#include <tbb/global_control.h>
 
 #include <cstdio>
 #include <set>
@@ -26,13 +26,15 @@ using shapes::Curl;
 struct Case {
   std::string name;
   Curl from, to;
-  double half = 1;                ///< the bar's half length
-  Vec3d section{0, 0.20, 0.13};   ///< its half sides
-  Vec3d sectionTo{0, 0, 0};       ///< of its far end, where it tapers
-  double mean = 0.1, max = 1;     ///< what is asked for; a known miss has its own limits
+  double half = 1;               ///< the bar's half length
+  Vec3d section{0, 0.20, 0.13};  ///< its half sides
+  Vec3d sectionTo{0, 0, 0};      ///< of its far end, where it tapers
+  double mean = 0.1, max = 1;    ///< what is asked for; a known miss has its own limits
 
   /// The strongest of their kinds, which stand for the others when they are turned and moved as well.
-  bool hard() const { return std::set<std::string>{"bend180", "twist150", "both", "S", "helix", "horn"}.count(name); }
+  bool hard() const {
+    return std::set<std::string>{"bend180", "twist150", "both", "S", "helix", "horn"}.count(name);
+  }
 };
 
 double radians(double degrees) { return degrees * kPi / 180; }
@@ -77,8 +79,8 @@ Vec3d centroid(const Mesh& mesh) {
   return sum / volume;
 }
 
-/// Area centroid of the plane section through a point, as far as it lies within `reach` of it: each triangle's piece of
-/// the outline counts for itself.
+/// Area centroid of the plane section through a point, as far as it lies within `reach` of it: each
+/// triangle's piece of the outline counts for itself.
 Vec3d sectionCentroid(const Mesh& mesh, const Vec3d& point, const Vec3d& normal, double reach) {
   double area = 0;
   Vec3d sum(0.0);
@@ -98,10 +100,11 @@ Vec3d sectionCentroid(const Mesh& mesh, const Vec3d& point, const Vec3d& normal,
   return point + sum / area;
 }
 
-/// Length of a bar's own axis, from its surface alone: the line through the centroids of sections, cut near where they
-/// ought to lie and as they ought to lie (`truth`: places along the bar), then on from both ends as it last bent, out
-/// through the caps, where the level set turns positive. A bar stretched, shortened, kinked or curled does not come out
-/// right, nor does one whose bend is another one's, as long as sections still meet it.
+/// Length of a bar's own axis, from its surface alone: the line through the centroids of sections, cut near
+/// where they ought to lie and as they ought to lie (`truth`: places along the bar), then on from both ends
+/// as it last bent, out through the caps, where the level set turns positive. A bar stretched, shortened,
+/// kinked or curled does not come out right, nor does one whose bend is another one's, as long as sections
+/// still meet it.
 template <typename Place>
 double axisLength(const FloatGrid& grid, const Mesh& mesh, const Place& truth, double half, double reach) {
   constexpr int kSections = 19;
@@ -130,16 +133,19 @@ double axisLength(const FloatGrid& grid, const Mesh& mesh, const Place& truth, d
 
 class Bends : public testing::TestWithParam<Case> {};
 
-/// Every in-between against the bar bent by its share; the second object also turned (rotation vector) and moved.
+/// Every in-between against the bar bent by its share; the second object also turned (rotation vector) and
+/// moved.
 void expectBends(const Case& c, bool keyed, const Vec3d& turn, const Vec3d& offset) {
   const Mesh straight = bar(c, keyed);
   const Mesh a = shapes::bent(straight, c.from);
   const Mesh b = placed(shapes::bent(straight, c.to), rotationFromVector(turn), offset);
   const Object first = object(a), second = object(b);
   const MorphPlan plan({first, second});
-  const double volumeA = measureShape(*first.levelSet).volume, volumeB = measureShape(*second.levelSet).volume;
+  const double volumeA = measureShape(*first.levelSet).volume,
+               volumeB = measureShape(*second.levelSet).volume;
   for (double t : {0.25, 0.5, 0.75}) {
-    Mesh truth = placed(shapes::bent(straight, c.from.mixed(c.to, t)), rotationFromVector(t * turn), {0, 0, 0});
+    Mesh truth =
+        placed(shapes::bent(straight, c.from.mixed(c.to, t)), rotationFromVector(t * turn), {0, 0, 0});
     const Vec3d shift = (1 - t) * centroid(a) + t * centroid(b) - centroid(truth);
     truth = placed(truth, Mat3d::identity(), shift);
     const FloatGrid::Ptr frame = plan.frame({1 - t, t}).surface;
@@ -151,8 +157,8 @@ void expectBends(const Case& c, bool keyed, const Vec3d& turn, const Vec3d& offs
     const auto place = [&](double s) { return rotationFromVector(t * turn) * curl.place({s, 0, 0}) + shift; };
     const double reach = 1.5 * std::hypot(1.35 * c.section[1], c.section[2]);
     const double length = axisLength(*frame, mesh, place, c.half, reach) / (2 * c.half);
-    std::printf("  %s t %.2f: mean %.3f, max %.3f voxels, volume %.4f, length %.4f\n", c.name.c_str(), t, d.mean / h,
-                d.max / h, volume / linear, length);
+    std::printf("  %s t %.2f: mean %.3f, max %.3f voxels, volume %.4f, length %.4f\n", c.name.c_str(), t,
+                d.mean / h, d.max / h, volume / linear, length);
     EXPECT_LE(d.mean / h, c.mean) << "t " << t;
     EXPECT_LE(d.max / h, c.max) << "t " << t;
     EXPECT_NEAR(volume / linear, 1, 0.01) << "t " << t;
@@ -161,15 +167,16 @@ void expectBends(const Case& c, bool keyed, const Vec3d& turn, const Vec3d& offs
 }
 
 TEST_P(Bends, HalfWayIsBentByHalf) {
-  if (!allTests() && GetParam().hard()) GTEST_SKIP() << "covered turned and moved; SLICEMORPH_ALL_TESTS=1 runs it";
+  if (!allTests() && GetParam().hard())
+    GTEST_SKIP() << "covered turned and moved; SLICEMORPH_ALL_TESTS=1 runs it";
   expectBends(GetParam(), false, {0, 0, 0}, {0, 0, 0});
 }
 
 TEST_P(Bends, AlsoWhenTurnedAndMoved) {
   Case c = GetParam();
   if (!allTests() && !c.hard()) GTEST_SKIP() << "covered in place; SLICEMORPH_ALL_TESTS=1 runs it";
-  // A known miss of the 0.1 voxel asked for: the axis through the keyed sections' centroids winds about the bar's own, so
-  // that slices lean by a degree.
+  // A known miss of the 0.1 voxel asked for: the axis through the keyed sections' centroids winds about the
+  // bar's own, so that slices lean by a degree.
   if (c.name == "helix") c.mean = 0.12;
   expectBends(c, true, Vec3d(1, 2, 3).unit() * radians(100), {0.7, -1.3, 0.4});
 }
@@ -178,11 +185,12 @@ const Vec3d kThin(0, 0.13, 0.09);
 
 INSTANTIATE_TEST_SUITE_P(
     Bars, Bends,
-    testing::Values(Case{"bend60", by(0), by(60)}, Case{"bend120", by(0), by(120)}, Case{"bend180", by(0), by(180)},
-                    Case{"twist45", by(0), by(0, 45)}, Case{"twist90", by(0), by(0, 90)},
-                    Case{"twist150", by(0), by(0, 150)}, Case{"other", by(70), by(-70)},
-                    Case{"both", by(0), by(90, 90)},
-                    Case{"S", by(0), Curl({{-1e9, 0, Vec3d(0, 0, radians(90))}, {0, 1e9, Vec3d(0, 0, -radians(90))}})},
+    testing::Values(Case{"bend60", by(0), by(60)}, Case{"bend120", by(0), by(120)},
+                    Case{"bend180", by(0), by(180)}, Case{"twist45", by(0), by(0, 45)},
+                    Case{"twist90", by(0), by(0, 90)}, Case{"twist150", by(0), by(0, 150)},
+                    Case{"other", by(70), by(-70)}, Case{"both", by(0), by(90, 90)},
+                    Case{"S", by(0),
+                         Curl({{-1e9, 0, Vec3d(0, 0, radians(90))}, {0, 1e9, Vec3d(0, 0, -radians(90))}})},
                     Case{"helix", by(0), Curl(Vec3d(1.8, 0, 2.57)), 1, kThin, {0, 0, 0}},
                     Case{"horn", by(0), by(200), 1, {0, 0.22, 0.16}, {0, 0.05, 0.04}}),
     [](const auto& info) { return info.param.name; });
@@ -202,11 +210,15 @@ TEST(Curved, ThreadsDoNotChangeAValue) {
   }
 }
 
-/// Shapes without a clear axis get no curved spine: the result is the straight one's, so no measure can be worse.
+/// Shapes without a clear axis get no curved spine: the result is the straight one's, so no measure can be
+/// worse.
 TEST(Curved, RoundAndStoutShapesStayStraight) {
   const double h = 2.0 / kResolution;
-  const auto grid = [&](const shapes::Distance& d) { return Object{"shape", shapes::levelSet(d, shapes::cube({0, 0, 0}, 1.1), h)}; };
-  const std::vector<Object> objects{grid(shapes::sphere({0, 0, 0}, 1)), grid(shapes::torus({0, 0, 0}, 0.7, 0.3)),
+  const auto grid = [&](const shapes::Distance& d) {
+    return Object{"shape", shapes::levelSet(d, shapes::cube({0, 0, 0}, 1.1), h)};
+  };
+  const std::vector<Object> objects{grid(shapes::sphere({0, 0, 0}, 1)),
+                                    grid(shapes::torus({0, 0, 0}, 0.7, 0.3)),
                                     grid(shapes::box({0.8, 0.8, 0.8}, 0.05))};
   for (size_t i = 0; i < (allTests() ? objects.size() : 1); ++i) {
     MorphOptions straight;

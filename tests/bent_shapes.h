@@ -8,8 +8,8 @@
 /// Bars that bend and twist, by the closed form of a rigid motion of constant rate.
 namespace slicemorph::shapes {
 
-/// A spine of unit speed whose frame turns at a constant rate (about itself, about y, about z; radians per unit) on each
-/// of some pieces; s = 0 lies at the origin, along x.
+/// A spine of unit speed whose frame turns at a constant rate (about itself, about y, about z; radians per
+/// unit) on each of some pieces; s = 0 lies at the origin, along x.
 class Curl {
  public:
   struct Piece {

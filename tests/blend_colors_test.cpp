@@ -21,7 +21,8 @@ Vec3SGrid::Ptr painted(const FloatGrid& levelSet, const Color& color) {
   auto grid = Vec3SGrid::create(Vec3s(0.f));
   grid->setTransform(levelSet.transform().copy());
   auto accessor = grid->getAccessor();
-  for (auto v = levelSet.cbeginValueOn(); v; ++v) accessor.setValue(v.getCoord(), color(levelSet.indexToWorld(v.getCoord())));
+  for (auto v = levelSet.cbeginValueOn(); v; ++v)
+    accessor.setValue(v.getCoord(), color(levelSet.indexToWorld(v.getCoord())));
   return grid;
 }
 
@@ -38,14 +39,17 @@ shapes::Distance tapered(double angle) {
 constexpr double kVoxel = 3.0 / 128;
 const openvdb::BBoxd kBox = shapes::cube({0, 0, 0}, 1.8);
 
-/// Thick half red, thin half blue, turned by 90 degrees: at every time the colours' border is the turned border.
+/// Thick half red, thin half blue, turned by 90 degrees: at every time the colours' border is the turned
+/// border.
 TEST(Colors, BorderTurnsWithTheBar) {
   std::vector<Object> objects;
   std::vector<Vec3SGrid::ConstPtr> colors;
   for (double angle : {0.0, kPi / 2}) {
     objects.push_back({"bar", shapes::levelSet(tapered(angle), kBox, kVoxel)});
     const Vec3d axis(std::cos(angle), std::sin(angle), 0);
-    colors.push_back(painted(*objects.back().levelSet, [=](const Vec3d& p) { return p.dot(axis) > 0 ? Vec3s(1, 0, 0) : Vec3s(0, 0, 1); }));
+    colors.push_back(painted(*objects.back().levelSet, [=](const Vec3d& p) {
+      return p.dot(axis) > 0 ? Vec3s(1, 0, 0) : Vec3s(0, 0, 1);
+    }));
   }
   const MorphPlan plan(objects);
   for (int i = 0; i <= 8; ++i) {
@@ -73,20 +77,22 @@ TEST(Colors, GreysBlendByTheirWeights) {
   const Object a{"ball", shapes::levelSet(shapes::sphere({0, 0, 0}, 1), kBox, kVoxel)};
   const Object b{"box", shapes::levelSet(shapes::box({1.2, 0.5, 0.7}, 0.1), kBox, kVoxel)};
   const Object c{"ring", shapes::levelSet(shapes::torus({0, 0, 0}, 0.9, 0.3), kBox, kVoxel)};
-  const std::vector<Vec3SGrid::ConstPtr> colors{painted(*a.levelSet, [](const Vec3d&) { return Vec3s(0.2f); }),
-                                                painted(*b.levelSet, [](const Vec3d&) { return Vec3s(0.8f); }), nullptr};
+  const std::vector<Vec3SGrid::ConstPtr> colors{
+      painted(*a.levelSet, [](const Vec3d&) { return Vec3s(0.2f); }),
+      painted(*b.levelSet, [](const Vec3d&) { return Vec3s(0.8f); }), nullptr};
   const MorphPlan plan({a, b, c});
   const auto check = [&](const Weights& w, float wanted) {
     const FloatGrid::Ptr surface = plan.frame(w).surface;
     const Vec3SGrid::Ptr cd = plan.carrier(w).colors(*surface, colors);
     for (auto v = cd->cbeginValueOn(); v; ++v)
-      for (int i = 0; i < 3; ++i) ASSERT_NEAR((*v)[i], wanted, 1e-5) << "weights " << w[0] << " " << w[1] << " " << w[2];
+      for (int i = 0; i < 3; ++i)
+        ASSERT_NEAR((*v)[i], wanted, 1e-5) << "weights " << w[0] << " " << w[1] << " " << w[2];
     EXPECT_EQ(cd->activeVoxelCount(), surface->activeVoxelCount());
   };
   check({0.25, 0.75, 0}, 0.65f);
   check({0.3, 0.3, 0.4}, 0.5f);  // one without colours has none to give
   check({1, 0, 0}, 0.2f);
-  check({0, 0, 1}, 0.5f);        // and where it alone counts, the others lend theirs
+  check({0, 0, 1}, 0.5f);  // and where it alone counts, the others lend theirs
 }
 
 /// The colours of a grid that rides with fog: what is not active is no colour.
@@ -95,7 +101,9 @@ TEST(Colors, FogsColoursDoNotBleed) {
   std::vector<openvdb::GridBase::ConstPtr> colors;
   const Vec3s own[2] = {{0.9f, 0.3f, 0.1f}, {0.1f, 0.5f, 0.7f}};
   for (int k = 0; k < 2; ++k) {
-    objects.push_back({"o", shapes::levelSet(k ? shapes::box({1.2, 0.5, 0.7}, 0.1) : shapes::sphere({0, 0, 0}, 1), kBox, 2 * kVoxel)});
+    objects.push_back(
+        {"o", shapes::levelSet(k ? shapes::box({1.2, 0.5, 0.7}, 0.1) : shapes::sphere({0, 0, 0}, 1), kBox,
+                               2 * kVoxel)});
     const Vec3SGrid::Ptr grid = painted(*objects.back().levelSet, [&](const Vec3d&) { return own[k]; });
     grid->setName("Cd");
     colors.push_back(grid);

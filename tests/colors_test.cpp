@@ -28,7 +28,9 @@ FloatGrid::Ptr ball(double voxel = kVoxel) {
 }
 
 /// A colour that is linear in the place.
-Vec3s linear(const Vec3d& p) { return Vec3s(0.5 + 0.1 * p[0], 0.3 + 0.2 * p[1], 0.1 - 0.05 * p[2] + 0.1 * p[0]); }
+Vec3s linear(const Vec3d& p) {
+  return Vec3s(0.5 + 0.1 * p[0], 0.3 + 0.2 * p[1], 0.1 - 0.05 * p[2] + 0.1 * p[0]);
+}
 
 /// Colours of a function of the world place where |distance to the unit ball| is less than `reach`.
 template <typename Function>
@@ -164,7 +166,8 @@ TEST(SurfaceColors, WhatIsFurtherAwayTakesTheNearestVoxels) {
     Coord best;
     auto squared = [&](const Coord& c) { return (c - voxel).asVec3d().lengthSqr(); };
     for (const Coord& c : sources)
-      if (squared(c) < squared(best) || best == Coord() || (squared(c) == squared(best) && c < best)) best = c;
+      if (squared(c) < squared(best) || best == Coord() || (squared(c) == squared(best) && c < best))
+        best = c;
     ASSERT_EQ(*value, given->tree().getValue(best)) << voxel;
   }
   EXPECT_GT(n, 1000u);
@@ -202,13 +205,17 @@ TEST(SurfaceColors, TheSameForAnyThreadCount) {
 }
 
 TEST(SurfaceColors, NamesOfColors) {
-  for (const char* name : {"Cd", "cd", "color", "Color", "colour", "rgb", "albedo"}) EXPECT_TRUE(isColorName(name));
-  for (const char* name : {"emission", "vel", "v", "rest", "uv", "density", ""}) EXPECT_FALSE(isColorName(name));
+  for (const char* name : {"Cd", "cd", "color", "Color", "colour", "rgb", "albedo"})
+    EXPECT_TRUE(isColorName(name));
+  for (const char* name : {"emission", "vel", "v", "rest", "uv", "density", ""})
+    EXPECT_FALSE(isColorName(name));
 }
 
 TEST(MovingMeshColors, AreThoseOfTheirFrames) {
   const auto transform = openvdb::math::Transform::createLinearTransform(kVoxel);
-  const auto grid = [&](float red) { return colorGrid(*transform, 0.4, [=](const Vec3d&) { return Vec3s(red, 0, 1); }); };
+  const auto grid = [&](float red) {
+    return colorGrid(*transform, 0.4, [=](const Vec3d&) { return Vec3s(red, 0, 1); });
+  };
   std::vector<SurfaceFrame> frames{{ball(), {1, 0}, grid(0.25f)}, {ball(), {0, 1}, grid(0.75f)}};
   const std::vector<MovingMesh> meshes = followSurfaces(frames, nullptr);
   ASSERT_EQ(meshes.size(), 2u);
@@ -237,7 +244,8 @@ TEST(MovingMeshColors, HaveTargetsOnlyWhereTheyChange) {
   MovingMesh mesh{0, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}, {points, points, points}};
   const auto primitive = [&] { return gltfOf(encodeGlb({mesh}))["meshes"][0]["primitives"][0]; };
   const auto base = [&] {
-    return gltfOf(encodeGlb({mesh}))["materials"][0]["pbrMetallicRoughness"].value("baseColorFactor", nlohmann::json());
+    return gltfOf(encodeGlb({mesh}))["materials"][0]["pbrMetallicRoughness"].value("baseColorFactor",
+                                                                                   nlohmann::json());
   };
   EXPECT_FALSE(primitive()["attributes"].contains("COLOR_0"));
   EXPECT_EQ(base()[0], 0.62);

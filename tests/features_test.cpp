@@ -32,10 +32,14 @@ Vec3d onLeg(int leg, double swing, double share) {
 using Swing = std::array<double, 4>;
 
 Object quadruped(const Swing& swing) {
-  std::vector<Distance> parts{capsule({-0.55, 0, 0.45}, {0.5, 0, 0.45}, 0.17), capsule({0.5, 0, 0.5}, {0.78, 0, 0.85}, 0.09),
-                              capsule({0.78, 0, 0.85}, {0.98, 0, 0.8}, 0.1), capsule({-0.6, 0, 0.5}, {-0.85, 0, 0.3}, 0.05)};
-  for (int leg = 0; leg < 4; ++leg) parts.push_back(capsule(hip(leg), onLeg(leg, swing[size_t(leg)], 1), 0.065));
-  return {"quadruped", shapes::levelSet(joined(parts), openvdb::BBoxd(Vec3d(-1.2, -0.4, -0.4), Vec3d(1.2, 0.4, 1.1)), 1.9 / 128)};
+  std::vector<Distance> parts{
+      capsule({-0.55, 0, 0.45}, {0.5, 0, 0.45}, 0.17), capsule({0.5, 0, 0.5}, {0.78, 0, 0.85}, 0.09),
+      capsule({0.78, 0, 0.85}, {0.98, 0, 0.8}, 0.1), capsule({-0.6, 0, 0.5}, {-0.85, 0, 0.3}, 0.05)};
+  for (int leg = 0; leg < 4; ++leg)
+    parts.push_back(capsule(hip(leg), onLeg(leg, swing[size_t(leg)], 1), 0.065));
+  return {"quadruped",
+          shapes::levelSet(joined(parts), openvdb::BBoxd(Vec3d(-1.2, -0.4, -0.4), Vec3d(1.2, 0.4, 1.1)),
+                           1.9 / 128)};
 }
 
 /// Two lines a leg: from the hip to the knee and from the knee to the foot.
@@ -45,7 +49,8 @@ std::vector<Feature> legLines(const Swing& a, const Swing& b) {
     for (int half = 0; half < 2; ++half) {
       Feature line{"leg " + std::to_string(leg) + (half ? " below" : " above"), Feature::Kind::kLine, {}};
       for (const Swing& s : {a, b})
-        line.places.push_back({onLeg(leg, s[size_t(leg)], 0.5 * half), onLeg(leg, s[size_t(leg)], 0.5 * half + 0.5)});
+        line.places.push_back(
+            {onLeg(leg, s[size_t(leg)], 0.5 * half), onLeg(leg, s[size_t(leg)], 0.5 * half + 0.5)});
       lines.push_back(std::move(line));
     }
   return lines;
@@ -68,8 +73,8 @@ TEST(Features, LinesKeepFourLegs) {
     // Where the legs have left the body, half way down, and above the highest feet.
     const int upper = sectionParts(*frame.surface, 2, 0.2), middle = sectionParts(*frame.surface, 2, 0.1),
               low = sectionParts(*frame.surface, 2, 0.0);
-    std::printf("  t %.3f: pieces %d, genus %d, legs %d, %d and %d, volume %.3f, fold %.4f\n", t, m.pieces, m.genus, upper, middle,
-                low, volume, frame.foldShare);
+    std::printf("  t %.3f: pieces %d, genus %d, legs %d, %d and %d, volume %.3f, fold %.4f\n", t, m.pieces,
+                m.genus, upper, middle, low, volume, frame.foldShare);
     EXPECT_EQ(m.pieces, 1) << "t " << t;
     EXPECT_EQ(upper, 4) << "t " << t;
     EXPECT_EQ(middle, 4) << "t " << t;
@@ -82,12 +87,16 @@ TEST(Features, LinesKeepFourLegs) {
 /// Thick at one end, thin at the other, with a fin on top so that no other symmetry is left.
 Object fish(double thickAt) {
   const double s = thickAt;
-  const Distance shape = joined({capsule({0.6 * s, 0, 0}, {0.3 * s, 0, 0}, 0.35), capsule({0.4 * s, 0, 0}, {-0.9 * s, 0, 0}, 0.16),
+  const Distance shape = joined({capsule({0.6 * s, 0, 0}, {0.3 * s, 0, 0}, 0.35),
+                                 capsule({0.4 * s, 0, 0}, {-0.9 * s, 0, 0}, 0.16),
                                  capsule({0.2 * s, 0, 0.2}, {0, 0, 0.5}, 0.1)});
-  return {"fish", shapes::levelSet(shape, openvdb::BBoxd(Vec3d(-1.3, -0.6, -0.6), Vec3d(1.3, 0.6, 0.8)), 2.0 / 128)};
+  return {"fish",
+          shapes::levelSet(shape, openvdb::BBoxd(Vec3d(-1.3, -0.6, -0.6), Vec3d(1.3, 0.6, 0.8)), 2.0 / 128)};
 }
 
-Feature point(const std::string& name, const Vec3d& a, const Vec3d& b) { return {name, Feature::Kind::kPoint, {{a}, {b}}}; }
+Feature point(const std::string& name, const Vec3d& a, const Vec3d& b) {
+  return {name, Feature::Kind::kPoint, {{a}, {b}}};
+}
 
 /// The shapes alone say thick to thick. Three points say that one's thick end is the other's thin one.
 TEST(Features, ThreePointsTurnAMatchRound) {
@@ -99,7 +108,8 @@ TEST(Features, ThreePointsTurnAMatchRound) {
   const std::vector<Vec3d> wrong = arrives(MorphPlan({a, thinNose}));
   EXPECT_GE((wrong[0] - thinTail).length(), 1.0) << "the shapes alone should match thick to thick";
   MorphOptions options;
-  options.features = {point("nose", nose, thinTail), point("tail", tail, {-0.95, 0, 0}), point("fin", fin, fin)};
+  options.features = {point("nose", nose, thinTail), point("tail", tail, {-0.95, 0, 0}),
+                      point("fin", fin, fin)};
   const MorphPlan plan({a, thinNose}, options);
   const std::vector<Vec3d> right = arrives(plan);
   const double h = a.levelSet->voxelSize()[0];
@@ -142,14 +152,16 @@ TEST(Features, AFarOneChangesNothing) {
 TEST(Features, ContradictionsAreNamed) {
   const Object a = fish(1), b = quadruped({0, 0, 0, 0});
   MorphOptions options;
-  options.features = {point("left", {0.5, 0.3, 0.1}, {0.5, -0.17, 0.45}), point("right", {0.5, -0.3, 0.1}, {0.5, 0.17, 0.45}),
-                      point("nose", {0.95, 0, 0}, {1.08, 0, 0.78}), point("tail", {-1.06, 0, 0}, {-0.9, 0, 0.3}),
-                      point("top", {0.4, 0, 0.35}, {0.4, 0, 0.62}), point("below", {0.4, 0, -0.35}, {0.4, 0, 0.28})};
+  options.features = {
+      point("left", {0.5, 0.3, 0.1}, {0.5, -0.17, 0.45}), point("right", {0.5, -0.3, 0.1}, {0.5, 0.17, 0.45}),
+      point("nose", {0.95, 0, 0}, {1.08, 0, 0.78}),       point("tail", {-1.06, 0, 0}, {-0.9, 0, 0.3}),
+      point("top", {0.4, 0, 0.35}, {0.4, 0, 0.62}),       point("below", {0.4, 0, -0.35}, {0.4, 0, 0.28})};
   const MorphPlan plan({a, b}, options);
   bool told = false;
   for (const std::string& note : plan.notes()) {
     std::printf("  %s\n", note.c_str());
-    told |= note.rfind("warning: ", 0) == 0 && note.find("'left'") != std::string::npos && note.find("'right'") != std::string::npos;
+    told |= note.rfind("warning: ", 0) == 0 && note.find("'left'") != std::string::npos &&
+            note.find("'right'") != std::string::npos;
   }
   EXPECT_TRUE(told);
   for (double t : {0.25, 0.5, 0.75}) {
@@ -159,7 +171,8 @@ TEST(Features, ContradictionsAreNamed) {
   }
 }
 
-/// A disk says where a section is and how wide: the neck of one goes to the neck of the other, elsewhere along it.
+/// A disk says where a section is and how wide: the neck of one goes to the neck of the other, elsewhere
+/// along it.
 TEST(Features, ADiskMovesASection) {
   const auto bar = [](double neck) {
     const Distance shape = [=](const Vec3d& p) {
@@ -167,14 +180,17 @@ TEST(Features, ADiskMovesASection) {
       const double r = std::hypot(p[1], p[2]) - waist, x = std::abs(p[0]) - 1.5;
       return std::hypot(std::max(r, 0.0), std::max(x, 0.0)) + std::min(std::max(r, x), 0.0);
     };
-    return Object{"bar", shapes::levelSet(shape, openvdb::BBoxd(Vec3d(-1.8, -0.6, -0.6), Vec3d(1.8, 0.6, 0.6)), 3.0 / 128)};
+    return Object{
+        "bar",
+        shapes::levelSet(shape, openvdb::BBoxd(Vec3d(-1.8, -0.6, -0.6), Vec3d(1.8, 0.6, 0.6)), 3.0 / 128)};
   };
   const Object a = bar(-0.5), b = bar(0.5);
   Feature disk{"waist", Feature::Kind::kDisk, {{{-0.5, 0, 0}}, {{0.5, 0, 0}}}};
   disk.normals = {{1, 0, 0}, {1, 0, 0}}, disk.radii = {0.25, 0.25};
   MorphOptions options;
   options.features = {disk};
-  const std::vector<Vec3d> there = MorphPlan({a, b}, options).correspond({{-0.5, 0.25, 0}, {-0.5, 0, -0.25}}, 0, 1);
+  const std::vector<Vec3d> there =
+      MorphPlan({a, b}, options).correspond({{-0.5, 0.25, 0}, {-0.5, 0, -0.25}}, 0, 1);
   const double h = a.levelSet->voxelSize()[0];
   EXPECT_LE((there[0] - Vec3d(0.5, 0.25, 0)).length() / h, 2);
   EXPECT_LE((there[1] - Vec3d(0.5, 0, -0.25)).length() / h, 2);

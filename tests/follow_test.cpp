@@ -1,4 +1,5 @@
-// Meshes that keep their triangles over a morph's frames: points ride to where a closed form has them, and onto surfaces.
+// Meshes that keep their triangles over a morph's frames: points ride to where a closed form has them, and
+// onto surfaces.
 #include "engine/follow/moving_mesh.h"
 #include "engine/follow/onto_surface.h"
 #include "engine/measure/measure.h"
@@ -40,7 +41,8 @@ TEST(CarryPoints, ABallThatMovesAndGrowsTakesItsPointsStraightAlong) {
   for (const double t : {0.2, 0.5, 1.0}) {
     const std::vector<Vec3d> there = plan.carryPoints(start, {1, 0}, {1 - t, t});
     double most = 0;
-    for (size_t i = 0; i < start.size(); ++i) most = std::max(most, (there[i] - (start[i] * (1 + t) + t * b)).length());
+    for (size_t i = 0; i < start.size(); ++i)
+      most = std::max(most, (there[i] - (start[i] * (1 + t) + t * b)).length());
     // The map is matched, not told: half a voxel of the larger ball.
     EXPECT_LT(most, 0.5 * kVoxel * 2) << t;
     const std::vector<Vec3d> back = plan.carryPoints(there, {1 - t, t}, {1, 0});
@@ -55,10 +57,12 @@ TEST(CarryPoints, ABarThatTurnsCarriesItsEndsAlongTheArc) {
   const shapes::Distance bar = shapes::box({1, 0.25, 0.15}, 0.1);
   const double angle = 1;
   const Mat3d turn = openvdb::math::rotation<Mat3d>(Vec3d(0, 0, 1), -angle);  // OpenVDB's are for rows
-  const MorphPlan plan({object(shapes::levelSet(bar, shapes::cube({0, 0, 0}, 1.3), kVoxel)),
-                        object(shapes::levelSet(shapes::placed(bar, turn, {0, 0, 0}), shapes::cube({0, 0, 0}, 1.3), kVoxel))});
+  const MorphPlan plan(
+      {object(shapes::levelSet(bar, shapes::cube({0, 0, 0}, 1.3), kVoxel)),
+       object(shapes::levelSet(shapes::placed(bar, turn, {0, 0, 0}), shapes::cube({0, 0, 0}, 1.3), kVoxel))});
   const std::vector<Vec3d> start{{0.95, 0.1, 0.05}, {-0.95, 0.1, 0}, {0.95, -0.15, 0}, {0.1, 0.2, 0.1}};
-  const std::vector<Vec3d> end = plan.correspond(start, 0, 1), there = plan.carryPoints(start, {1, 0}, {0, 1});
+  const std::vector<Vec3d> end = plan.correspond(start, 0, 1),
+                           there = plan.carryPoints(start, {1, 0}, {0, 1});
   for (size_t i = 0; i < start.size(); ++i) {
     EXPECT_LT((there[i] - end[i]).length(), 1e-6 * kVoxel) << i;
     const Vec3d middle = plan.carryPoints(start, {1, 0}, {0.5, 0.5})[i];
@@ -97,12 +101,14 @@ TEST(MovingMesh, OneMeshForWhatKeepsItsShape) {
     const double t = double(i) / 6, radius = 1 + 0.5 * t;
     const Mesh mesh{meshes[0].points[i], meshes[0].triangles};
     EXPECT_EQ(checks::closedAndManifold(mesh), "");
-    for (const openvdb::Vec3s& p : mesh.points) EXPECT_NEAR((Vec3d(p) - Vec3d(2 * t, 0, 0)).length(), radius, 0.5 * kVoxel);
+    for (const openvdb::Vec3s& p : mesh.points)
+      EXPECT_NEAR((Vec3d(p) - Vec3d(2 * t, 0, 0)).length(), radius, 0.5 * kVoxel);
   }
 }
 
 TEST(MovingMesh, SeveralWhereAHoleOpensAndEachFrameInOne) {
-  const FloatGrid::Ptr ring = shapes::levelSet(shapes::torus({0, 0, 0}, 1, 0.35), shapes::cube({0, 0, 0}, 1.6), kVoxel);
+  const FloatGrid::Ptr ring =
+      shapes::levelSet(shapes::torus({0, 0, 0}, 1, 0.35), shapes::cube({0, 0, 0}, 1.6), kVoxel);
   const MorphPlan plan({object(ball({0, 0, 0}, 1)), object(ring)});
   const std::vector<SurfaceFrame> frames = framesOf(plan, 7);
   const FollowLimits limits;
@@ -147,7 +153,8 @@ TEST(MovingMesh, AFrameWithNothingHasAMeshWithNothing) {
   size_t next = 0;
   for (const MovingMesh& m : meshes) {
     ASSERT_EQ(m.first, next);
-    for (size_t i = 0; i < m.points.size(); ++i) EXPECT_EQ(m.triangles.empty(), next + i == 1 || next + i == 2) << next + i;
+    for (size_t i = 0; i < m.points.size(); ++i)
+      EXPECT_EQ(m.triangles.empty(), next + i == 1 || next + i == 2) << next + i;
     next += m.points.size();
   }
   EXPECT_EQ(next, frames.size());

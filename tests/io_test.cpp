@@ -37,9 +37,8 @@ class Io : public ::testing::Test {
  protected:
   static void SetUpTestSuite() { openvdb::initialize(); }
   void SetUp() override {
-    folder_ = fs::temp_directory_path() /
-              ("slicemorph_io_" + std::to_string(getpid()) + "_" +
-               ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    folder_ = fs::temp_directory_path() / ("slicemorph_io_" + std::to_string(getpid()) + "_" +
+                                           ::testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::create_directories(folder_);
   }
   void TearDown() override { fs::remove_all(folder_); }
@@ -51,7 +50,8 @@ class Io : public ::testing::Test {
   }
   std::vector<std::string> leftovers() const {
     std::vector<std::string> names;
-    for (const auto& entry : fs::directory_iterator(folder_)) names.push_back(entry.path().filename().string());
+    for (const auto& entry : fs::directory_iterator(folder_))
+      names.push_back(entry.path().filename().string());
     return names;
   }
 
@@ -65,8 +65,8 @@ std::string realFile(const std::string& name) {
   return fs::exists(path) ? path.string() : "";
 }
 
-#define REAL_FILE(variable, name)                                      \
-  const std::string variable = realFile(name);                         \
+#define REAL_FILE(variable, name)              \
+  const std::string variable = realFile(name); \
   if (variable.empty()) GTEST_SKIP() << name << " is not at hand; set SLICEMORPH_TEST_DATA"
 
 /// The message of the Error that loading throws; what happened instead otherwise.
@@ -91,8 +91,9 @@ FloatGrid::Ptr ball(double radius = 1, double voxel = 0.1, const Vec3d& centre =
   const int reach = int(radius / voxel) + 5;
   const openvdb::Coord middle = grid->transform().worldToIndexNodeCentered(centre);
   auto accessor = grid->getAccessor();
-  for (openvdb::CoordBBox::Iterator<true> c(openvdb::CoordBBox(middle.offsetBy(-reach), middle.offsetBy(reach))); c;
-       ++c) {
+  for (openvdb::CoordBBox::Iterator<true> c(
+           openvdb::CoordBBox(middle.offsetBy(-reach), middle.offsetBy(reach)));
+       c; ++c) {
     const double d = (grid->indexToWorld(*c) - centre).length() - radius;
     if (std::abs(d) < 3 * voxel) {
       accessor.setValueOn(*c, float(d));
@@ -118,8 +119,10 @@ const char* const kCubeOff =
     "4 0 2 3 1\n4 4 5 7 6\n4 0 1 5 4\n4 2 6 7 3\n4 0 4 6 2\n4 1 3 7 5\n";
 
 const char* const kCubePly =
-    "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\nelement face 6\n"
-    "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n"
+    "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\nelement "
+    "face 6\n"
+    "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 "
+    "1 1\n"
     "4 0 2 3 1\n4 4 5 7 6\n4 0 1 5 4\n4 2 6 7 3\n4 0 4 6 2\n4 1 3 7 5\n";
 
 /// A binary glTF of one tetrahedron under a node that scales by 2 and moves by (5, 0, 0).
@@ -141,8 +144,8 @@ std::string tetrahedronGlb() {
     const auto n = std::uint32_t(value);
     return std::string(reinterpret_cast<const char*>(&n), 4);
   };
-  return "glTF" + number(2) + number(12 + 8 + json.size() + 8 + data.size()) + number(json.size()) + "JSON" + json +
-         number(data.size()) + std::string("BIN\0", 4) + data;
+  return "glTF" + number(2) + number(12 + 8 + json.size() + 8 + data.size()) + number(json.size()) + "JSON" +
+         json + number(data.size()) + std::string("BIN\0", 4) + data;
 }
 
 // ---------------------------------------------------------------- names
@@ -193,10 +196,12 @@ TEST_F(Io, GlbNodesAreApplied) {
 TEST_F(Io, RealMeshesAreReadAndRepaired) {
   REAL_FILE(bunny, "mesh/stanford-bunny.obj");
   const auto notes = loadObject(bunny, coarse()).notes;
-  EXPECT_EQ(notes, (std::vector<std::string>{"dropped 1113 points that no face uses", "filled 5 holes (223 edges)"}));
+  EXPECT_EQ(notes, (std::vector<std::string>{"dropped 1113 points that no face uses",
+                                             "filled 5 holes (223 edges)"}));
   EXPECT_EQ(loadObject(realFile("mesh/horse_ref.obj"), coarse()).notes,
             std::vector<std::string>{"filled 2 holes (19 edges)"});
-  EXPECT_EQ(loadObject(realFile("mesh/shark.ply"), coarse()).notes.back(), "turned 1 inside-out shell outwards");
+  EXPECT_EQ(loadObject(realFile("mesh/shark.ply"), coarse()).notes.back(),
+            "turned 1 inside-out shell outwards");
   const std::string moebius = refusal<GeometryError>(realFile("mesh/moebius.obj"));
   EXPECT_HAS(moebius, "moebius.obj: the surface is not orientable: 112 boundary edges in 1 loop");
   const std::string truck = refusal<GeometryError>(realFile("mesh/truck.obj"));
@@ -206,12 +211,14 @@ TEST_F(Io, RealMeshesAreReadAndRepaired) {
 
 TEST_F(Io, RealSurfacesAreClosedManifoldAndOutward) {
   REAL_FILE(first, "mesh/armadillo.obj");
-  for (const char* name : {"armadillo.obj", "bob_small.ply", "busted.stl", "fandisk.obj", "fertility.off", "hand1.off",
-                           "horse_ref.obj", "human_man.obj", "shark.ply", "spot.obj", "stanford-bunny.obj"}) {
+  for (const char* name :
+       {"armadillo.obj", "bob_small.ply", "busted.stl", "fandisk.obj", "fertility.off", "hand1.off",
+        "horse_ref.obj", "human_man.obj", "shark.ply", "spot.obj", "stanford-bunny.obj"}) {
     for (int resolution : {64, 128}) {
       LoadOptions options;
       options.resolution = resolution;
-      const Mesh surface = surfaceOf(*loadObject(realFile(std::string("mesh/") + name), options).object.levelSet);
+      const Mesh surface =
+          surfaceOf(*loadObject(realFile(std::string("mesh/") + name), options).object.levelSet);
       EXPECT_EQ(checks::closedAndManifold(surface), "") << name << " " << resolution;
       EXPECT_EQ(checks::distinctPoints(surface), "") << name << " " << resolution;
       EXPECT_GT(checks::volumeOf(surface), 0) << name;
@@ -256,7 +263,8 @@ TEST_F(Io, DamagedMeshesNameTheFault) {
   EXPECT_HAS(refusal<IoError>(write("nan.obj", obj)), "line 2: vertex 2 is not finite (nan)");
   obj = std::string(kCubeObj) + "f 1 2 9\n";
   EXPECT_HAS(refusal<IoError>(write("index.obj", obj)), "line 15: a face refers to vertex 9, the file has 8");
-  EXPECT_HAS(refusal<IoError>(write("cut.obj", std::string(kCubeObj) + "f 1 2")), "is truncated: the last line");
+  EXPECT_HAS(refusal<IoError>(write("cut.obj", std::string(kCubeObj) + "f 1 2")),
+             "is truncated: the last line");
   EXPECT_HAS(refusal<IoError>(write("points.obj", "v 0 0 0\n")), "no faces");
   EXPECT_HAS(refusal<IoError>(write("noise.obj", "\x89PNG\r\n")), "no vertices");
   std::string ply = kCubePly;
@@ -280,7 +288,8 @@ TEST_F(Io, MissingAndWrongInputsAreNamed) {
   EXPECT_HAS(refusal<IoError>(write("empty.obj", "")), "is empty");
   EXPECT_HAS(refusal<IoError>(write("empty.vdb", "")), "is empty");
   EXPECT_HAS(refusal<InputError>(write("x.doc", "x")), "cannot read the extension '.doc'; use .vdb, .obj");
-  EXPECT_HAS(refusal<IoError>(write("x.vdb", "this is no volume at all")), "x.vdb cannot be read as a VDB file");
+  EXPECT_HAS(refusal<IoError>(write("x.vdb", "this is no volume at all")),
+             "x.vdb cannot be read as a VDB file");
   fs::create_directory(file("folder.obj"));
   EXPECT_HAS(refusal<IoError>(file("folder.obj")), "is a folder");
   const std::string cube = write("c.obj", kCubeObj);
@@ -329,7 +338,8 @@ TEST_F(Io, SameGridGivesTheSameBytes) {
   for (const char* extension : {".vdb", ".obj", ".ply", ".stl"}) {
     writeSurface(file(std::string("a") + extension), *grid);
     writeSurface(file(std::string("b") + extension), *grid);
-    EXPECT_TRUE(readBytes(file(std::string("a") + extension)) == readBytes(file(std::string("b") + extension)))
+    EXPECT_TRUE(readBytes(file(std::string("a") + extension)) ==
+                readBytes(file(std::string("b") + extension)))
         << extension;
   }
   writeSurface(file("c.vdb"), *ball(1.01));
@@ -360,8 +370,10 @@ TEST_F(Io, GridsAreChosenByName) {
   EXPECT_NEAR(volume(file("all.vdb") + ":same"), 1, 0.01);
   EXPECT_NEAR(volume(file("all.vdb") + ":same[1]"), 2, 0.01);
   EXPECT_NEAR(volume(file("all.vdb") + ":double"), 1.5, 0.01);
-  EXPECT_HAS(loadObject(file("all.vdb")).notes.at(0), "took grid 'same[0]' of 5; 'far' is no shape: the grid has no");
-  EXPECT_HAS(refusal<InputError>(file("all.vdb") + ":none"), "there is no grid 'none'; the file holds 'vel' (vec3s");
+  EXPECT_HAS(loadObject(file("all.vdb")).notes.at(0),
+             "took grid 'same[0]' of 5; 'far' is no shape: the grid has no");
+  EXPECT_HAS(refusal<InputError>(file("all.vdb") + ":none"),
+             "there is no grid 'none'; the file holds 'vel' (vec3s");
   EXPECT_HAS(refusal<InputError>(file("all.vdb") + ":vel"), "grid 'vel' holds vec3s values");
   EXPECT_HAS(refusal<GeometryError>(file("all.vdb") + ":far"), "grid 'far': the grid has no surface");
   const FileInfo info = describeFile(file("all.vdb"));
@@ -468,7 +480,8 @@ TEST_F(Io, OutputsThatCannotBeAreNamedAndLeaveNothing) {
 
 TEST_F(Io, FullDiskLeavesNoFile) {
   fs::create_directory(file("full"));
-  if (::mount("tmpfs", file("full").c_str(), "tmpfs", 0, "size=64k") != 0) GTEST_SKIP() << "cannot mount a tmpfs";
+  if (::mount("tmpfs", file("full").c_str(), "tmpfs", 0, "size=64k") != 0)
+    GTEST_SKIP() << "cannot mount a tmpfs";
   for (const char* name : {"full/b.vdb", "full/b.obj", "full/b.ply", "full/b.stl"}) {
     writeBytes(file(name), "old");
     EXPECT_HAS(writeRefusal<IoError>(file(name)), "No space left");

@@ -31,7 +31,8 @@ std::string messageOf(const std::function<void()>& call) {
 
 void expectSays(const std::function<void()>& call, const std::vector<std::string>& texts) {
   const std::string message = messageOf(call);
-  for (const std::string& text : texts) EXPECT_NE(message.find(text), std::string::npos) << message << "\nlacks " << text;
+  for (const std::string& text : texts)
+    EXPECT_NE(message.find(text), std::string::npos) << message << "\nlacks " << text;
 }
 
 double sumOf(const Weights& weights) { return std::accumulate(weights.begin(), weights.end(), 0.0); }
@@ -39,7 +40,8 @@ double sumOf(const Weights& weights) { return std::accumulate(weights.begin(), w
 /// Change of the weights around a time, from its left (-1) or right (1) side, by second order differences.
 Weights measuredSlope(const WeightCourse& course, double t, int side) {
   const double h = 1e-5 * side;
-  const Weights now = weightsAt(course, t), one = weightsAt(course, t + h), two = weightsAt(course, t + 2 * h);
+  const Weights now = weightsAt(course, t), one = weightsAt(course, t + h),
+                two = weightsAt(course, t + 2 * h);
   Weights slope(now.size());
   for (size_t k = 0; k < now.size(); ++k) slope[k] = (4 * one[k] - 3 * now[k] - two[k]) / (2 * h);
   return slope;
@@ -55,9 +57,11 @@ WeightCourse courseOfText(const std::string& keys, Timing timing, const std::str
 }
 
 TEST(InputNames, AreFoundInEveryWay) {
-  for (const std::string name : {"shapes/fish.ply", "fish", "1", "a"}) EXPECT_EQ(inputNamed(name, kInputs), 0u) << name;
+  for (const std::string name : {"shapes/fish.ply", "fish", "1", "a"})
+    EXPECT_EQ(inputNamed(name, kInputs), 0u) << name;
   for (const std::string name : {"b.vdb:density", "b", "2"}) EXPECT_EQ(inputNamed(name, kInputs), 1u) << name;
-  for (const std::string name : {"smoke.####.vdb", "smoke", "3", "c"}) EXPECT_EQ(inputNamed(name, kInputs), 2u) << name;
+  for (const std::string name : {"smoke.####.vdb", "smoke", "3", "c"})
+    EXPECT_EQ(inputNamed(name, kInputs), 2u) << name;
   EXPECT_EQ(stemOfInput("x/scan.nii.gz"), "scan");
   EXPECT_EQ(stemOfInput("x/a.v2.ply"), "a.v2");
 }
@@ -70,7 +74,8 @@ TEST(InputNames, StemsComeBeforeLetters) {
 }
 
 TEST(InputNames, UnknownAndAmbiguousOnesAreRefused) {
-  expectSays([] { inputNamed("d", kInputs); }, {"'d' is no input", "1 'fish' (shapes/fish.ply)", "3 'smoke'"});
+  expectSays([] { inputNamed("d", kInputs); },
+             {"'d' is no input", "1 'fish' (shapes/fish.ply)", "3 'smoke'"});
   const std::vector<std::string> twins = {"x/ball.ply", "y/ball.ply", "2.ply"};
   expectSays([&] { inputNamed("ball", twins); }, {"more than one", "x/ball.ply", "y/ball.ply", "number"});
   expectSays([&] { inputNamed("2", twins); }, {"more than one"});
@@ -85,7 +90,8 @@ TEST(Keys, AreParsed) {
   EXPECT_EQ(keys[1].weights, (Weights{0, 1, 0}));
   EXPECT_EQ(keys[2].weights, (Weights{1, 0, 0}));
   EXPECT_EQ(noteOfUnused(keys, kInputs), "");
-  EXPECT_NE(noteOfUnused(parseKeys("--keys", "a@0 c@1", kInputs), kInputs).find("b.vdb:density"), std::string::npos);
+  EXPECT_NE(noteOfUnused(parseKeys("--keys", "a@0 c@1", kInputs), kInputs).find("b.vdb:density"),
+            std::string::npos);
 }
 
 TEST(Keys, BadOnesAreRefused) {
@@ -165,7 +171,8 @@ TEST(Course, CatmullRomHasTheParabolasTangents) {
 
 TEST(Course, CatmullRomIsSmoothAtKeys) {
   // The last: so uneven that tangents have to be shortened; the one before it: weights stay for a while.
-  for (const std::string keys : {"a@0 b@0.5 c@1", "a@0 b@0.3 c@0.4 a@0.9", "a@0.1 b@0.3 b@0.6 c@1", "a@0 b@0.01 c@0.02 a@0.99 b@1"}) {
+  for (const std::string keys :
+       {"a@0 b@0.5 c@1", "a@0 b@0.3 c@0.4 a@0.9", "a@0.1 b@0.3 b@0.6 c@1", "a@0 b@0.01 c@0.02 a@0.99 b@1"}) {
     const WeightCourse course = courseOfText(keys, Timing::kCatmullRom);
     for (const WeightKey& key : course.keys) {
       if (key.at == 0 || key.at == 1) continue;
@@ -239,13 +246,15 @@ TEST(GivenWeights, AreNormalisedOrRefused) {
 }
 
 TEST(Notes, WarningsAreToldApart) {
-  const std::vector<std::string> notes = {"turned", "warning: torn", "b.ply: warning: open", "b.ply: no warning"};
+  const std::vector<std::string> notes = {"turned", "warning: torn", "b.ply: warning: open",
+                                          "b.ply: no warning"};
   testing::internal::CaptureStderr();
   printNotes("", notes, false);
   printNotes("a.ply: ", {"warning: thin"}, false);
   printNotes("", notes, true);
-  EXPECT_EQ(testing::internal::GetCapturedStderr(),
-            "note: turned\nwarning: torn\nwarning: b.ply: open\nnote: b.ply: no warning\nwarning: a.ply: thin\n");
+  EXPECT_EQ(
+      testing::internal::GetCapturedStderr(),
+      "note: turned\nwarning: torn\nwarning: b.ply: open\nnote: b.ply: no warning\nwarning: a.ply: thin\n");
 }
 
 TEST(Numbers, AreAsShortAsTheyCanBe) {
@@ -255,9 +264,10 @@ TEST(Numbers, AreAsShortAsTheyCanBe) {
     EXPECT_EQ(std::stod(formatExactly(value)), value);
 }
 
-/// A ball becomes a long box becomes a leaning one: through the middle one exactly, and by Catmull-Rom without a jump of speed.
-/// Speeds are measured as symmetric differences of frames; between frames 1/96 apart the course's own acceleration changes
-/// them by 2 % where weights go a third of a unit of time away from a key.
+/// A ball becomes a long box becomes a leaning one: through the middle one exactly, and by Catmull-Rom
+/// without a jump of speed. Speeds are measured as symmetric differences of frames; between frames 1/96 apart
+/// the course's own acceleration changes them by 2 % where weights go a third of a unit of time away from a
+/// key.
 TEST(Keyed, PassesThroughTheMiddleObjectWithoutAJump) {
   const openvdb::BBoxd box = shapes::cube({0, 0, 0}, 1.6);
   const double h = 2.4 / 96;
@@ -274,9 +284,11 @@ TEST(Keyed, PassesThroughTheMiddleObjectWithoutAJump) {
     std::vector<FloatGrid::Ptr> frames;
     for (int i = -3; i <= 3; ++i) frames.push_back(plan.frame(weightsAt(course, 0.5 + i / 96.0)).surface);
     std::vector<double> speed;
-    for (size_t i = 0; i + 1 < frames.size(); ++i) speed.push_back(overlap(*frames[i], *frames[i + 1]).symmetricDifference);
+    for (size_t i = 0; i + 1 < frames.size(); ++i)
+      speed.push_back(overlap(*frames[i], *frames[i + 1]).symmetricDifference);
     double most = 0;
-    for (size_t i = 0; i + 1 < speed.size(); ++i) most = std::max(most, std::abs(speed[i + 1] / speed[i] - 1));
+    for (size_t i = 0; i + 1 < speed.size(); ++i)
+      most = std::max(most, std::abs(speed[i + 1] / speed[i] - 1));
     for (double s : speed) std::printf("  %.4f", s);
     std::printf("  largest jump %.1f %%\n", 100 * most);
     return most;

@@ -1,7 +1,7 @@
 // A body with limbs: capsules as a quadruped that walks. 128 voxels along the longest side.
+#include "engine/spine/limbs.h"
 #include "engine/measure/measure.h"
 #include "engine/slicemorph.h"
-#include "engine/spine/limbs.h"
 #include "engine/volume/distance_field.h"
 #include "engine/volume/voxelise.h"
 #include "tests/same_values.h"
@@ -24,11 +24,12 @@ using shapes::joined;
 
 constexpr double kLegLength = 0.62, kLegRadius = 0.065;
 
-/// Body along x, legs down along -z from its four corners, neck, head and tail. `swing`: of each leg, degrees forwards.
-/// `legs`: how many of them it has.
+/// Body along x, legs down along -z from its four corners, neck, head and tail. `swing`: of each leg, degrees
+/// forwards. `legs`: how many of them it has.
 Distance quadruped(const std::array<double, 4>& swing, int legs = 4) {
-  std::vector<Distance> parts{capsule({-0.55, 0, 0.45}, {0.5, 0, 0.45}, 0.17), capsule({0.5, 0, 0.5}, {0.78, 0, 0.85}, 0.09),
-                              capsule({0.78, 0, 0.85}, {0.98, 0, 0.8}, 0.1), capsule({-0.6, 0, 0.5}, {-0.85, 0, 0.3}, 0.05)};
+  std::vector<Distance> parts{
+      capsule({-0.55, 0, 0.45}, {0.5, 0, 0.45}, 0.17), capsule({0.5, 0, 0.5}, {0.78, 0, 0.85}, 0.09),
+      capsule({0.78, 0, 0.85}, {0.98, 0, 0.8}, 0.1), capsule({-0.6, 0, 0.5}, {-0.85, 0, 0.3}, 0.05)};
   for (int leg = 0; leg < legs; ++leg) {
     const Vec3d hip(leg < 2 ? 0.42 : -0.48, leg % 2 ? 0.13 : -0.13, 0.4);
     const double a = swing[size_t(leg)] * kPi / 180;
@@ -39,11 +40,12 @@ Distance quadruped(const std::array<double, 4>& swing, int legs = 4) {
 
 Object object(const Distance& distance) {
   const double h = 1.9 / 128;
-  return {"quadruped", shapes::levelSet(distance, openvdb::BBoxd(Vec3d(-1.1, -0.4, -0.4), Vec3d(1.2, 0.4, 1.1)), h)};
+  return {"quadruped",
+          shapes::levelSet(distance, openvdb::BBoxd(Vec3d(-1.1, -0.4, -0.4), Vec3d(1.2, 0.4, 1.1)), h)};
 }
 
-/// Four legs, the neck with the head, and the tail; each tip within two nodes of the coarse grid (1.9 / 112 apart, and
-/// the tip is a node) of the capsule's own.
+/// Four legs, the neck with the head, and the tail; each tip within two nodes of the coarse grid (1.9 / 112
+/// apart, and the tip is a node) of the capsule's own.
 TEST(Limbs, AllAreFoundWithTheirTips) {
   const DistanceField field(object(quadruped({30, -30, 0, 15})).levelSet);
   const std::vector<Limb> limbs = findLimbs(field);
@@ -64,13 +66,16 @@ TEST(Limbs, AllAreFoundWithTheirTips) {
 }
 
 TEST(Limbs, ABallHasNone) {
-  EXPECT_TRUE(findLimbs(DistanceField(shapes::levelSet(shapes::sphere({0, 0, 0}, 1), shapes::cube({0, 0, 0}, 1), 2.0 / 128))).empty());
+  EXPECT_TRUE(findLimbs(DistanceField(shapes::levelSet(shapes::sphere({0, 0, 0}, 1),
+                                                       shapes::cube({0, 0, 0}, 1), 2.0 / 128)))
+                  .empty());
 }
 
 TEST(Limbs, QuadrupedWalksOnFourLegs) {
   const Object standing = object(quadruped({0, 0, 0, 0})), walking = object(quadruped({30, -30, -30, 30}));
   const MorphPlan plan({standing, walking});
-  const double volumeA = measureShape(*standing.levelSet).volume, volumeB = measureShape(*walking.levelSet).volume;
+  const double volumeA = measureShape(*standing.levelSet).volume,
+               volumeB = measureShape(*walking.levelSet).volume;
   for (int i = 0; i < 25; ++i) {
     const double t = i / 24.0;
     const FloatGrid::Ptr frame = plan.frame({1 - t, t}).surface;
@@ -78,7 +83,8 @@ TEST(Limbs, QuadrupedWalksOnFourLegs) {
     const double volume = m.volume / ((1 - t) * volumeA + t * volumeB);
     // Half way down the legs, and a third of a leg above the lowest feet.
     const int middle = sectionParts(*frame, 2, 0.1), low = sectionParts(*frame, 2, -0.1);
-    std::printf("  t %.3f: pieces %d, genus %d, legs %d and %d, volume %.3f\n", t, m.pieces, m.genus, middle, low, volume);
+    std::printf("  t %.3f: pieces %d, genus %d, legs %d and %d, volume %.3f\n", t, m.pieces, m.genus, middle,
+                low, volume);
     EXPECT_EQ(m.pieces, 1) << "t " << t;
     EXPECT_EQ(middle, 4) << "t " << t;
     EXPECT_EQ(low, 4) << "t " << t;
@@ -113,19 +119,21 @@ TEST(Limbs, ALegGrowsOutOfTheBody) {
 }
 
 Object alongX(const Distance& distance) {
-  return {"shape", shapes::levelSet(distance, openvdb::BBoxd(Vec3d(-1.6, -1.2, -1.2), Vec3d(1.9, 1.2, 1.2)), 2.4 / 128)};
+  return {"shape", shapes::levelSet(distance, openvdb::BBoxd(Vec3d(-1.6, -1.2, -1.2), Vec3d(1.9, 1.2, 1.2)),
+                                    2.4 / 128)};
 }
 
-/// A head meets a head though the necks differ six times in length: half way both body and head are what they were, and
-/// the neck has the mean length. A matching at equal places grows the head out of the neck: 4.6 voxels off, 0.63 in the
-/// mean. What is allowed is the rounding where the neck's ends are stretched least and most within one slice's thickness
-/// (1.4 voxels) on either side.
+/// A head meets a head though the necks differ six times in length: half way both body and head are what they
+/// were, and the neck has the mean length. A matching at equal places grows the head out of the neck: 4.6
+/// voxels off, 0.63 in the mean. What is allowed is the rounding where the neck's ends are stretched least
+/// and most within one slice's thickness (1.4 voxels) on either side.
 TEST(Limbs, AHeadMeetsAHeadOnANeckOfAnotherLength) {
   const auto necked = [](double neck) {
     return joined({capsule({-1, 0, 0}, {-0.4, 0, 0}, 0.3), capsule({-0.4, 0, 0}, {neck, 0, 0}, 0.09),
                    capsule({neck - 0.1, 0, 0}, {neck + 0.05, 0, 0}, 0.24)});
   };
-  const FloatGrid::Ptr frame = MorphPlan({alongX(necked(0.4)), alongX(necked(1.2))}).frame({0.5, 0.5}).surface;
+  const FloatGrid::Ptr frame =
+      MorphPlan({alongX(necked(0.4)), alongX(necked(1.2))}).frame({0.5, 0.5}).surface;
   const Mesh mesh = surfaceOf(*frame);
   Mesh truth = surfaceOf(*alongX(necked(0.8)).levelSet);
   const auto middleOf = [](const Mesh& m) {
@@ -142,8 +150,8 @@ TEST(Limbs, AHeadMeetsAHeadOnANeckOfAnotherLength) {
   EXPECT_LE(d.max / h, 2.8);
 }
 
-/// One branch becomes several, or several more: nothing tears off and no handle closes; near the tips there are as many as
-/// the richer end has, once they are told apart, and no more.
+/// One branch becomes several, or several more: nothing tears off and no handle closes; near the tips there
+/// are as many as the richer end has, once they are told apart, and no more.
 TEST(Limbs, OneBranchBecomesSeveral) {
   const auto fork = [](int prongs) {
     std::vector<Distance> parts{capsule({-1, 0, 0}, {0, 0, 0}, 0.25)};
@@ -164,8 +172,8 @@ TEST(Limbs, OneBranchBecomesSeveral) {
       int prongs = 0;
       for (double x = 0.4; x < 0.8; x += 0.05) prongs = std::max(prongs, sectionParts(*frame, 0, x));
       const double volume = m.volume / ((1 - t) * volumeA + t * volumeB);
-      std::printf("  %d to %d, t %.3f: pieces %d, genus %d, prongs %d, volume %.3f\n", from, to, t, m.pieces, m.genus, prongs,
-                  volume);
+      std::printf("  %d to %d, t %.3f: pieces %d, genus %d, prongs %d, volume %.3f\n", from, to, t, m.pieces,
+                  m.genus, prongs, volume);
       EXPECT_EQ(m.pieces, 1) << "t " << t;
       // A known miss: between three prongs slits open in the middle before they reach the tips.
       EXPECT_LE(m.genus, to - from > 1 ? to - from : 0) << "t " << t;

@@ -39,10 +39,14 @@ std::vector<Object> fourObjects(int voxels) {
   const Mat3d lean(0.8, -0.6, 0., 0.6, 0.8, 0., 0., 0., 1.);
   return {object("ball", shapes::sphere({0.1, 0, 0}, 1), box, h),
           object("box", shapes::box({1.2, 0.5, 0.6}, 0.15), box, h),
-          object("bump", smoothUnion(shapes::box({1.1, 0.7, 0.4}, 0.3), shapes::sphere({0.3, 0.5, 0.4}, 0.45), 0.3), box, h),
-          object("bell", shapes::placed(smoothUnion(smoothUnion(shapes::sphere({-0.7, 0, 0}, 0.45), shapes::sphere({0.7, 0, 0}, 0.55), 0.2),
-                                                    shapes::box({0.8, 0.25, 0.25}, 0.1), 0.2),
-                                        lean, {0, 0, 0}),
+          object("bump",
+                 smoothUnion(shapes::box({1.1, 0.7, 0.4}, 0.3), shapes::sphere({0.3, 0.5, 0.4}, 0.45), 0.3),
+                 box, h),
+          object("bell",
+                 shapes::placed(smoothUnion(smoothUnion(shapes::sphere({-0.7, 0, 0}, 0.45),
+                                                        shapes::sphere({0.7, 0, 0}, 0.55), 0.2),
+                                            shapes::box({0.8, 0.25, 0.25}, 0.1), 0.2),
+                                lean, {0, 0, 0}),
                  box, h)};
 }
 
@@ -52,10 +56,12 @@ std::shared_ptr<const MorphPlan> planOfFour() {
   return plan;
 }
 
-SurfaceDistance distance(const FloatGrid& a, const FloatGrid& b) { return surfaceDistance(surfaceOf(a), surfaceOf(b)); }
+SurfaceDistance distance(const FloatGrid& a, const FloatGrid& b) {
+  return surfaceDistance(surfaceOf(a), surfaceOf(b));
+}
 
-/// However the objects are named, the blend is the same: limit 0.1 voxel; it is the same to the last bit, for nothing depends
-/// on their order.
+/// However the objects are named, the blend is the same: limit 0.1 voxel; it is the same to the last bit, for
+/// nothing depends on their order.
 TEST(Many, OrderDoesNotMatter) {
   const std::vector<Object> objects = fourObjects(128);
   const Weights weights{0.4, 0.3, 0.2, 0.1};
@@ -65,7 +71,8 @@ TEST(Many, OrderDoesNotMatter) {
     std::vector<Object> permuted;
     Weights own;
     for (size_t k : order) permuted.push_back(objects[k]), own.push_back(weights[k]);
-    const std::shared_ptr<const MorphPlan> plan = first ? std::make_shared<MorphPlan>(permuted) : planOfFour();
+    const std::shared_ptr<const MorphPlan> plan =
+        first ? std::make_shared<MorphPlan>(permuted) : planOfFour();
     const FloatGrid::Ptr frame = plan->frame(own).surface;
     const ShapeMeasures m = measureShape(*frame);
     if (!first) {
@@ -88,7 +95,8 @@ TEST(Many, UnitWeightsGiveTheObjects) {
     w[k] = 1;
     // By construction the object's own grid: no resampling at its own voxel size.
     EXPECT_TRUE(sameValues(*plan.frame(w).surface, *objects[k].levelSet)) << objects[k].name;
-    // And what is next to it is next to it: a thousandth of the way moves nothing by more than a tenth of a voxel.
+    // And what is next to it is next to it: a thousandth of the way moves nothing by more than a tenth of a
+    // voxel.
     for (double& x : w) x = 0.999 * x + 0.001 / double(objects.size());
     const SurfaceDistance d = distance(*plan.frame(w).surface, *objects[k].levelSet);
     const double h = objects[k].levelSet->voxelSize()[0];
@@ -101,7 +109,8 @@ TEST(Many, UnitWeightsGiveTheObjects) {
 TEST(Many, EqualBlendOfThreeSpheres) {
   std::vector<Object> objects;
   for (double r : {1.0, 2.0, 3.0})
-    objects.push_back(object("r", shapes::sphere({r, 0, -r}, r), shapes::cube({r, 0, -r}, r + 0.5), 2 * r / 128));
+    objects.push_back(
+        object("r", shapes::sphere({r, 0, -r}, r), shapes::cube({r, 0, -r}, r + 0.5), 2 * r / 128));
   const FloatGrid::Ptr frame = MorphPlan(objects).frame({1 / 3.0, 1 / 3.0, 1 / 3.0}).surface;
   const double h = frame->voxelSize()[0];
   double most = 0;
@@ -138,12 +147,13 @@ Distance rod(double half, double radius) {
   };
 }
 
-/// A long bar that is thick at one end and thin at the other: each end as it was given, and between them a border whose width
-/// is the one asked for. The radius goes over as the smoothstep of the border.
+/// A long bar that is thick at one end and thin at the other: each end as it was given, and between them a
+/// border whose width is the one asked for. The radius goes over as the smoothstep of the border.
 TEST(Regions, EndsOfALongBar) {
   const double h = 4.0 / 128, thick = 0.5, thin = 0.3;
   const openvdb::BBoxd box({-2.3, -0.8, -0.8}, {2.3, 0.8, 0.8});
-  const std::vector<Object> objects{object("thick", rod(2, thick), box, h), object("thin", rod(2, thin), box, h)};
+  const std::vector<Object> objects{object("thick", rod(2, thick), box, h),
+                                    object("thin", rod(2, thin), box, h)};
   for (double border : {0.6, 1.6}) {
     MorphOptions options;
     Region region;
@@ -164,7 +174,8 @@ TEST(Regions, EndsOfALongBar) {
         EXPECT_NEAR(radius, wanted, 0.25 * h) << "x " << x;
       }
     }
-    std::printf("  border %.1f: radius off by %.2f voxels at most, fold %.4f\n", border, most / h, frame.foldShare);
+    std::printf("  border %.1f: radius off by %.2f voxels at most, fold %.4f\n", border, most / h,
+                frame.foldShare);
     // A voxel of the border's own slope, and half a lattice node (1/144 of the length).
     EXPECT_LE(most / h, 1.0) << "border " << border;
     // The whole is as long as they are.
@@ -178,7 +189,8 @@ TEST(Regions, EndsOfALongBar) {
 TEST(Regions, BoxesAndBalls) {
   const double h = 4.0 / 96;
   const openvdb::BBoxd box({-2.3, -0.8, -0.8}, {2.3, 0.8, 0.8});
-  const std::vector<Object> objects{object("round", rod(2, 0.45), box, h), object("square", shapes::box({2, 0.4, 0.4}, 0.02), box, h)};
+  const std::vector<Object> objects{object("round", rod(2, 0.45), box, h),
+                                    object("square", shapes::box({2, 0.4, 0.4}, 0.02), box, h)};
   for (const Region::Kind kind : {Region::Kind::kBox, Region::Kind::kSphere}) {
     Region region;
     region.name = "end", region.kind = kind;
@@ -220,7 +232,8 @@ TEST(Regions, OneThatHoldsNothingIsRefused) {
 TEST(Many, WeightsBelowNothingLeadOn) {
   std::vector<Object> objects;
   for (double r : {1.0, 2.0})
-    objects.push_back(object("r", shapes::sphere({0, 0, 0}, r), shapes::cube({0, 0, 0}, r + 0.5), 2 * r / 64));
+    objects.push_back(
+        object("r", shapes::sphere({0, 0, 0}, r), shapes::cube({0, 0, 0}, r + 0.5), 2 * r / 64));
   const MorphPlan plan(objects);
   const FloatGrid::Ptr frame = plan.frame({-0.2, 1.2}).surface;
   double most = 0;

@@ -1,5 +1,6 @@
-// The pipeline against closed forms: what half way between two known shapes must be. Resolution and tolerances are
-// those the project promises (256 voxels along the longest side; errors in voxels of the frame).
+// The pipeline against closed forms: what half way between two known shapes must be. Resolution and
+// tolerances are those the project promises (256 voxels along the longest side; errors in voxels of the
+// frame).
 #include "engine/errors.h"
 #include "engine/measure/measure.h"
 #include "engine/slicemorph.h"
@@ -42,10 +43,12 @@ Errors errorsTo(const FloatGrid& grid, const Distance& truth) {
 }
 
 TEST(Morph, SphereShrinksLinearly) {
-  const MorphPlan plan({object(shapes::levelSet(shapes::sphere({0, 0, 0}, 1), shapes::cube({0, 0, 0}, 1), 2.0 / 256)),
-                        object(shapes::levelSet(shapes::sphere({0, 0, 0}, 0.5), shapes::cube({0, 0, 0}, 0.5), 1.0 / 256))});
+  const MorphPlan plan(
+      {object(shapes::levelSet(shapes::sphere({0, 0, 0}, 1), shapes::cube({0, 0, 0}, 1), 2.0 / 256)),
+       object(shapes::levelSet(shapes::sphere({0, 0, 0}, 0.5), shapes::cube({0, 0, 0}, 0.5), 1.0 / 256))});
   for (double t : {0.1, 0.25, 0.5, 0.75, 0.9})
-    EXPECT_LE(errorsTo(*plan.frame(at(t)).surface, shapes::sphere({0, 0, 0}, 1 - 0.5 * t)).max, 0.25) << "t " << t;
+    EXPECT_LE(errorsTo(*plan.frame(at(t)).surface, shapes::sphere({0, 0, 0}, 1 - 0.5 * t)).max, 0.25)
+        << "t " << t;
 }
 
 TEST(Morph, SphereTravelsWhole) {
@@ -60,16 +63,16 @@ TEST(Morph, SphereTravelsWhole) {
   }
 }
 
-/// A bar with three different sides, turned, moved and scaled: half way it is turned, moved and scaled by half.
+/// A bar with three different sides, turned, moved and scaled: half way it is turned, moved and scaled by
+/// half.
 void expectBarTurns(double degrees, const Vec3d& axis, const Vec3d& offset, double scale) {
   const Vec3d half(1, 0.32, 0.21);
   const Distance bar = shapes::box(half, 0.05);
   const Vec3d turn = axis.unit() * (degrees * kPi / 180);
   const double h = 2.0 / 256;
-  const MorphPlan plan(
-      {object(shapes::levelSet(bar, shapes::cube({0, 0, 0}, 1.1), h)),
-       object(shapes::levelSet(shapes::placed(bar, rotationFromVector(turn), offset, scale),
-                               shapes::cube(offset, 1.1 * scale), h * scale))});
+  const MorphPlan plan({object(shapes::levelSet(bar, shapes::cube({0, 0, 0}, 1.1), h)),
+                        object(shapes::levelSet(shapes::placed(bar, rotationFromVector(turn), offset, scale),
+                                                shapes::cube(offset, 1.1 * scale), h * scale))});
   const Distance truth = shapes::placed(bar, rotationFromVector(0.5 * turn), 0.5 * offset, 0.5 + 0.5 * scale);
   const Errors e = errorsTo(*plan.frame(at(0.5)).surface, truth);
   EXPECT_LE(e.mean, 0.1) << degrees << " degrees";
@@ -97,10 +100,12 @@ void expectWholeBand(double voxels) {
     const auto accessor = frame->getConstAccessor();
     int missing = 0, wrongSide = 0;
     const Vec3d middle(3 * t, 0, 0), reach(1.3);
-    const openvdb::CoordBBox box(openvdb::Coord::floor((middle - reach) / h), openvdb::Coord::ceil((middle + reach) / h));
+    const openvdb::CoordBBox box(openvdb::Coord::floor((middle - reach) / h),
+                                 openvdb::Coord::ceil((middle + reach) / h));
     for (auto c = box.begin(); c; ++c) {
       const double d = truth(h * (*c).asVec3d());
-      // A voxel less than the half width: the surface is met to one voxel. Outside, as the bar is thinner than its band.
+      // A voxel less than the half width: the surface is met to one voxel. Outside, as the bar is thinner
+      // than its band.
       missing += d > 0 && d < (kHalfWidth - 1) * h && !accessor.isValueOn(*c);
       wrongSide += std::abs(d) > h && (accessor.getValue(*c) < 0) != (d < 0);
     }
@@ -112,13 +117,15 @@ void expectWholeBand(double voxels) {
 TEST(Morph, BandOfLargeVoxelsIsWhole) { expectWholeBand(48); }
 TEST(Morph, BandOfVeryLargeVoxelsIsWhole) { expectWholeBand(24); }
 
-/// By 120 degrees a bar alone could as well have turned another way; one with four knobs could not. They lie opposite
-/// each other, so that the middle stays where it is.
+/// By 120 degrees a bar alone could as well have turned another way; one with four knobs could not. They lie
+/// opposite each other, so that the middle stays where it is.
 TEST(Morph, UnsymmetricBarTurnsBy120) {
   const Distance body = shapes::box({1, 0.32, 0.21}, 0.05);
   const Distance shape = [=](const Vec3d& p) {
-    const double knob = std::min((p - Vec3d(0.6, 0.3, 0.05)).length(), (p + Vec3d(0.6, 0.3, 0.05)).length()) - 0.28;
-    const double ear = std::min((p - Vec3d(0.1, 0.15, 0.2)).length(), (p + Vec3d(0.1, 0.15, 0.2)).length()) - 0.22;
+    const double knob =
+        std::min((p - Vec3d(0.6, 0.3, 0.05)).length(), (p + Vec3d(0.6, 0.3, 0.05)).length()) - 0.28;
+    const double ear =
+        std::min((p - Vec3d(0.1, 0.15, 0.2)).length(), (p + Vec3d(0.1, 0.15, 0.2)).length()) - 0.22;
     return std::min({body(p), knob, ear});
   };
   const Vec3d turn = Vec3d(1, 2, 3).unit() * (2 * kPi / 3), offset(0.7, -1.3, 0.4);
@@ -126,16 +133,17 @@ TEST(Morph, UnsymmetricBarTurnsBy120) {
   const MorphPlan plan({object(shapes::levelSet(shape, shapes::cube({0, 0, 0}, 1.3), h)),
                         object(shapes::levelSet(shapes::placed(shape, rotationFromVector(turn), offset, 1.7),
                                                 shapes::cube(offset, 2.2), 1.7 * h))});
-  const Errors e =
-      errorsTo(*plan.frame(at(0.5)).surface, shapes::placed(shape, rotationFromVector(0.5 * turn), 0.5 * offset, 1.35));
+  const Errors e = errorsTo(*plan.frame(at(0.5)).surface,
+                            shapes::placed(shape, rotationFromVector(0.5 * turn), 0.5 * offset, 1.35));
   EXPECT_LE(e.mean, 0.1);
   EXPECT_LE(e.max, 1.0);
 }
 
 TEST(Morph, SphereOpensIntoATorusOnce) {
   const double h = 2.6 / 256;
-  const MorphPlan plan({object(shapes::levelSet(shapes::sphere({0, 0, 0}, 1), shapes::cube({0, 0, 0}, 1), h)),
-                        object(shapes::levelSet(shapes::torus({0, 0, 0}, 0.9, 0.4), shapes::cube({0, 0, 0}, 1.4), h))});
+  const MorphPlan plan(
+      {object(shapes::levelSet(shapes::sphere({0, 0, 0}, 1), shapes::cube({0, 0, 0}, 1), h)),
+       object(shapes::levelSet(shapes::torus({0, 0, 0}, 0.9, 0.4), shapes::cube({0, 0, 0}, 1.4), h))});
   int changes = 0, genus = 0;
   for (int i = 0; i < 25; ++i) {
     const InBetween frame = plan.frame(at(i / 24.0));
@@ -166,13 +174,15 @@ Distance lumpy(int seed) {
 
 FloatGrid::Ptr lumpyGrid(int seed, double shift = 0) {
   const Distance shape = lumpy(seed);
-  return shapes::levelSet([=](const Vec3d& p) { return shape(p) + shift; }, shapes::cube({0, 0, 0}, 1.2), 2.0 / 128);
+  return shapes::levelSet([=](const Vec3d& p) { return shape(p) + shift; }, shapes::cube({0, 0, 0}, 1.2),
+                          2.0 / 128);
 }
 
 TEST(Morph, NoChangeIsExactlyNoChange) {
   const FloatGrid::Ptr grid = lumpyGrid(1);
   const MorphPlan plan({object(grid), object(lumpyGrid(1))});
-  for (double t : {0.0, 0.3, 0.5, 1.0}) EXPECT_TRUE(sameValues(*plan.frame(at(t)).surface, *grid)) << "t " << t;
+  for (double t : {0.0, 0.3, 0.5, 1.0})
+    EXPECT_TRUE(sameValues(*plan.frame(at(t)).surface, *grid)) << "t " << t;
 }
 
 TEST(Morph, EndFramesAreTheInputs) {
@@ -211,7 +221,8 @@ TEST(Morph, NoiseDoesNotTurnARoundShape) {
   const double h = 2.0 / 128;
   std::mt19937 random(11);
   std::normal_distribution<float> noise(0.f, 0.01f * float(h));
-  const FloatGrid::Ptr torus = shapes::levelSet(shapes::torus({0, 0, 0}, 0.8, 0.3), shapes::cube({0, 0, 0}, 1.2), h);
+  const FloatGrid::Ptr torus =
+      shapes::levelSet(shapes::torus({0, 0, 0}, 0.8, 0.3), shapes::cube({0, 0, 0}, 1.2), h);
   FloatGrid::Ptr first;
   for (int i = 0; i < 3; ++i) {
     FloatGrid::Ptr ball = shapes::levelSet(shapes::sphere({0, 0, 0}, 1), shapes::cube({0, 0, 0}, 1), h);
@@ -224,7 +235,8 @@ TEST(Morph, NoiseDoesNotTurnARoundShape) {
 }
 
 TEST(Morph, ThreadsDoNotChangeAValue) {
-  if (!allTests()) GTEST_SKIP() << "limbs_test and command_test compare threads, too; SLICEMORPH_ALL_TESTS=1 runs it";
+  if (!allTests())
+    GTEST_SKIP() << "limbs_test and command_test compare threads, too; SLICEMORPH_ALL_TESTS=1 runs it";
   const FloatGrid::Ptr a = lumpyGrid(1), b = lumpyGrid(2);
   FloatGrid::Ptr first;
   for (size_t threads : {1, 2, 4}) {
@@ -263,7 +275,8 @@ TEST(Morph, FramesAreLevelSets) {
 TEST(Morph, ThreeObjectsBlend) {
   std::vector<Object> spheres;
   for (double r : {1.0, 0.7, 0.4})
-    spheres.push_back(object(shapes::levelSet(shapes::sphere({r, 0, 0}, r), shapes::cube({r, 0, 0}, r), r / 64)));
+    spheres.push_back(
+        object(shapes::levelSet(shapes::sphere({r, 0, 0}, r), shapes::cube({r, 0, 0}, r), r / 64)));
   const MorphPlan plan(spheres);
   const double r = 0.5 * 1.0 + 0.3 * 0.7 + 0.2 * 0.4;
   EXPECT_LE(errorsTo(*plan.frame({0.5, 0.3, 0.2}).surface, shapes::sphere({r, 0, 0}, r)).max, 0.25);
@@ -287,9 +300,10 @@ TEST(Morph, KeepsWorldPositionsWhenTold) {
   MorphOptions options;
   options.align = Align::kNone;
   const double h = 2.0 / 128;
-  const MorphPlan plan({object(shapes::levelSet(shapes::sphere({0, 0, 0}, 1), shapes::cube({0, 0, 0}, 1), h)),
-                        object(shapes::levelSet(shapes::sphere({0, 0, 0}, 0.6), shapes::cube({0, 0, 0}, 1), h))},
-                       options);
+  const MorphPlan plan(
+      {object(shapes::levelSet(shapes::sphere({0, 0, 0}, 1), shapes::cube({0, 0, 0}, 1), h)),
+       object(shapes::levelSet(shapes::sphere({0, 0, 0}, 0.6), shapes::cube({0, 0, 0}, 1), h))},
+      options);
   EXPECT_LE(errorsTo(*plan.frame(at(0.5)).surface, shapes::sphere({0, 0, 0}, 0.8)).max, 0.5);
 }
 

@@ -31,14 +31,17 @@ Weights at(double t) { return {1 - t, t}; }
 Distance distanceOf(const Distance& f) {
   return [=](const Vec3d& p) {
     constexpr double e = 1e-4;
-    const Vec3d g(f(p + Vec3d(e, 0, 0)) - f(p - Vec3d(e, 0, 0)), f(p + Vec3d(0, e, 0)) - f(p - Vec3d(0, e, 0)),
+    const Vec3d g(f(p + Vec3d(e, 0, 0)) - f(p - Vec3d(e, 0, 0)),
+                  f(p + Vec3d(0, e, 0)) - f(p - Vec3d(0, e, 0)),
                   f(p + Vec3d(0, 0, e)) - f(p - Vec3d(0, 0, e)));
     return f(p) / std::max(g.length() / (2 * e), 0.3);
   };
 }
 
 Distance ellipsoid(const Vec3d& axes) {
-  return distanceOf([=](const Vec3d& p) { return ((p / axes).length() - 1) * std::min({axes[0], axes[1], axes[2]}); });
+  return distanceOf([=](const Vec3d& p) {
+    return ((p / axes).length() - 1) * std::min({axes[0], axes[1], axes[2]});
+  });
 }
 
 /// A ball of radius 0.7 with bumps of a tenth.
@@ -80,7 +83,8 @@ using Sequence = std::vector<FloatGrid::Ptr>;  ///< per frame
 template <typename Shape>
 Sequence sequence(const Shape& shape) {
   Sequence result;
-  for (int i = 0; i < kFrames; ++i) result.push_back(shapes::levelSet(shape(i), shapes::cube({0, 0, 0}, 1.3), kVoxel));
+  for (int i = 0; i < kFrames; ++i)
+    result.push_back(shapes::levelSet(shape(i), shapes::cube({0, 0, 0}, 1.3), kVoxel));
   return result;
 }
 
@@ -98,8 +102,10 @@ Plans plansOf(const Sequence& a, const Sequence& b, bool follow) {
   for (size_t i = 0; i < a.size(); ++i) {
     const double start = seconds();
     const std::vector<Object> objects{object(a[i]), object(b[i])};
-    if (follow && i > 0) plans.frames.emplace_back(objects, plans.frames.back());
-    else plans.frames.emplace_back(objects);
+    if (follow && i > 0)
+      plans.frames.emplace_back(objects, plans.frames.back());
+    else
+      plans.frames.emplace_back(objects);
     (i > 0 ? plans.next : plans.first) += (seconds() - start) / (i > 0 ? double(a.size() - 1) : 1);
   }
   return plans;
@@ -143,7 +149,8 @@ void reportAnew(const Sequence& a, const Sequence& b) {
   report("planned anew", plans, popOf(plans.frames, playing), popOf(plans.frames, held));
 }
 
-/// The larger by about as much as makes its shrinking even out what the other one's turn adds, frame for frame.
+/// The larger by about as much as makes its shrinking even out what the other one's turn adds, frame for
+/// frame.
 Sequence crossing() {
   return sequence([](int i) { return ellipsoid({1.1 - 0.2 * i / 9, 0.9 + 0.2 * i / 9, 0.75}); });
 }
@@ -233,7 +240,8 @@ TEST(Sequence, SameForAnyThreadCount) {
 
 bool plannedAnew(const MorphPlan& plan) {
   const std::vector<std::string> notes = plan.notes();
-  return std::any_of(notes.begin(), notes.end(), [](const std::string& n) { return n.rfind("planned anew", 0) == 0; });
+  return std::any_of(notes.begin(), notes.end(),
+                     [](const std::string& n) { return n.rfind("planned anew", 0) == 0; });
 }
 
 TEST(Sequence, CutsAndNewEqualsArePlannedAnew) {
@@ -247,7 +255,8 @@ TEST(Sequence, CutsAndNewEqualsArePlannedAnew) {
   EXPECT_THROW(MorphPlan({object(a)}, firstPlan()), InputError);
 }
 
-Motion motionOf(const Distance& earlier, const Distance& now, const Vec3d& offset = {0, 0, 0}, double half = 1.3) {
+Motion motionOf(const Distance& earlier, const Distance& now, const Vec3d& offset = {0, 0, 0},
+                double half = 1.3) {
   const DistanceField a(shapes::levelSet(earlier, shapes::cube({0, 0, 0}, 1.3), kVoxel));
   const DistanceField b(shapes::levelSet(now, shapes::cube(offset, half), kVoxel));
   return trackMotion(a, b, Align::kAuto);
@@ -270,12 +279,15 @@ TEST(Track, FollowsAMovedTurnedAndScaledBody) {
 
 TEST(Track, RoundBodiesDoNotTurn) {
   // Where the surfaces say nothing of a turn it is not a tenth of a degree, in 100 frames not ten.
-  EXPECT_LE(degreesOf(motionOf(shapes::sphere({0, 0, 0}, 0.8), shapes::sphere({0.01, 0.02, 0}, 0.83)).rotation), 0.1);
+  EXPECT_LE(
+      degreesOf(motionOf(shapes::sphere({0, 0, 0}, 0.8), shapes::sphere({0.01, 0.02, 0}, 0.83)).rotation),
+      0.1);
   EXPECT_LE(degreesOf(motionOf(ellipsoid({0.9, 0.7, 0.7}), ellipsoid({0.87, 0.73, 0.7})).rotation), 0.1);
   EXPECT_LE(degreesOf(motionOf(ellipsoid({0.81, 0.79, 0.6}), ellipsoid({0.79, 0.81, 0.6})).rotation), 0.1);
   // About its axis a body of revolution keeps still while it is tilted.
   const Mat3d tilt = rotationFromVector({0, 0, 10 * kPi / 180});
-  const Motion m = motionOf(ellipsoid({0.9, 0.5, 0.5}), shapes::placed(ellipsoid({0.9, 0.5, 0.5}), tilt, {0, 0, 0}));
+  const Motion m =
+      motionOf(ellipsoid({0.9, 0.5, 0.5}), shapes::placed(ellipsoid({0.9, 0.5, 0.5}), tilt, {0, 0, 0}));
   EXPECT_LE(degreesOf(m.rotation * tilt.transpose()), 0.2);
 }
 

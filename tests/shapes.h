@@ -25,7 +25,8 @@ inline Distance torus(const Vec3d& centre, double ring, double tube) {
   };
 }
 
-/// Half sides along x, y, z, with edges rounded by `round` (outside the box of the half sides less the rounding).
+/// Half sides along x, y, z, with edges rounded by `round` (outside the box of the half sides less the
+/// rounding).
 inline Distance box(const Vec3d& half, double round) {
   return [=](const Vec3d& p) {
     Vec3d q;
@@ -59,7 +60,8 @@ inline Distance placed(const Distance& shape, const Mat3d& rotation, const Vec3d
   return [=](const Vec3d& p) { return scale * shape(back * (p - offset) / scale); };
 }
 
-/// Level set of a distance function inside `box` (world), visited leaf by leaf; `shift` of the grid in voxels.
+/// Level set of a distance function inside `box` (world), visited leaf by leaf; `shift` of the grid in
+/// voxels.
 inline FloatGrid::Ptr levelSet(const Distance& distance, const openvdb::BBoxd& box, double h) {
   const float band = float(kHalfWidth * h);
   auto grid = FloatGrid::create(band);
@@ -81,6 +83,8 @@ inline FloatGrid::Ptr levelSet(const Distance& distance, const openvdb::BBoxd& b
   return grid;
 }
 
-inline openvdb::BBoxd cube(const Vec3d& centre, double half) { return {centre - Vec3d(half), centre + Vec3d(half)}; }
+inline openvdb::BBoxd cube(const Vec3d& centre, double half) {
+  return {centre - Vec3d(half), centre + Vec3d(half)};
+}
 
 }  // namespace slicemorph::shapes

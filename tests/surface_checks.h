@@ -9,7 +9,8 @@
 #include <tuple>
 #include <vector>
 
-/// Named checkers of surface meshes, shared by the tests. Each returns what is wrong first; empty: nothing is.
+/// Named checkers of surface meshes, shared by the tests. Each returns what is wrong first; empty: nothing
+/// is.
 namespace slicemorph::checks {
 
 /// Every edge in exactly two triangles, in opposite directions, and every point in exactly one fan.
@@ -27,7 +28,8 @@ inline std::string closedAndManifold(const Mesh& mesh) {
   for (size_t i = 0; i < edges.size(); ++i) {
     const auto [a, b] = edges[i];
     if (a == b) return "a triangle has a point twice";
-    if (i > 0 && edges[i] == edges[i - 1]) return "edge " + std::to_string(a) + "-" + std::to_string(b) + " twice";
+    if (i > 0 && edges[i] == edges[i - 1])
+      return "edge " + std::to_string(a) + "-" + std::to_string(b) + " twice";
     if (!std::binary_search(edges.begin(), edges.end(), std::make_pair(b, a))) {
       return "edge " + std::to_string(a) + "-" + std::to_string(b) + " is open";
     }

@@ -47,7 +47,8 @@ FloatGrid::Ptr sampled(const openvdb::math::Transform::Ptr& transform, int reach
   return grid;
 }
 
-FloatGrid::Ptr sphereGrid(const openvdb::math::Transform::Ptr& transform, int reach, double band, double radius) {
+FloatGrid::Ptr sphereGrid(const openvdb::math::Transform::Ptr& transform, int reach, double band,
+                          double radius) {
   return sampled(transform, reach, band, [radius](const Vec3d& p) { return p.length() - radius; });
 }
 
@@ -67,7 +68,8 @@ PolygonMesh cube(float size, const Vec3s& low = Vec3s(0.0f)) {
   for (int i = 0; i < 8; ++i) {
     points.push_back(low + Vec3s(i & 1 ? size : 0, i & 2 ? size : 0, i & 4 ? size : 0));
   }
-  return polygons(points, {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}});
+  return polygons(points,
+                  {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}});
 }
 
 void append(PolygonMesh& to, const PolygonMesh& from, bool turned = false) {
@@ -91,7 +93,8 @@ PolygonMesh roundMesh(double radius, unsigned rings, unsigned from) {
     for (unsigned a = 0; a < around; ++a) {
       const double phi = 2 * M_PI * a / around;
       mesh.points.emplace_back(float(radius * std::sin(theta) * std::cos(phi)),
-                               float(radius * std::sin(theta) * std::sin(phi)), float(radius * std::cos(theta)));
+                               float(radius * std::sin(theta) * std::sin(phi)),
+                               float(radius * std::cos(theta)));
     }
   }
   const Vec3s pole(0, 0, float(-radius));
@@ -237,14 +240,17 @@ TEST_F(Volume, SphereComesBackFromVoxels) {
 TEST_F(Volume, AbsurdSizesAreRefusedAtOnce) {
   const Mesh ball = repairMesh(roundMesh(1, 16, 0)).mesh;
   const auto start = std::chrono::steady_clock::now();
-  EXPECT_NE(messageOf<InputError>([&] { voxelise(ball, 1e-5); }).find("voxel size of at least"), std::string::npos);
+  EXPECT_NE(messageOf<InputError>([&] { voxelise(ball, 1e-5); }).find("voxel size of at least"),
+            std::string::npos);
   EXPECT_NE(messageOf<InputError>([&] { voxelise(ball, 0); }).find("no positive number"), std::string::npos);
   EXPECT_NE(messageOf<InputError>([&] { voxelise(ball, -1); }).find("no positive number"), std::string::npos);
-  EXPECT_NE(messageOf<InputError>([&] { voxelise(ball, NAN); }).find("no positive number"), std::string::npos);
+  EXPECT_NE(messageOf<InputError>([&] { voxelise(ball, NAN); }).find("no positive number"),
+            std::string::npos);
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
   Mesh between = ball;  // away from any voxel's centre
   for (Vec3s& p : between.points) p += Vec3s(50.0f);
-  EXPECT_NE(messageOf<GeometryError>([&] { voxelise(between, 100); }).find("nothing lies inside"), std::string::npos);
+  EXPECT_NE(messageOf<GeometryError>([&] { voxelise(between, 100); }).find("nothing lies inside"),
+            std::string::npos);
 }
 
 TEST_F(Volume, SameBytesForAnyThreadCount) {
@@ -269,7 +275,8 @@ TEST_F(Volume, SameBytesForAnyThreadCount) {
   }
 }
 
-/// White noise at the voxels of a ball: every ambiguous and non-manifold case of the mesher within a few thousand cells.
+/// White noise at the voxels of a ball: every ambiguous and non-manifold case of the mesher within a few
+/// thousand cells.
 FloatGrid::Ptr noise(unsigned seed, int reach, float share) {
   std::mt19937 random(seed);
   FloatGrid::Ptr grid = FloatGrid::create(1.0f);
@@ -302,7 +309,8 @@ TEST_F(Volume, BinaryNoiseMeshesAreClosedAndManifold) {
   // Two values only: points coincide and voxels touch along edges and at corners.
   for (unsigned seed = 0; seed < 20; ++seed) {
     const FloatGrid::Ptr grid = noise(seed, 9, 0.4f);
-    for (auto value = grid->beginValueOn(); value; ++value) value.setValue(*value < 0 ? -1.0f : (seed % 2 ? 1.0f : 0.0f));
+    for (auto value = grid->beginValueOn(); value; ++value)
+      value.setValue(*value < 0 ? -1.0f : (seed % 2 ? 1.0f : 0.0f));
     const Mesh mesh = surfaceOf(*grid);
     ASSERT_EQ(checks::closedAndManifold(mesh), "") << "seed " << seed;
     ASSERT_EQ(checks::distinctPoints(mesh), "") << "seed " << seed;
@@ -329,9 +337,8 @@ TEST_F(Volume, BodiesTouchingAtAnEdgeAndAtAPointAreParted) {
 TEST_F(Volume, CanonicalLevelSetIsSharedNotCopied) {
   const auto transform = openvdb::math::Transform::createLinearTransform(0.1);
   transform->postTranslate(Vec3d(0.03, 5, -2));
-  const FloatGrid::Ptr grid = sampled(transform, 24, 0.3, [](const Vec3d& p) {
-    return (p - Vec3d(0.03, 5, -2)).length() - 1;
-  });
+  const FloatGrid::Ptr grid =
+      sampled(transform, 24, 0.3, [](const Vec3d& p) { return (p - Vec3d(0.03, 5, -2)).length() - 1; });
   const LevelSetInput input = toLevelSet(grid);
   EXPECT_EQ(input.grid.get(), grid.get());
   EXPECT_TRUE(input.notes.empty());

@@ -1,6 +1,7 @@
-// Benchmarks as ratios against peers of the same run. Usage: slicemorph_benchmark [MESH MESH] [--quick] [--fog] [--many]
-// Without meshes: the bundled creature and ring. --fog leaves out all but the fog (of the files given, if any), --many all
-// but what many objects cost, --quick OpenVDB's LevelSetMorphing and 512 voxels.
+// Benchmarks as ratios against peers of the same run. Usage: slicemorph_benchmark [MESH MESH] [--quick]
+// [--fog] [--many] Without meshes: the bundled creature and ring. --fog leaves out all but the fog (of the
+// files given, if any), --many all but what many objects cost, --quick OpenVDB's LevelSetMorphing and 512
+// voxels.
 #include "engine/measure/measure.h"
 #include "engine/peers/peers.h"
 #include "engine/slicemorph.h"
@@ -84,8 +85,8 @@ void againstSdf(const std::vector<Object>& objects, const FrameCost& cost) {
   const std::vector<FloatGrid::ConstPtr> grids{objects[0].levelSet, objects[1].levelSet};
   const SdfBlend blend(grids, std::min(grids[0]->voxelSize()[0], grids[1]->voxelSize()[0]));
   const double peer = timeOf([&] { blend.frame(at(0.5)); });
-  std::printf("frame / --method sdf             %6.3f   goal <= 0.5    (%.3f s / %.3f s)\n", cost.ours / peer, cost.ours,
-              peer);
+  std::printf("frame / --method sdf             %6.3f   goal <= 0.5    (%.3f s / %.3f s)\n", cost.ours / peer,
+              cost.ours, peer);
 }
 
 void againstLevelSet(const std::vector<Object>& objects) {
@@ -97,8 +98,10 @@ void againstLevelSet(const std::vector<Object>& objects) {
   start = seconds();
   const LevelSetMorphResult peer = levelSetMorph(*objects[0].levelSet, *objects[1].levelSet, kFrames);
   const double theirs = seconds() - start;
-  std::printf("25 frames / --method levelset    %6.3f   goal <= 0.05   (%.1f s / %.1f s; it rests %.2f voxels away after %d steps)\n",
-              ours / theirs, ours, theirs, peer.restDistance, peer.steps);
+  std::printf(
+      "25 frames / --method levelset    %6.3f   goal <= 0.05   (%.1f s / %.1f s; it rests %.2f voxels away "
+      "after %d steps)\n",
+      ours / theirs, ours, theirs, peer.restDistance, peer.steps);
 }
 
 /// A rod, straight or bent to an arc of this many radians.
@@ -109,7 +112,8 @@ Object rod(double bend, double voxelSize) {
   const auto place = [&](double s, double y, double z) {
     if (bend == 0) return openvdb::Vec3s(float(s), float(y), float(z));
     const double radius = kLength / bend, a = s / radius;
-    return openvdb::Vec3s(float((radius - y) * std::sin(a)), float(radius - (radius - y) * std::cos(a)), float(z));
+    return openvdb::Vec3s(float((radius - y) * std::sin(a)), float(radius - (radius - y) * std::cos(a)),
+                          float(z));
   };
   for (int i = 0; i <= kRings; ++i)
     for (int j = 0; j < kSides; ++j) {
@@ -126,8 +130,10 @@ Object rod(double bend, double voxelSize) {
     mesh.points.push_back(place(kLength * (double(end) / kRings - 0.5), 0, 0));
     const unsigned middle = unsigned(mesh.points.size()) - 1;
     for (int j = 0; j < kSides; ++j) {
-      if (end == 0) mesh.triangles.emplace_back(middle, point(end, j), point(end, j + 1));
-      else mesh.triangles.emplace_back(middle, point(end, j + 1), point(end, j));
+      if (end == 0)
+        mesh.triangles.emplace_back(middle, point(end, j), point(end, j + 1));
+      else
+        mesh.triangles.emplace_back(middle, point(end, j + 1), point(end, j));
     }
   }
   return {"rod", voxelise(mesh, voxelSize)};
@@ -138,11 +144,13 @@ void curvedAgainstStraight() {
   const std::vector<Object> objects{rod(0, 2.0 / 256), rod(2.1, 2.0 / 256)};
   MorphOptions straight;
   straight.spine = SpineKind::kStraight;
-  const double curved = timeOf([&] { MorphPlan plan(objects); }), peer = timeOf([&] { MorphPlan plan(objects, straight); });
-  std::printf("plan, curved / straight          %6.3f   goal <= 3      (%.2f s / %.2f s)\n", curved / peer, curved, peer);
+  const double curved = timeOf([&] { MorphPlan plan(objects); }),
+               peer = timeOf([&] { MorphPlan plan(objects, straight); });
+  std::printf("plan, curved / straight          %6.3f   goal <= 3      (%.2f s / %.2f s)\n", curved / peer,
+              curved, peer);
   const FrameCost bent = frameCost(MorphPlan(objects));
-  std::printf("frame, curved / meshToLevelSet   %6.3f   goal <= 1.5    (%.3f s / %.3f s)\n", bent.ours / bent.voxelising,
-              bent.ours, bent.voxelising);
+  std::printf("frame, curved / meshToLevelSet   %6.3f   goal <= 1.5    (%.3f s / %.3f s)\n",
+              bent.ours / bent.voxelising, bent.ours, bent.voxelising);
 }
 
 /// Clouds of puffs: `extent` voxels along the longest side, active where some puff is.
@@ -155,9 +163,11 @@ FloatGrid::Ptr cloud(int extent, int puffs, double radius, unsigned seed) {
   for (int i = 0; i < puffs; ++i) {
     // Along a bent plume, so that the box is mostly empty.
     const double t = (i + 0.5) / puffs, bend = 0.3 * std::sin(3 * t + seed);
-    const Vec3d middle(extent * (0.5 + bend) + 0.1 * (place(random) - 0.5 * extent), radius + t * (extent - 2 * radius),
+    const Vec3d middle(extent * (0.5 + bend) + 0.1 * (place(random) - 0.5 * extent),
+                       radius + t * (extent - 2 * radius),
                        0.5 * extent + 0.1 * (place(random) - 0.5 * extent));
-    FloatGrid::Ptr puff = openvdb::tools::createLevelSetSphere<FloatGrid>(float(radius * (0.6 + 0.4 * t)), openvdb::Vec3f(middle), 1.f, 3.f);
+    FloatGrid::Ptr puff = openvdb::tools::createLevelSetSphere<FloatGrid>(float(radius * (0.6 + 0.4 * t)),
+                                                                          openvdb::Vec3f(middle), 1.f, 3.f);
     openvdb::tools::sdfToFogVolume(*puff, float(0.5 * radius));
     openvdb::tools::compMax(*grid, *puff);
   }
@@ -172,7 +182,8 @@ void resample(const GridBase& grid) {
     using Grid = std::decay_t<decltype(typed)>;
     using Sampler = std::conditional_t<std::is_same_v<Grid, openvdb::Int32Grid>, openvdb::tools::PointSampler,
                                        openvdb::tools::BoxSampler>;
-    Grid in(openvdb::ConstPtrCast<typename Grid::TreeType>(typed.treePtr()));  // of no class: level sets would be rebuilt
+    Grid in(openvdb::ConstPtrCast<typename Grid::TreeType>(
+        typed.treePtr()));  // of no class: level sets would be rebuilt
     in.setTransform(typed.transform().copy());
     Grid out(typed.background());
     out.setTransform(typed.transform().copy());
@@ -182,8 +193,8 @@ void resample(const GridBase& grid) {
 }
 
 /// A frame of fog with all that rides along, beside a resampling of the same grids.
-void fogAgainstResample(const std::vector<Object>& objects, const std::vector<std::vector<GridBase::ConstPtr>>& sets,
-                        const char* name) {
+void fogAgainstResample(const std::vector<Object>& objects,
+                        const std::vector<std::vector<GridBase::ConstPtr>>& sets, const char* name) {
   const MorphPlan plan(objects);
   double out = 0;
   const double ours = timeOf([&] {
@@ -195,10 +206,14 @@ void fogAgainstResample(const std::vector<Object>& objects, const std::vector<st
   const double peer = timeOf([&] {
     in = 0;
     for (const auto& grids : sets)
-      for (const GridBase::ConstPtr& grid : grids) resample(*grid), in += double(grid->activeVoxelCount()) / 1e6;
+      for (const GridBase::ConstPtr& grid : grids)
+        resample(*grid), in += double(grid->activeVoxelCount()) / 1e6;
   });
-  std::printf("fog frame / resampleToMatch      %6.3f   goal <= 2      (%.3f s / %.3f s; %s, %zu grids, %.1f million voxels in, "
-              "%.1f out)\n", ours / peer, ours, peer, name, sets.size(), in, out);
+  std::printf(
+      "fog frame / resampleToMatch      %6.3f   goal <= 2      (%.3f s / %.3f s; %s, %zu grids, %.1f million "
+      "voxels in, "
+      "%.1f out)\n",
+      ours / peer, ours, peer, name, sets.size(), in, out);
   std::fflush(stdout);
 }
 
@@ -216,7 +231,8 @@ void fogFiles(const std::vector<std::string>& inputs, const char* name) {
     if (set.index[0] && set.index[1]) sets.push_back(readGrids(set, loaded));
   const double before = peakGiB();
   fogAgainstResample(objects, sets, name);
-  std::printf("peak memory                      %6.2f   goal <  6 GiB  (%.2f when the shapes were read)\n", peakGiB(), before);
+  std::printf("peak memory                      %6.2f   goal <  6 GiB  (%.2f when the shapes were read)\n",
+              peakGiB(), before);
 }
 
 /// Through files, as users do: what is read is what is touched.
@@ -224,7 +240,8 @@ void clouds(int extent, int puffs, double radius, const char* name) {
   namespace fs = std::filesystem;
   std::vector<std::string> files;
   for (unsigned seed : {1u, 2u}) {
-    files.push_back((fs::temp_directory_path() / ("slicemorph_cloud_" + std::to_string(seed) + ".vdb")).string());
+    files.push_back(
+        (fs::temp_directory_path() / ("slicemorph_cloud_" + std::to_string(seed) + ".vdb")).string());
     openvdb::io::File(files.back()).write(openvdb::GridPtrVec{cloud(extent, puffs, radius, seed)});
   }
   fogFiles(files, name);
@@ -244,9 +261,11 @@ Object lumpyBall(unsigned seed) {
   std::uniform_real_distribution<double> any(-1, 1);
   std::vector<Vec3d> waves;
   std::vector<double> phase;
-  for (int i = 0; i < 6; ++i) waves.emplace_back(3 * any(random), 3 * any(random), 3 * any(random)), phase.push_back(3 * any(random));
+  for (int i = 0; i < 6; ++i)
+    waves.emplace_back(3 * any(random), 3 * any(random), 3 * any(random)), phase.push_back(3 * any(random));
   const Vec3d stretch(1 + 0.3 * any(random), 1 + 0.3 * any(random), 1 + 0.3 * any(random));
-  Mesh mesh = surfaceOf(*openvdb::tools::createLevelSetSphere<FloatGrid>(1.f, openvdb::Vec3f(0.f), 0.03f, 3.f));
+  Mesh mesh =
+      surfaceOf(*openvdb::tools::createLevelSetSphere<FloatGrid>(1.f, openvdb::Vec3f(0.f), 0.03f, 3.f));
   for (openvdb::Vec3s& p : mesh.points) {
     const Vec3d on(p);
     double height = 1;
@@ -267,8 +286,10 @@ void manyObjects() {
     const Weights equal(n, 1.0 / double(n));
     const double frame = timeOf([&] { plan->frame(equal); });
     if (n == 2) plan2 = planning, frame2 = frame;
-    std::printf("%zu objects: plan %.2f s, frame %.3f s; against two, per object  plan %6.3f  frame %6.3f   goal <= 1\n", n,
-                planning, frame, planning / plan2 * 2 / double(n), frame / frame2 * 2 / double(n));
+    std::printf(
+        "%zu objects: plan %.2f s, frame %.3f s; against two, per object  plan %6.3f  frame %6.3f   goal <= "
+        "1\n",
+        n, planning, frame, planning / plan2 * 2 / double(n), frame / frame2 * 2 / double(n));
     std::fflush(stdout);
   }
 }
@@ -283,8 +304,8 @@ void run(const std::vector<std::string>& inputs, bool quick) {
     const double planning = seconds() - start;
     const FrameCost cost = frameCost(plan);
     std::printf("%d voxels: plan %.2f s, frame %.3f s\n", resolution, planning, cost.ours);
-    std::printf("frame / meshToLevelSet           %6.3f   goal <= 1.5    (%.3f s / %.3f s)\n", cost.ours / cost.voxelising,
-                cost.ours, cost.voxelising);
+    std::printf("frame / meshToLevelSet           %6.3f   goal <= 1.5    (%.3f s / %.3f s)\n",
+                cost.ours / cost.voxelising, cost.ours, cost.voxelising);
     if (!costs.empty())
       std::printf("frame / frame at half as many    %6.3f   goal <= 4.5\n", cost.ours / costs.back());
     costs.push_back(cost.ours);
@@ -305,10 +326,14 @@ int main(int argc, char** argv) {
   std::vector<std::string> inputs;
   bool quick = false, fog = false, many = false;
   for (int i = 1; i < argc; ++i) {
-    if (std::strcmp(argv[i], "--quick") == 0) quick = true;
-    else if (std::strcmp(argv[i], "--fog") == 0) fog = true;
-    else if (std::strcmp(argv[i], "--many") == 0) many = true;
-    else inputs.push_back(argv[i]);
+    if (std::strcmp(argv[i], "--quick") == 0)
+      quick = true;
+    else if (std::strcmp(argv[i], "--fog") == 0)
+      fog = true;
+    else if (std::strcmp(argv[i], "--many") == 0)
+      many = true;
+    else
+      inputs.push_back(argv[i]);
   }
   const bool filesGiven = !inputs.empty();
   if (!filesGiven) inputs = {SLICEMORPH_ASSETS "/creature.ply", SLICEMORPH_ASSETS "/ring.ply"};
@@ -323,8 +348,10 @@ int main(int argc, char** argv) {
       return 0;
     }
     if (!fog) slicemorph::run(inputs, quick), slicemorph::manyObjects();
-    if (fog && filesGiven) slicemorph::fogFiles(inputs, "files");
-    else slicemorph::fog(quick);
+    if (fog && filesGiven)
+      slicemorph::fogFiles(inputs, "files");
+    else
+      slicemorph::fog(quick);
   } catch (const std::exception& e) {
     std::fprintf(stderr, "slicemorph_benchmark: %s\n", e.what());
     return 1;

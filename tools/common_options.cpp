@@ -61,8 +61,10 @@ SamplingOptions addSamplingOptions(CLI::App& command, LoadOptions& options) {
                         options.isoGiven = true;
                         if (options.isosByInput.size() == 1) options.isosByInput.clear();
                       },
-                      "Value of the surface in a VDB grid (0; in fog found from the density) or a grey image (found from its "
-                      "values); further ones of an image help to match; a slash parts those of one input from the next's")
+                      "Value of the surface in a VDB grid (0; in fog found from the density) or a grey image "
+                      "(found from its "
+                      "values); further ones of an image help to match; a slash parts those of one input "
+                      "from the next's")
                   ->type_name("V[,V...][/V...]");
   given.image = command
                     .add_option_function<std::string>(
@@ -72,7 +74,8 @@ SamplingOptions addSamplingOptions(CLI::App& command, LoadOptions& options) {
                                               : kind == "labels" ? ImageKind::kLabels
                                                                  : ImageKind::kAuto;
                         },
-                        "What an image's values are (auto: labels where whole numbers are mostly like their neighbours)")
+                        "What an image's values are (auto: labels where whole numbers are mostly like their "
+                        "neighbours)")
                     ->type_name("auto|grey|labels")
                     ->check(oneOf({"auto", "grey", "labels"}));
   given.spacing = addSpacingOption(command, options.image);
@@ -87,8 +90,8 @@ CLI::Option* addSpacingOption(CLI::App& command, ImageOptions& options) {
     options.spacing = Vec3d(s[0], s[1], s[2]);
   };
   return command
-      .add_option_function<std::string>("--spacing", parse,
-                                        "Of image stacks: pixel width, pixel height, gap between pictures, millimetres")
+      .add_option_function<std::string>(
+          "--spacing", parse, "Of image stacks: pixel width, pixel height, gap between pictures, millimetres")
       ->type_name("X,Y,Z");
 }
 
@@ -138,7 +141,8 @@ std::vector<std::string> parseNames(const std::string& option, const std::string
   std::istringstream parts(text);
   for (std::string name; std::getline(parts, name, ',');) names.push_back(name);
   if (names.empty() || std::count(names.begin(), names.end(), ""))
-    throw InputError(option + " " + text + ": expected names separated by commas, for example density,temperature");
+    throw InputError(option + " " + text +
+                     ": expected names separated by commas, for example density,temperature");
   return names;
 }
 
@@ -173,9 +177,7 @@ void checkPositive(const std::string& option, double value) {
     throw InputError(option + " " + formatNumber(value) + " must be a number above 0");
 }
 
-void checkInputExists(const std::string& input) {
-  filesOfInput(input);
-}
+void checkInputExists(const std::string& input) { filesOfInput(input); }
 
 void writeTextFile(const std::string& path, const std::string& text) {
   AtomicFile file(path);

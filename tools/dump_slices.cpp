@@ -96,8 +96,8 @@ std::string drawSlice(const SlicePicture& slice, size_t number, size_t count, co
   svg << std::fixed;
   svg.precision(2);
   const double width = kPanel * double(panels), height = kPanel + kHeader;
-  svg << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" << width << "\" height=\"" << height << "\" viewBox=\"0 0 "
-      << width << " " << height << "\" font-family=\"sans-serif\" font-size=\"13\">\n"
+  svg << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" << width << "\" height=\"" << height
+      << "\" viewBox=\"0 0 " << width << " " << height << "\" font-family=\"sans-serif\" font-size=\"13\">\n"
       << "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
   for (size_t k = 0; k < panels; ++k) {
     svg << "<text x=\"" << kPanel * double(k) + 8 << "\" y=\"18\">"
@@ -123,7 +123,8 @@ std::string drawSlice(const SlicePicture& slice, size_t number, size_t count, co
 
 }  // namespace
 
-std::vector<std::string> drawSlices(const std::vector<SlicePicture>& slices, const std::vector<std::string>& objectNames) {
+std::vector<std::string> drawSlices(const std::vector<SlicePicture>& slices,
+                                    const std::vector<std::string>& objectNames) {
   const View view = fitView(slices);
   std::vector<std::string> drawings;
   for (size_t i = 0; i < slices.size(); ++i)

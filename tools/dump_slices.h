@@ -8,7 +8,8 @@
 namespace slicemorph {
 
 /// Each slice of a plan as an SVG, drawn as dumpSlices does. `objectNames`: a name for each object.
-std::vector<std::string> drawSlices(const std::vector<SlicePicture>& slices, const std::vector<std::string>& objectNames);
+std::vector<std::string> drawSlices(const std::vector<SlicePicture>& slices,
+                                    const std::vector<std::string>& objectNames);
 
 /// Draws each slice of a plan as `DIR/slice.0001.svg` and on: the objects side by side in chart space at one
 /// scale; matched contours share a colour, unmatched ones are grey and dashed, holes are drawn thin; accepted

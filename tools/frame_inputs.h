@@ -9,8 +9,8 @@
 
 namespace slicemorph {
 
-/// The inputs of a job at each of its frames: of a numbered sequence the file of that place in it, the last one when it is
-/// over; any other input is the same throughout.
+/// The inputs of a job at each of its frames: of a numbered sequence the file of that place in it, the last
+/// one when it is over; any other input is the same throughout.
 class FrameInputs {
  public:
   /// Throws IoError where there is no file of a sequence.
@@ -19,7 +19,8 @@ class FrameInputs {
   /// Which sequences end before a job of so many frames does, one sentence each.
   std::vector<std::string> notes(size_t frames) const;
 
-  /// Loads what a frame (from 0) needs and is not loaded. Returns whether anything changed. Throws as loadObject.
+  /// Loads what a frame (from 0) needs and is not loaded. Returns whether anything changed. Throws as
+  /// loadObject.
   bool moveTo(size_t frame, Progress& progress);
   const std::vector<LoadedObject>& loaded() const { return loaded_; }
   /// Of the inputs loaded last, one sentence each.

@@ -47,7 +47,8 @@ void FrameMaker::moveTo(size_t index, double from, double to) {
   const bool first = !makeShape_;
   index_ = index;
   Stopwatch watch;
-  PartProgress reading(progress_, from, from + 0.4 * (to - from)), planning(progress_, from + 0.4 * (to - from), to);
+  PartProgress reading(progress_, from, from + 0.4 * (to - from)),
+      planning(progress_, from + 0.4 * (to - from), to);
   const bool changed = inputs_.moveTo(job().inputFrame, reading);
   // Of a sequence the first files stand for the others.
   const std::vector<std::string> inputNotes = inputs_.takeNotes();
@@ -82,10 +83,12 @@ void FrameMaker::planSlices(Progress& progress) {
     auto next = std::make_unique<MorphPlan>(objects, *plan_, &progress);
     plan_ = std::move(next);
     for (const std::string& note : plan_->notes())
-      if (note.rfind("planned anew", 0) == 0) notes_.push_back("frame " + std::to_string(job().number) + ": " + note);
+      if (note.rfind("planned anew", 0) == 0)
+        notes_.push_back("frame " + std::to_string(job().number) + ": " + note);
   } else {
     plan_ = std::make_unique<MorphPlan>(objects, settings_.plan, &progress);
-    if (!settings_.sliceFolder.empty()) dumpSlices(settings_.sliceFolder, plan_->slicePictures(), settings_.inputs);
+    if (!settings_.sliceFolder.empty())
+      dumpSlices(settings_.sliceFolder, plan_->slicePictures(), settings_.inputs);
     append(notes_, plan_->notes());
   }
   makeShape_ = [this] { return plan_->frame(job().weights); };
@@ -98,13 +101,15 @@ void FrameMaker::planSdf() {
     grids.push_back(input.object.levelSet);
     finest = std::min(finest, grids.back()->voxelSize()[0]);
   }
-  const auto blend = std::make_shared<SdfBlend>(grids, settings_.plan.voxelSize > 0 ? settings_.plan.voxelSize : finest);
+  const auto blend =
+      std::make_shared<SdfBlend>(grids, settings_.plan.voxelSize > 0 ? settings_.plan.voxelSize : finest);
   makeShape_ = [this, blend] { return InBetween{blend->frame(job().weights), 0}; };
 }
 
 void FrameMaker::planLevelSet(Progress& progress) {
-  const auto result = std::make_shared<LevelSetMorphResult>(levelSetMorph(
-      *inputs()[0].object.levelSet, *inputs()[1].object.levelSet, int(settings_.frames.size()), 2000, &progress));
+  const auto result = std::make_shared<LevelSetMorphResult>(
+      levelSetMorph(*inputs()[0].object.levelSet, *inputs()[1].object.levelSet, int(settings_.frames.size()),
+                    2000, &progress));
   notes_.push_back("the level set came to rest after " + std::to_string(result->steps) + " steps, at most " +
                    formatNumber(result->restDistance, 3) + " voxels from " + settings_.inputs[1]);
   restDistance_ = result->restDistance;
@@ -115,8 +120,11 @@ void FrameMaker::planLevelSet(Progress& progress) {
 void FrameMaker::chooseGrids(bool first) {
   const bool holdsGrids = settings_.holdsGrids();
   const bool carries = settings_.method == Method::kSlices || settings_.method == Method::kDissolve;
-  const bool anyFog = std::any_of(inputs().begin(), inputs().end(), [](const LoadedObject& input) { return input.fog; });
-  images_ = std::all_of(inputs().begin(), inputs().end(), [](const LoadedObject& input) { return bool(input.image); }) && carries;
+  const bool anyFog =
+      std::any_of(inputs().begin(), inputs().end(), [](const LoadedObject& input) { return input.fog; });
+  images_ = std::all_of(inputs().begin(), inputs().end(),
+                        [](const LoadedObject& input) { return bool(input.image); }) &&
+            carries;
   fog_ = holdsGrids && carries && (anyFog || settings_.method == Method::kDissolve);
   surfaceWanted_ = !fog_;
   sets_.clear();
@@ -128,13 +136,16 @@ void FrameMaker::chooseGrids(bool first) {
       return settings_.grids.empty() || std::count(settings_.grids.begin(), settings_.grids.end(), grid) > 0;
     };
     for (const std::string& grid : settings_.grids)
-      if (grid != "surface" && grid != name) throw InputError("--grids: there is no grid '" + grid + "'; there are surface, " + name);
+      if (grid != "surface" && grid != name)
+        throw InputError("--grids: there is no grid '" + grid + "'; there are surface, " + name);
     surfaceWanted_ = asked("surface") && settings_.method != Method::kDissolve;
-    if (!surfaceWanted_ && !asked(name)) throw InputError("--grids surface: --method dissolve makes no surface");
+    if (!surfaceWanted_ && !asked(name))
+      throw InputError("--grids surface: --method dissolve makes no surface");
     images_ = !holdsGrids || asked(name);
     return;
   }
-  const bool anyColors = std::any_of(inputs().begin(), inputs().end(), [](const LoadedObject& input) { return bool(input.colors); });
+  const bool anyColors = std::any_of(inputs().begin(), inputs().end(),
+                                     [](const LoadedObject& input) { return bool(input.colors); });
   if (first && anyColors && settings_.method != Method::kSlices)
     notes_.push_back("the inputs' colours are left out: only --method slices carries them");
   if (!carries) return;
@@ -162,7 +173,8 @@ void FrameMaker::chooseGrids(bool first) {
   if (!settings_.grids.empty()) keepAsked(settings_.grids, first);
 }
 
-/// Colours of surfaces go along with them, not as grids of their own. Without a map there is nothing to go along with.
+/// Colours of surfaces go along with them, not as grids of their own. Without a map there is nothing to go
+/// along with.
 void FrameMaker::chooseColors(GridSets& found) {
   if (fog_ || settings_.method != Method::kSlices) return;  // colours of fog are grids like others
   for (const LoadedObject& input : inputs())
@@ -191,8 +203,10 @@ void FrameMaker::keepAsked(const std::vector<std::string>& asked, bool first) {
     kept.push_back(sets_[s]);
   }
   for (const std::string& name : asked) {
-    const bool there = std::any_of(kept.begin(), kept.end(), [&](const GridSet& set) { return set.name == name; });
-    if (first && !there && name != "surface" && name != colorName_) throw InputError("--grids: no input has a grid '" + name + "'; there are " + known);
+    const bool there =
+        std::any_of(kept.begin(), kept.end(), [&](const GridSet& set) { return set.name == name; });
+    if (first && !there && name != "surface" && name != colorName_)
+      throw InputError("--grids: no input has a grid '" + name + "'; there are " + known);
   }
   surfaceWanted_ = std::find(asked.begin(), asked.end(), "surface") != asked.end();
   if (std::find(asked.begin(), asked.end(), colorName_) == asked.end()) colorName_.clear();
@@ -211,7 +225,8 @@ void FrameMaker::prepareImages() {
   const bool labels = inputs()[0].labels;
   for (size_t k = 1; k < inputs().size(); ++k)
     if (inputs()[k].labels != labels)
-      throw InputError(settings_.inputs[labels ? 0 : k] + " is a map of labels and " + settings_.inputs[labels ? k : 0] +
+      throw InputError(settings_.inputs[labels ? 0 : k] + " is a map of labels and " +
+                       settings_.inputs[labels ? k : 0] +
                        " holds grey values; --image grey or labels reads both alike");
   labelFields_.clear();
   if (labels)
@@ -220,7 +235,8 @@ void FrameMaker::prepareImages() {
     lattice_ = readImage(settings_.like, settings_.load.image).image.lattice;
   else
     lattice_ = latticeAround(inputs(), notes_);
-  if (settings_.plan.voxelSize > 0 || settings_.load.resolution > 0) lattice_ = cubicLattice(lattice_, settings_.load);
+  if (settings_.plan.voxelSize > 0 || settings_.load.resolution > 0)
+    lattice_ = cubicLattice(lattice_, settings_.load);
 }
 
 double FrameMaker::iso() const {
@@ -239,7 +255,8 @@ Image FrameMaker::image() const {
     return carrier.carry(images, lattice_, isos);
   }
   // The inputs themselves are not made anew.
-  if (const std::optional<size_t> alone = aloneIn(job().weights)) return nearestTo(*inputs()[*alone].image, lattice_);
+  if (const std::optional<size_t> alone = aloneIn(job().weights))
+    return nearestTo(*inputs()[*alone].image, lattice_);
   std::vector<const LabelField*> fields;
   for (const LabelField& field : labelFields_) fields.push_back(&field);
   return carrier.carryLabels(fields, lattice_);
@@ -264,7 +281,8 @@ MorphFrame FrameMaker::make() const {
   const bool toImage = isImageOutput(settings_.output);
   const bool leaning = settings_.toFrameImages() && settings_.exrSlices.spine;
   const bool colored = settings_.holdsGrids() && !colorName_.empty();
-  if ((surfaceWanted_ && !toImage) || leaning || colored || !settings_.reports.empty()) frame = coloredShape();
+  if ((surfaceWanted_ && !toImage) || leaning || colored || !settings_.reports.empty())
+    frame = coloredShape();
   if (images_) frame.image = image();
   if (!settings_.holdsGrids()) return frame;
   bool half = true;
@@ -287,8 +305,9 @@ MorphFrame FrameMaker::make() const {
   GridBase::ConstPtr where = surfaceWanted_ ? frame.grids[0] : nullptr;
   for (size_t s = 0; s < sets_.size(); ++s) {
     if (progress_.cancelled()) throw Cancelled();
-    const GridBase::ConstPtr grid =
-        shapeSet_ == s ? density(carrier) : carrier.carry(readGrids(sets_[s], inputs()), {false, voxelSize()});
+    const GridBase::ConstPtr grid = shapeSet_ == s
+                                        ? density(carrier)
+                                        : carrier.carry(readGrids(sets_[s], inputs()), {false, voxelSize()});
     if (shapeSet_ == s || !where) where = grid;
     if (shapeSet_ == s) frame.density = grid;
     frame.grids.push_back(grid);
@@ -315,7 +334,8 @@ double FrameMaker::voxelSize() const {
   if (settings_.load.resolution == 0) return 0;
   double size = 0;
   const Weights weights = withoutNegatives(job().weights);
-  for (size_t k = 0; k < inputs().size(); ++k) size += weights[k] * inputs()[k].object.levelSet->voxelSize()[0];
+  for (size_t k = 0; k < inputs().size(); ++k)
+    size += weights[k] * inputs()[k].object.levelSet->voxelSize()[0];
   return size;
 }
 
@@ -332,15 +352,18 @@ GridBase::ConstPtr FrameMaker::density(Carrier& carrier) const {
       fog->setSaveFloatAsHalf(!like || like->saveFloatAsHalf());
       grids[k] = fog;
     }
-    if (like && grids[k]->type() != like->type()) grids[k] = asFloatGrid(openvdb::ConstPtrCast<GridBase>(grids[k]));
+    if (like && grids[k]->type() != like->type())
+      grids[k] = asFloatGrid(openvdb::ConstPtrCast<GridBase>(grids[k]));
   }
   return carrier.carry(grids, {settings_.conserve, voxelSize()});
 }
 
 /// Null where the inputs' own velocities stand under its name.
-GridBase::Ptr FrameMaker::velocity(const Carrier& carrier, const GridBase& where, const openvdb::GridCPtrVec& grids) const {
+GridBase::Ptr FrameMaker::velocity(const Carrier& carrier, const GridBase& where,
+                                   const openvdb::GridCPtrVec& grids) const {
   const VelocitySettings& v = settings_.velocity;
-  const openvdb::Vec3SGrid::Ptr velocity = carrier.velocity(where, job().rate, kShutter / settings_.framesPerSecond);
+  const openvdb::Vec3SGrid::Ptr velocity =
+      carrier.velocity(where, job().rate, kShutter / settings_.framesPerSecond);
   velocity->setName(v.name);
   for (const GridBase::ConstPtr& grid : grids) {
     const bool isOwn = kVelocityNames.count(grid->getName()) || grid->getName() == v.name;

@@ -17,11 +17,12 @@ namespace slicemorph {
 
 /// One frame's shape and grids.
 struct MorphFrame {
-  InBetween shape;                  ///< surface null with --method dissolve
-  openvdb::GridCPtrVec grids;       ///< of an output that holds grids, in their order
+  InBetween shape;                      ///< surface null with --method dissolve
+  openvdb::GridCPtrVec grids;           ///< of an output that holds grids, in their order
   openvdb::Vec3SGrid::ConstPtr colors;  ///< of the shape's surface; null: it has none
-  openvdb::GridBase::ConstPtr density;  ///< of those, the fog that the shapes are part of; null: there is none
-  std::optional<Image> image;       ///< of an image output
+  openvdb::GridBase::ConstPtr
+      density;                 ///< of those, the fog that the shapes are part of; null: there is none
+  std::optional<Image> image;  ///< of an image output
 };
 
 /// Makes the frames of a job, whatever its method: reads the inputs, plans, carries the grids.
@@ -30,8 +31,8 @@ class FrameMaker {
   FrameMaker(const MorphSettings& settings, TerminalProgress& progress);
   ~FrameMaker();
 
-  /// Reads and plans what a frame (index into the settings' frames) needs; frames are to come in order. `from`, `to`: this
-  /// step's part of the whole job, for the progress line.
+  /// Reads and plans what a frame (index into the settings' frames) needs; frames are to come in order.
+  /// `from`, `to`: this step's part of the whole job, for the progress line.
   void moveTo(size_t index, double from, double to);
   /// The shape alone, of the frame moved to.
   InBetween shape() const;
@@ -77,9 +78,9 @@ class FrameMaker {
   bool surfaceWanted_ = true;       ///< as a grid of the output
   std::optional<size_t> shapeSet_;  ///< of sets_, where the result is a fog volume
   std::vector<GridSet> sets_;
-  std::string colorName_;           ///< of the grid of the surface's colours; empty: no input has any
-  bool images_ = false;             ///< all inputs are images, and the result shows their values
-  ImageLattice lattice_;            ///< of in-between images
+  std::string colorName_;  ///< of the grid of the surface's colours; empty: no input has any
+  bool images_ = false;    ///< all inputs are images, and the result shows their values
+  ImageLattice lattice_;   ///< of in-between images
   std::vector<LabelField> labelFields_;
   std::unique_ptr<MorphPlan> plan_;
   std::function<InBetween()> makeShape_;

@@ -122,7 +122,8 @@ void printGrid(const GridInfo& g, bool chosen) {
 
 void printImage(const ImageInfo& i) {
   std::printf("image %s%s%s\n", i.name.c_str(), i.about.empty() ? "" : ": ", i.about.c_str());
-  printLine("voxels", std::to_string(i.size[0]) + " x " + std::to_string(i.size[1]) + " x " + std::to_string(i.size[2]) + ", " + i.type +
+  printLine("voxels", std::to_string(i.size[0]) + " x " + std::to_string(i.size[1]) + " x " +
+                          std::to_string(i.size[2]) + ", " + i.type +
                           (i.volumes > 1 ? ", one of " + std::to_string(i.volumes) + " volumes" : ""));
   printLine("spacing", toText(i.spacing) + " mm");
   printLine("origin", toText(i.origin) + " (LPS)");
@@ -160,9 +161,12 @@ void addInfoCommand(CLI::App& program) {
   };
   CLI::App* command = program.add_subcommand("info", "What a file holds, and how it will be read");
   const auto s = std::make_shared<InfoSettings>();
-  command->add_option("INPUT", s->input, "File: .vdb (file.vdb:grid for one grid) .obj .ply .stl .off .glb, or an image: .nii .nii.gz "
-                  ".nrrd .nhdr .mha .mhd (file:N for one of its volumes), a DICOM folder (folder:N for a series), "
-                  "name.####.tif|png|exr")
+  command
+      ->add_option(
+          "INPUT", s->input,
+          "File: .vdb (file.vdb:grid for one grid) .obj .ply .stl .off .glb, or an image: .nii .nii.gz "
+          ".nrrd .nhdr .mha .mhd (file:N for one of its volumes), a DICOM folder (folder:N for a series), "
+          "name.####.tif|png|exr")
       ->required();
   addSpacingOption(*command, s->load.image);
   command->add_flag("--json", s->json, "Print JSON");

@@ -111,10 +111,14 @@ Json describeJob(const MorphSettings& s) {
   job["slices"] = s.plan.slices;
   job["samples"] = s.plan.samples;
   job["axis"] = {s.plan.axis[0], s.plan.axis[1], s.plan.axis[2]};
-  job["spine"] = s.plan.spine == SpineKind::kStraight ? "straight" : s.plan.spine == SpineKind::kCurved ? "curved" : "auto";
+  job["spine"] = s.plan.spine == SpineKind::kStraight ? "straight"
+                 : s.plan.spine == SpineKind::kCurved ? "curved"
+                                                      : "auto";
   job["align"] = s.plan.align == Align::kNone ? "none" : "auto";
   job["fps"] = s.framesPerSecond;
-  job["image"] = s.load.imageKind == ImageKind::kGrey ? "grey" : s.load.imageKind == ImageKind::kLabels ? "labels" : "auto";
+  job["image"] = s.load.imageKind == ImageKind::kGrey     ? "grey"
+                 : s.load.imageKind == ImageKind::kLabels ? "labels"
+                                                          : "auto";
   job["furtherIsos"] = s.load.furtherIsos;
   job["isosByInput"] = s.load.isosByInput;
   job["spacing"] = {s.load.image.spacing[0], s.load.image.spacing[1], s.load.image.spacing[2]};
@@ -128,7 +132,8 @@ Json describeJob(const MorphSettings& s) {
   }
   job["grids"] = s.grids;
   job["conserve"] = s.conserve;
-  job["velocity"] = {{"name", s.velocity.name}, {"unit", s.velocity.perFrame ? "frame" : "second"}, {"add", s.velocity.add}};
+  job["velocity"] = {
+      {"name", s.velocity.name}, {"unit", s.velocity.perFrame ? "frame" : "second"}, {"add", s.velocity.add}};
   return job;
 }
 
@@ -141,19 +146,25 @@ Json describeFrame(const FrameJob& job, const FrameFigures& figures,
   }
   Json frame = {{"frame", job.number}, {"t", orNull(job.t)}, {"weights", job.weights}, {"file", job.path}};
   frame["voxelSize"] = figures.voxelSize;
-  const auto ofShape = [&](auto value) { return figures.shape ? Json(value(*figures.shape)) : Json(nullptr); };
+  const auto ofShape = [&](auto value) {
+    return figures.shape ? Json(value(*figures.shape)) : Json(nullptr);
+  };
   frame["volume"] = ofShape([](const ShapeMeasures& s) { return s.volume; });
   frame["volumeLinear"] = linear;
   frame["volumeRatio"] = ofShape([&](const ShapeMeasures& s) { return s.volume / linear; });
   // Lengths are what a morph interpolates linearly, so the volume of a growing shape follows a cubic.
-  frame["volumeRatioSizeLinear"] = ofShape([&](const ShapeMeasures& s) { return s.volume / (size * size * size); });
+  frame["volumeRatioSizeLinear"] =
+      ofShape([&](const ShapeMeasures& s) { return s.volume / (size * size * size); });
   frame["area"] = ofShape([](const ShapeMeasures& s) { return s.area; });
   frame["pieces"] = ofShape([](const ShapeMeasures& s) { return s.pieces; });
   frame["genus"] = ofShape([](const ShapeMeasures& s) { return s.genus; });
   frame["foldShare"] = figures.foldShare;
   frame["grids"] = Json::array();
   for (const GridFigures& g : figures.grids)
-    frame["grids"].push_back({{"name", g.name}, {"activeVoxels", g.activeVoxels}, {"total", orNull(g.total)}, {"peak", orNull(g.peak)}});
+    frame["grids"].push_back({{"name", g.name},
+                              {"activeVoxels", g.activeVoxels},
+                              {"total", orNull(g.total)},
+                              {"peak", orNull(g.peak)}});
   if (!figures.labels.empty()) {
     frame["labels"] = Json::array();
     for (const LabelMeasures& m : figures.labels)
@@ -191,12 +202,17 @@ LandmarkErrors landmarkErrors(const std::vector<Landmark>& landmarks, const Morp
 namespace {
 
 Json describe(const LandmarkErrors& e) {
-  return {{"count", e.count}, {"meanDistanceBefore", e.before}, {"mean", e.mean}, {"median", e.median}, {"max", e.most}};
+  return {{"count", e.count},
+          {"meanDistanceBefore", e.before},
+          {"mean", e.mean},
+          {"median", e.median},
+          {"max", e.most}};
 }
 
 /// A line for every label of every frame, or for the frame's shape.
 std::string asTable(const std::vector<Json>& frames) {
-  std::string text = "frame,t,file,label,voxels,volume_ml,area_mm2,extent_i_mm,extent_j_mm,extent_k_mm,x_mm,y_mm,z_mm\n";
+  std::string text =
+      "frame,t,file,label,voxels,volume_ml,area_mm2,extent_i_mm,extent_j_mm,extent_k_mm,x_mm,y_mm,z_mm\n";
   const auto number = [](const Json& value) { return value.is_null() ? std::string() : value.dump(); };
   for (const Json& frame : frames) {
     std::string file = frame["file"];
@@ -204,11 +220,13 @@ std::string asTable(const std::vector<Json>& frames) {
     const std::string head = number(frame["frame"]) + "," + number(frame["t"]) + ",\"" + file + "\",";
     if (!frame.contains("labels")) {
       const Json& volume = frame["volume"];
-      text += head + ",," + (volume.is_null() ? "" : Json(volume.get<double>() / 1000).dump()) + "," + number(frame["area"]) + ",,,,,,\n";
+      text += head + ",," + (volume.is_null() ? "" : Json(volume.get<double>() / 1000).dump()) + "," +
+              number(frame["area"]) + ",,,,,,\n";
       continue;
     }
     for (const Json& l : frame["labels"]) {
-      text += head + number(l["label"]) + "," + number(l["voxels"]) + "," + number(l["volumeMl"]) + "," + number(l["areaMm2"]);
+      text += head + number(l["label"]) + "," + number(l["voxels"]) + "," + number(l["volumeMl"]) + "," +
+              number(l["areaMm2"]);
       for (const char* key : {"extentsMm", "centroidMm"})
         for (int d = 0; d < 3; ++d) text += "," + number(l[key][d]);
       text += "\n";
@@ -241,9 +259,10 @@ void writeReports(const MorphSettings& settings, const ReportParts& parts) {
   // Names of files need not be UTF-8.
   for (const std::string& path : settings.reports) {
     const std::string extension = OutputName(path).extension();
-    writeTextFile(path, extension == ".csv"    ? asTable(parts.frames)
-                        : extension == ".html" ? pageOf(report, parts.page)
-                                               : report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    writeTextFile(path, extension == ".csv" ? asTable(parts.frames)
+                        : extension == ".html"
+                            ? pageOf(report, parts.page)
+                            : report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
   }
 }
 

@@ -25,9 +25,9 @@ struct GridFigures {
 
 struct FrameFigures {
   double voxelSize = 0, foldShare = 0;
-  std::optional<ShapeMeasures> shape;  ///< none where the method makes no surface
-  std::vector<GridFigures> grids;      ///< of VDB outputs
-  std::vector<LabelMeasures> labels;   ///< of images: each label, or what is above the surface's value
+  std::optional<ShapeMeasures> shape;         ///< none where the method makes no surface
+  std::vector<GridFigures> grids;             ///< of VDB outputs
+  std::vector<LabelMeasures> labels;          ///< of images: each label, or what is above the surface's value
   std::optional<double> symmetricDifference;  ///< to the frame before, world units cubed
   FrameSeconds seconds;
 };
@@ -53,7 +53,7 @@ struct ReportParts {
   double loadSeconds = 0, planSeconds = 0;
   std::optional<double> restDistance;  ///< of --method levelset, voxels
   std::optional<LandmarkErrors> landmarks, checkLandmarks;
-  PageParts page;                      ///< for .html
+  PageParts page;  ///< for .html
 };
 
 /// Writes the reports, each whole or not at all. Throws IoError.

@@ -98,7 +98,8 @@ void setRates(std::vector<FrameJob>& frames, const WeightCourse& course, double 
   if (frames.size() < 2) return;
   for (size_t i = 0; i < frames.size(); ++i) {
     const size_t before = i > 0 ? i - 1 : i, after = i + 1 < frames.size() ? i + 1 : i;
-    const double perSecond = (*frames[after].t - *frames[before].t) / double(after - before) * framesPerSecond;
+    const double perSecond =
+        (*frames[after].t - *frames[before].t) / double(after - before) * framesPerSecond;
     frames[i].rate = slopeAt(course, *frames[i].t);
     for (double& r : frames[i].rate) r *= perSecond;
   }
@@ -175,17 +176,20 @@ MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Val
   };
   v.inputsGiven =
       remember("inputs", JobType::kTexts,
-               command.add_option("INPUT", v.inputs,
-                                  "Two or more shapes or fog volumes: .vdb (file.vdb:grid picks a grid, "
-                                  "name.####.vdb is a sequence) .obj .ply .stl .off .glb; or images: .nii .nii.gz .nrrd "
-                                  ".nhdr .mha .mhd (file:N), DICOM folders (folder:N), name.####.tif|png|exr; more than "
-                                  "two follow each other in time"));
-  v.outputGiven = remember("output", JobType::kText,
-                           command
-                               .add_option("-o,--output", v.output,
-                                           "Result: .vdb .obj .ply .stl .glb, pictures .png .exr, slices .exr, of images also .nii .nii.gz .nrrd .mha; #### stands "
-                                       "for the frame number; a .glb without #### holds all frames, animated")
-                               ->type_name("OUTPUT"));
+               command.add_option(
+                   "INPUT", v.inputs,
+                   "Two or more shapes or fog volumes: .vdb (file.vdb:grid picks a grid, "
+                   "name.####.vdb is a sequence) .obj .ply .stl .off .glb; or images: .nii .nii.gz .nrrd "
+                   ".nhdr .mha .mhd (file:N), DICOM folders (folder:N), name.####.tif|png|exr; more than "
+                   "two follow each other in time"));
+  v.outputGiven =
+      remember("output", JobType::kText,
+               command
+                   .add_option("-o,--output", v.output,
+                               "Result: .vdb .obj .ply .stl .glb, pictures .png .exr, slices .exr, of images "
+                               "also .nii .nii.gz .nrrd .mha; #### stands "
+                               "for the frame number; a .glb without #### holds all frames, animated")
+                   ->type_name("OUTPUT"));
   v.framesGiven =
       add("frames", v.frames, JobType::kInteger,
           "Frames 1 to N, the first input at 1, the last at N (24; as many as input sequences have)", "N",
@@ -213,11 +217,16 @@ MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Val
   remember("iso", JobType::kNumbers, v.sampling.iso);
   remember("image", JobType::kText, v.sampling.image);
   remember("spacing", JobType::kNumbers, v.sampling.spacing);
-  add("like", v.like, JobType::kText, "Put in-between images on the voxels of this one (those of the first input, and more where shapes reach beyond)", "IMAGE");
+  add("like", v.like, JobType::kText,
+      "Put in-between images on the voxels of this one (those of the first input, and more where shapes "
+      "reach beyond)",
+      "IMAGE");
   add("landmarks", v.landmarks, JobType::kPlaces,
-      "Places to be carried onto each other: a file of points per input, or in a job file [[[x,y,z],[x,y,z]], ...]",
+      "Places to be carried onto each other: a file of points per input, or in a job file "
+      "[[[x,y,z],[x,y,z]], ...]",
       "FILE,FILE[,...]");
-  add("check-landmarks", v.checkLandmarks, JobType::kPlaces, "Places that are only measured, for the report", "FILE,FILE[,...]");
+  add("check-landmarks", v.checkLandmarks, JobType::kPlaces, "Places that are only measured, for the report",
+      "FILE,FILE[,...]");
   add("slices", v.plan.slices, JobType::kInteger, "Slices per object, 8 to 1024 (96)", "N");
   add("samples", v.plan.samples, JobType::kInteger, "Points per contour, 16 to 4096 (128)", "N");
   add("axis", v.axis, JobType::kText, "Slicing direction of the first input (auto)", "auto|x|y|z|DX,DY,DZ");
@@ -237,23 +246,33 @@ MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Val
       "slices|sdf|levelset|dissolve")
       ->check(oneOf({"slices", "sdf", "levelset", "dissolve"}));
   v.gridsGiven = add("grids", v.grids, JobType::kText,
-                     "Grids of VDBs, slices and pictures, `surface` for the shape's level set (all; the surface where no input is fog)",
+                     "Grids of VDBs, slices and pictures, `surface` for the shape's level set (all; the "
+                     "surface where no input is fog)",
                      "a,b,...");
-  remember("conserve", JobType::kFlag,
-           command.add_flag("--conserve", v.conserve,
-                            "Thin and thicken fog so that its total goes straight from the one to the other"));
-  v.velocityGiven = add("velocity", v.velocity, JobType::kText, "Name of the velocity grid of VDB outputs; none: without (vel; none for images)", "NAME|none");
-  add("velocity-unit", v.velocityUnit, JobType::kText, "World units per second or per frame (second)", "second|frame")
+  remember(
+      "conserve", JobType::kFlag,
+      command.add_flag("--conserve", v.conserve,
+                       "Thin and thicken fog so that its total goes straight from the one to the other"));
+  v.velocityGiven =
+      add("velocity", v.velocity, JobType::kText,
+          "Name of the velocity grid of VDB outputs; none: without (vel; none for images)", "NAME|none");
+  add("velocity-unit", v.velocityUnit, JobType::kText, "World units per second or per frame (second)",
+      "second|frame")
       ->check(oneOf({"second", "frame"}));
-  remember("add-velocity", JobType::kFlag,
-           command.add_flag("--add-velocity", v.addVelocity,
-                            "Add the inputs' own velocities (vel, v, velocity; world units per second), morphed"));
+  remember(
+      "add-velocity", JobType::kFlag,
+      command.add_flag("--add-velocity", v.addVelocity,
+                       "Add the inputs' own velocities (vel, v, velocity; world units per second), morphed"));
   add("fps", v.framesPerSecond, JobType::kNumber, "Frames per second, for velocities and metadata (24)", "F");
-  add("glb-up", v.glbUp, JobType::kText, "The inputs' axis that points up: what stands is turned about it, and .glb, where Y is up, says so (y)", "y|z")->check(oneOf({"y", "z"}));
+  add("glb-up", v.glbUp, JobType::kText,
+      "The inputs' axis that points up: what stands is turned about it, and .glb, where Y is up, says so (y)",
+      "y|z")
+      ->check(oneOf({"y", "z"}));
   add("glb-unit", v.glbUnit, JobType::kText, "The inputs' unit, for .glb, which is in metres (m)", "m|cm|mm")
       ->check(oneOf({"m", "cm", "mm"}));
   add("exr", v.exrContent, JobType::kText,
-      "What .exr frames hold: a rendered picture, or slices of all grids, one part each (picture)", "picture|slices")
+      "What .exr frames hold: a rendered picture, or slices of all grids, one part each (picture)",
+      "picture|slices")
       ->check(oneOf({"picture", "slices"}));
   v.pictureOptions = addPictureOptions(command, v.picture);
   v.sliceOptions = addSliceOptions(command, v.exrSlices, "exr-");
@@ -261,9 +280,11 @@ MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Val
     v.jobOptions.insert(v.jobOptions.end(), options->begin(), options->end());
   v.threadsGiven = remember("threads", JobType::kInteger, addThreadsOption(command, v.threads));
   remember("report", JobType::kTexts,
-           command.add_option("--report", v.reports,
-                              "Measure every frame and write the figures; .csv: of every label or shape a line a frame; "
-                              ".html: a page with a 3D player, curves, pictures")
+           command
+               .add_option(
+                   "--report", v.reports,
+                   "Measure every frame and write the figures; .csv: of every label or shape a line a frame; "
+                   ".html: a page with a 3D player, curves, pictures")
                ->type_name("FILE.json|FILE.csv|FILE.html")
                ->allow_extra_args(false));
   add("dump-slices", v.sliceFolder, JobType::kText,
@@ -281,7 +302,8 @@ MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Val
 }
 
 bool MorphSettings::hasPage() const {
-  return std::any_of(reports.begin(), reports.end(), [](const std::string& r) { return OutputName(r).extension() == ".html"; });
+  return std::any_of(reports.begin(), reports.end(),
+                     [](const std::string& r) { return OutputName(r).extension() == ".html"; });
 }
 
 bool MorphSettings::moving() const { return std::any_of(inputs.begin(), inputs.end(), isMovingInput); }
@@ -395,7 +417,8 @@ void MorphOptionSet::setGuidance(MorphSettings& s) {
   for (const char* table : {"feature", "region"})
     if (said(table))
       throw InputError(v.places[table] + "[[" + table + "]] is for --method slices, not for " + v.method);
-  if (!s.landmarks.empty()) throw InputError("--landmarks " + v.landmarks + " is for --method slices, not for " + v.method);
+  if (!s.landmarks.empty())
+    throw InputError("--landmarks " + v.landmarks + " is for --method slices, not for " + v.method);
   if (s.plan.path != ContourPath::kLinear)
     throw InputError("--interpolation " + v.interpolation + " is for --method slices, not for " + v.method);
 }
@@ -417,7 +440,8 @@ MorphSettings MorphOptionSet::checked() {
   if (v.sampling.voxelSize->count()) s.plan.voxelSize = s.load.voxelSize;
   if (!s.load.isosByInput.empty() && s.load.isosByInput.size() != s.inputs.size())
     throw InputError("--iso names values for " + std::to_string(s.load.isosByInput.size()) + " inputs of " +
-                     std::to_string(s.inputs.size()) + "; give one for all or one for each, for example --iso 300/250");
+                     std::to_string(s.inputs.size()) +
+                     "; give one for all or one for each, for example --iso 300/250");
   checkRange("--slices", s.plan.slices, 8, 1024);
   checkRange("--samples", s.plan.samples, 16, 4096);
   checkPositive("--fps", s.framesPerSecond);
@@ -425,18 +449,22 @@ MorphSettings MorphOptionSet::checked() {
   s.conserve = v.conserve;
   if (v.velocity.empty()) throw InputError("--velocity needs a name for the grid, or none");
   const bool images = std::all_of(s.inputs.begin(), s.inputs.end(), isImageInput);
-  s.velocity = {images && !v.velocityGiven->count() ? "none" : v.velocity, v.velocityUnit == "frame", v.addVelocity};
+  s.velocity = {images && !v.velocityGiven->count() ? "none" : v.velocity, v.velocityUnit == "frame",
+                v.addVelocity};
   s.like = v.like;
   v.tables.inputs = s.inputs;
   setGuidance(s);
   if (v.axis != "auto") s.plan.axis = parseDirection("--axis", v.axis);
-  s.plan.spine = v.spine == "straight" ? SpineKind::kStraight : v.spine == "curved" ? SpineKind::kCurved : SpineKind::kAuto;
+  s.plan.spine = v.spine == "straight" ? SpineKind::kStraight
+                 : v.spine == "curved" ? SpineKind::kCurved
+                                       : SpineKind::kAuto;
   s.plan.align = v.align == "none" ? Align::kNone : Align::kAuto;
 
   const OutputName name(s.output);
   v.weightsGiven->count() ? setWeights(s) : setTimes(s);
   // The shape found in fog only steers the map, unless it is what is asked for.
-  if (s.holdsGrids() && !std::count(s.grids.begin(), s.grids.end(), "surface")) s.load.fogResolution = kFogResolution;
+  if (s.holdsGrids() && !std::count(s.grids.begin(), s.grids.end(), "surface"))
+    s.load.fogResolution = kFogResolution;
   s.exrContent = v.exrContent == "slices" ? ExrContent::kSlices : ExrContent::kPicture;
   s.picture = v.picture, s.exrSlices = v.exrSlices;
   checkPictureOptions(s.picture);
@@ -444,13 +472,19 @@ MorphSettings MorphOptionSet::checked() {
   s.pictureOptions = given(v.pictureOptions), s.sliceOptions = given(v.sliceOptions);
   checkImageOptions(s);
   if (s.toPictures() && images && s.method == Method::kDissolve)
-    throw InputError("--method dissolve of images makes no surface that could be drawn; the output can be --exr slices or an image");
+    throw InputError(
+        "--method dissolve of images makes no surface that could be drawn; the output can be --exr slices or "
+        "an image");
   if (s.toPictures() && v.velocityGiven->count())
-    throw InputError("--velocity " + v.velocity + " is for outputs that hold grids; " + s.output + " is a picture");
-  const bool onlySurface = std::all_of(s.grids.begin(), s.grids.end(), [](const std::string& g) { return g == "surface"; });
-  if (!onlySurface && !isImageOutput(s.output) && (!s.holdsGrids() || s.method == Method::kSdf || s.method == Method::kLevelSet))
-    throw InputError("--grids " + v.grids + ": " +
-                     (s.holdsGrids() ? "this --method makes the surface alone" : s.output + " holds the surface alone"));
+    throw InputError("--velocity " + v.velocity + " is for outputs that hold grids; " + s.output +
+                     " is a picture");
+  const bool onlySurface =
+      std::all_of(s.grids.begin(), s.grids.end(), [](const std::string& g) { return g == "surface"; });
+  if (!onlySurface && !isImageOutput(s.output) &&
+      (!s.holdsGrids() || s.method == Method::kSdf || s.method == Method::kLevelSet))
+    throw InputError(
+        "--grids " + v.grids + ": " +
+        (s.holdsGrids() ? "this --method makes the surface alone" : s.output + " holds the surface alone"));
   if (s.toPictures()) s.velocity.name = "none";
   s.glb.zUp = v.glbUp == "z";
   // Scans know where they lie.
@@ -467,16 +501,23 @@ MorphSettings MorphOptionSet::checked() {
     throw InputError("-o " + s.output + ": in-between images need images on all sides, and " + *other +
                      " is none; the output can be .vdb .obj .ply .stl .glb .exr .png");
   }
-  if (!s.plan.regions.empty() && images && (imageOutput || s.holdsGrids()) && s.grids != std::vector<std::string>{"surface"})
-    throw InputError(v.places["region"] + "[[region]] is for shapes and grids, not for in-between images: make a mesh, or a .vdb "
+  if (!s.plan.regions.empty() && images && (imageOutput || s.holdsGrids()) &&
+      s.grids != std::vector<std::string>{"surface"})
+    throw InputError(v.places["region"] +
+                     "[[region]] is for shapes and grids, not for in-between images: make a mesh, or a .vdb "
                      "with --grids surface");
   if (!s.like.empty() && !imageOutput && !(images && s.holdsGrids()))
     throw InputError("--like " + s.like + " is for in-between images; the output " + s.output + " is none");
   if (s.method == Method::kDissolve && !s.holdsGrids() && !imageOutput)
-    throw InputError("--method dissolve blends values and makes no surface; the output must be .vdb, .exr, .png or an image, not " +
-                     s.output);
+    throw InputError(
+        "--method dissolve blends values and makes no surface; the output must be .vdb, .exr, .png or an "
+        "image, not " +
+        s.output);
   if ((s.method == Method::kSdf || s.method == Method::kLevelSet) && imageOutput)
-    throw InputError("--method sdf and levelset make surfaces, no images; the output must be .vdb .obj .ply .stl .glb .exr .png, not " + s.output);
+    throw InputError(
+        "--method sdf and levelset make surfaces, no images; the output must be .vdb .obj .ply .stl .glb "
+        ".exr .png, not " +
+        s.output);
   if (s.method == Method::kLevelSet) {
     if (!v.printConfig && lengthOfInputs(s.inputs) > 1)
       throw InputError("--method levelset takes no sequences, only two still inputs");

@@ -29,8 +29,8 @@ struct FrameJob {
   std::optional<double> t;  ///< none for a blend given by weights
   Weights weights;
   std::string path;
-  size_t inputFrame = 0;    ///< of inputs that are sequences, from 0
-  Weights rate;             ///< change of the weights per second; empty where the job has no speed
+  size_t inputFrame = 0;  ///< of inputs that are sequences, from 0
+  Weights rate;           ///< change of the weights per second; empty where the job has no speed
 };
 
 /// The velocity grid of VDB outputs.
@@ -57,12 +57,13 @@ struct MorphSettings {
   VelocitySettings velocity;
   std::vector<std::string> reports;  ///< .json, .csv, .html
   std::string sliceFolder;           ///< empty: none
-  std::string like;                  ///< image whose voxels the in-betweens are put on; empty: the first input's
-  GlbSpace glb;                      ///< of .glb outputs
+  std::string like;  ///< image whose voxels the in-betweens are put on; empty: the first input's
+  GlbSpace glb;      ///< of .glb outputs
   ExrContent exrContent = ExrContent::kPicture;
-  PictureOptions picture;            ///< of .exr and .png outputs
-  SliceOptions exrSlices;            ///< of .exr outputs that hold slices
-  std::vector<std::pair<std::string, std::string>> pictureOptions, sliceOptions;  ///< those that were given, with values
+  PictureOptions picture;  ///< of .exr and .png outputs
+  SliceOptions exrSlices;  ///< of .exr outputs that hold slices
+  std::vector<std::pair<std::string, std::string>> pictureOptions,
+      sliceOptions;                      ///< those that were given, with values
   std::vector<Landmark> landmarks;       ///< among the plan's features, too
   std::vector<Landmark> checkLandmarks;  ///< only measured, not used
   bool quiet = false, resume = false;

@@ -330,7 +330,9 @@ void reconstructContours(const ReconstructSettings& s, const InputName& name) {
 }
 
 /// EXR images are slices with their places, unless a spacing says that they are a stack of labels.
-bool isSlices(const ReconstructSettings& s) { return extensionOf(s.input) == ".exr" && s.image.spacing[0] == 0; }
+bool isSlices(const ReconstructSettings& s) {
+  return extensionOf(s.input) == ".exr" && s.image.spacing[0] == 0;
+}
 
 void reconstructExrs(const ReconstructSettings& s) {
   const std::vector<std::pair<bool, std::string>> others = {{s.everyGiven->count() > 0, "--every"},
@@ -339,8 +341,10 @@ void reconstructExrs(const ReconstructSettings& s) {
                                                             {!s.like.empty(), "--like"},
                                                             {!s.reports.empty(), "--report"}};
   for (const auto& [given, option] : others)
-    if (given) throw InputError(option + " is for label maps and contours; " + s.input + " are slices of grids");
-  reconstructSlices({s.input, s.output, s.gridsGiven->count() ? std::optional(s.grids) : std::nullopt, s.voxelSize, s.quiet});
+    if (given)
+      throw InputError(option + " is for label maps and contours; " + s.input + " are slices of grids");
+  reconstructSlices({s.input, s.output, s.gridsGiven->count() ? std::optional(s.grids) : std::nullopt,
+                     s.voxelSize, s.quiet});
 }
 
 void runReconstruct(const ReconstructSettings& s) {
@@ -378,15 +382,16 @@ void runReconstruct(const ReconstructSettings& s) {
 }  // namespace
 
 void addReconstructCommand(CLI::App& program) {
-  CLI::App* command =
-      program.add_subcommand("reconstruct", "A dense label map or closed surfaces from slices or contours, grids from EXR slices");
+  CLI::App* command = program.add_subcommand(
+      "reconstruct", "A dense label map or closed surfaces from slices or contours, grids from EXR slices");
   const auto s = std::make_shared<ReconstructSettings>();
   command
       ->add_option(
           "INPUT", s->input,
           "Label map in which slices are empty, or a stack with --between: .nii .nii.gz .nrrd .nhdr .mha "
           ".mhd "
-          "name.####.tif|png; contours: .csl, a DICOM RT structure set (file:NAME for one structure); slices of a "
+          "name.####.tif|png; contours: .csl, a DICOM RT structure set (file:NAME for one structure); slices "
+          "of a "
           "volume as `slice` writes them: name.####.exr, or one file")
       ->required();
   command
@@ -406,8 +411,9 @@ void addReconstructCommand(CLI::App& program) {
           ->type_name("N");
   s->voxelSizeGiven =
       command
-          ->add_option("--voxel-size", s->voxelSize,
-                       "Edge of a voxel of surfaces, millimetres (found), or of grids, world units (one pixel)")
+          ->add_option(
+              "--voxel-size", s->voxelSize,
+              "Edge of a voxel of surfaces, millimetres (found), or of grids, world units (one pixel)")
           ->type_name("H");
   s->gridsGiven = command->add_option("--grids", s->grids, "Of EXR slices only these grids (all)")
                       ->type_name("NAME[,NAME...]");

@@ -232,7 +232,10 @@ void addRenderCommand(CLI::App& program) {
   command->add_option("--columns", s->columns, "Columns of the contact sheet (0: about as wide as high)")
       ->type_name("N");
   command->add_option("--fps", s->framesPerSecond, "Pictures a second of a preview (24)")->type_name("F");
-  command->add_option("--samples", s->picture.render.samples, "Rays per pixel, 1 to 64 (4); of surfaces only where these end or turn")->type_name("N");
+  command
+      ->add_option("--samples", s->picture.render.samples,
+                   "Rays per pixel, 1 to 64 (4); of surfaces only where these end or turn")
+      ->type_name("N");
   addPictureOptions(*command, s->picture);
   s->turntableGiven =
       command

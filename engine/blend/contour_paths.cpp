@@ -86,11 +86,13 @@ Polygon intrinsicBlend(const std::vector<Polygon>& polygons, const Weights& weig
     for (size_t i = 0; i < n; ++i) {
       mean.length[i] += weights[k] * edges.length[i];
       mean.angle[i] += weights[k] * (edges.angle[i] + turn);
-      shortest[i] = std::min(shortest[i], edges.length[i]), longest[i] = std::max(longest[i], edges.length[i]);
+      shortest[i] = std::min(shortest[i], edges.length[i]),
+      longest[i] = std::max(longest[i], edges.length[i]);
       size = std::max(size, edges.length[i]);
     }
   }
-  // The change of lengths of least squares, each edge's by how much it changes anyhow, that closes the polygon.
+  // The change of lengths of least squares, each edge's by how much it changes anyhow, that closes the
+  // polygon.
   double e = 0, f = 0, g = 0;
   Vec2d gap(0.0);
   std::vector<double> ease(n);
@@ -102,7 +104,9 @@ Polygon intrinsicBlend(const std::vector<Polygon>& polygons, const Weights& weig
     gap += mean.length[i] * d;
   }
   const double det = e * g - f * f;
-  const Vec2d pull = det > 1e-12 * (e + g) * (e + g) ? Vec2d(g * gap[0] - f * gap[1], e * gap[1] - f * gap[0]) / det : Vec2d(0.0);
+  const Vec2d pull = det > 1e-12 * (e + g) * (e + g)
+                         ? Vec2d(g * gap[0] - f * gap[1], e * gap[1] - f * gap[0]) / det
+                         : Vec2d(0.0);
   Polygon result{Vec2d(0.0)};
   for (size_t i = 0; i + 1 < n; ++i) {
     const Vec2d d = directionOf(mean.angle[i]);
@@ -121,13 +125,14 @@ Polygon hermiteBlend(const std::vector<Polygon>& polygons, const Weights& weight
       if (!(length > 0)) continue;
       along /= length;
       for (size_t l = 0; l < polygons.size(); ++l)
-        result[i] -= weights[k] * weights[k] * weights[l] * along.dot(polygons[l][i] - polygons[k][i]) * along;
+        result[i] -=
+            weights[k] * weights[k] * weights[l] * along.dot(polygons[l][i] - polygons[k][i]) * along;
     }
   return result;
 }
 
-ContourPaths::ContourPaths(ContourPath kind, const Displacements& map, const Fields& fields, const std::vector<Chart>& charts,
-                           int slices)
+ContourPaths::ContourPaths(ContourPath kind, const Displacements& map, const Fields& fields,
+                           const std::vector<Chart>& charts, int slices)
     : kind_(kind) {
   const Vec3d extent = map.lattice.spacing * (map.lattice.size.asVec3d() - Vec3d(1));
   lattice_ = Lattice::over({map.lattice.origin, map.lattice.origin + extent},
@@ -181,7 +186,8 @@ VectorField ContourPaths::offsets(const Weights& weights, const Lattice& lattice
     }
   const VectorField none(lattice_.count(), openvdb::Vec3s(0.f));
   const double density = double(sites.position.size()) / kSites;
-  return resampleField(lattice_, fitFields(lattice_, sites, kStiffness * density, {lattice_, {none}}).of[0], lattice);
+  return resampleField(lattice_, fitFields(lattice_, sites, kStiffness * density, {lattice_, {none}}).of[0],
+                       lattice);
 }
 
 }  // namespace slicemorph

@@ -23,8 +23,8 @@ double distanceToBox(const openvdb::BBoxd& box, const Vec3d& p) {
 
 }  // namespace
 
-RegionShares::RegionShares(std::vector<Region> regions, const Fields& fields, const std::vector<Chart>& charts,
-                           const std::vector<Chart>& drawn)
+RegionShares::RegionShares(std::vector<Region> regions, const Fields& fields,
+                           const std::vector<Chart>& charts, const std::vector<Chart>& drawn)
     : regions_(std::move(regions)) {
   for (const Region& region : regions_) {
     const DistanceField& field = *fields[region.object];
@@ -44,7 +44,8 @@ RegionShares::RegionShares(std::vector<Region> regions, const Fields& fields, co
     for (int a = 1; a < 3; ++a)
       if (std::abs(ahead[a]) > std::abs(ahead[lead]) + 1e-9) lead = a;
     spine_.push_back({low, std::max(high - low, 1e-30), ahead[lead] < 0});
-    border_.push_back(region.border > 0 ? region.border : kBorder * field.box().extents().length() / std::sqrt(3.0));
+    border_.push_back(region.border > 0 ? region.border
+                                        : kBorder * field.box().extents().length() / std::sqrt(3.0));
   }
 }
 
@@ -86,7 +87,8 @@ float RegionShares::at(size_t r, const openvdb::Vec3s& place) const {
   return float(x * x * (3 - 2 * x));
 }
 
-LocalWeights::LocalWeights(Weights whole, const RegionShares* regions) : whole_(std::move(whole)), regions_(regions) {}
+LocalWeights::LocalWeights(Weights whole, const RegionShares* regions)
+    : whole_(std::move(whole)), regions_(regions) {}
 
 std::vector<size_t> LocalWeights::used() const {
   std::vector<char> counts(whole_.size(), 0);
@@ -106,7 +108,8 @@ std::vector<size_t> LocalWeights::used() const {
 std::vector<size_t> LocalWeights::regionObjects() const {
   std::vector<size_t> result;
   for (size_t r = 0; vary() && r < regions_->count(); ++r)
-    if (const size_t k = regions_->region(r).object; std::find(result.begin(), result.end(), k) == result.end())
+    if (const size_t k = regions_->region(r).object;
+        std::find(result.begin(), result.end(), k) == result.end())
       result.push_back(k);
   return result;
 }
@@ -127,7 +130,8 @@ void LocalWeights::find(const openvdb::Vec3s* places, double* weights) const {
     const Region& region = regions_->region(r);
     const double share = double(regions_->at(r, places[region.object]));
     if (share > 0)
-      for (size_t k = 0; k < region.weights.size(); ++k) weights[k] += share * (region.weights[k] - weights[k]);
+      for (size_t k = 0; k < region.weights.size(); ++k)
+        weights[k] += share * (region.weights[k] - weights[k]);
   }
 }
 

@@ -8,14 +8,15 @@ namespace slicemorph {
 class RegionShares {
  public:
   RegionShares() = default;
-  /// `regions`: their objects and weights are those of `fields` and `charts`. `drawn`: the charts when regions were drawn, where
-  /// objects have moved since: spheres and boxes go along with them.
+  /// `regions`: their objects and weights are those of `fields` and `charts`. `drawn`: the charts when
+  /// regions were drawn, where objects have moved since: spheres and boxes go along with them.
   RegionShares(std::vector<Region> regions, const Fields& fields, const std::vector<Chart>& charts,
                const std::vector<Chart>& drawn);
 
   size_t count() const { return regions_.size(); }
   const Region& region(size_t r) const { return regions_[r]; }
-  /// Of a place on the region's object, relative to its field's anchor: 1 well inside, 0 well outside, smooth between.
+  /// Of a place on the region's object, relative to its field's anchor: 1 well inside, 0 well outside, smooth
+  /// between.
   float at(size_t r, const openvdb::Vec3s& place) const;
   /// World units to its rim on its own object, negative inside.
   double distance(size_t r, const Vec3d& world) const;
@@ -50,7 +51,8 @@ class LocalWeights {
   std::vector<size_t> used() const;
   /// Objects on which regions are drawn.
   std::vector<size_t> regionObjects() const;
-  /// The weights of one place, `places[k]` on object k relative to its anchor; only those on regionObjects() are looked at.
+  /// The weights of one place, `places[k]` on object k relative to its anchor; only those on regionObjects()
+  /// are looked at.
   void find(const openvdb::Vec3s* places, double* weights) const;
   /// The same from the shares of its regions.
   void blend(const float* shares, double* weights) const;

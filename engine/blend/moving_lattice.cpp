@@ -22,8 +22,8 @@ constexpr double kStretch = 4;
 constexpr double kWeightStep = 1e-3;
 /// Slabs along the spine whose weights are told apart.
 constexpr int kSlabs = 160;
-/// Borders are widened in steps, each of twice as many smoothings as the one before, and ways that are not straight
-/// straightened, this often at most.
+/// Borders are widened in steps, each of twice as many smoothings as the one before, and ways that are not
+/// straight straightened, this often at most.
 constexpr int kMostStraightening = 7;
 /// Neighbouring nodes whose weights differ by less are not at a border.
 constexpr float kSameWeight = 1e-3f;
@@ -49,7 +49,8 @@ void forUnknownNodes(const NodeMap& map, const Chart& chart, const openvdb::math
 }  // namespace
 
 MovingLattice::MovingLattice(const Displacements& map, const Fields& fields, const std::vector<Chart>& charts,
-                             std::shared_ptr<const RegionShares> regions, std::shared_ptr<const ContourPaths> paths)
+                             std::shared_ptr<const RegionShares> regions,
+                             std::shared_ptr<const ContourPaths> paths)
     : lattice_(map.lattice),
       charts_(charts),
       objects_(fields.size()),
@@ -88,7 +89,9 @@ MovingLattice::MovingLattice(const Displacements& map, const Fields& fields, con
   }
 }
 
-MovingLattice::Pose MovingLattice::poseAt(const Weights& weights) const { return poseAt(weights, std::nullopt); }
+MovingLattice::Pose MovingLattice::poseAt(const Weights& weights) const {
+  return poseAt(weights, std::nullopt);
+}
 
 /// `straightening`: as an earlier pose's; none: found.
 MovingLattice::Pose MovingLattice::poseAt(const Weights& weights, std::optional<int> straightening) const {
@@ -101,7 +104,8 @@ MovingLattice::Pose MovingLattice::poseAt(const Weights& weights, std::optional<
     pose.chart.center += wanted - centroid(pose, pose.chart);
   }
   pose.world.resize(pose.at.size());
-  tbb::parallel_for(size_t(0), pose.at.size(), [&](size_t i) { pose.world[i] = pose.chart.toWorld(pose.at[i]); });
+  tbb::parallel_for(size_t(0), pose.at.size(),
+                    [&](size_t i) { pose.world[i] = pose.chart.toWorld(pose.at[i]); });
   return pose;
 }
 
@@ -111,7 +115,8 @@ MovingLattice::Pose MovingLattice::poseOf(size_t object) const {
   Pose pose = blend(alone, {}, {});
   pose.chart = charts_[object];
   pose.world.resize(pose.at.size());
-  tbb::parallel_for(size_t(0), pose.at.size(), [&](size_t i) { pose.world[i] = pose.chart.toWorld(pose.at[i]); });
+  tbb::parallel_for(size_t(0), pose.at.size(),
+                    [&](size_t i) { pose.world[i] = pose.chart.toWorld(pose.at[i]); });
   return pose;
 }
 
@@ -152,8 +157,8 @@ MovingLattice::NodeWeights MovingLattice::smoothed(const NodeWeights& weights) c
   return result;
 }
 
-/// A border between parts that do not fit together is made wider, and ways that are not straight straighter, until nothing
-/// folds.
+/// A border between parts that do not fit together is made wider, and ways that are not straight straighter,
+/// until nothing folds.
 MovingLattice::Pose MovingLattice::blendUnfolded(const Weights& weights, const NodeWeights& local,
                                                  std::optional<int> straightening) const {
   // Where weights differ from place to place ways are straight.
@@ -182,10 +187,11 @@ MovingLattice::Pose MovingLattice::blendUnfolded(const Weights& weights, const N
 
 /// Whether anything near the surface folds; where weights differ, at their borders.
 bool MovingLattice::folds(const Pose& pose, const NodeWeights& local) const {
-  const auto border = [&](const size_t (&corner)[8]) {
+  const auto border = [&](const size_t(&corner)[8]) {
     for (size_t k = 0; k < objects_ && !local.empty(); ++k)
       for (int c = 1; c < 8; ++c)
-        if (std::abs(local[corner[c] * objects_ + k] - local[corner[0] * objects_ + k]) > kSameWeight) return true;
+        if (std::abs(local[corner[c] * objects_ + k] - local[corner[0] * objects_ + k]) > kSameWeight)
+          return true;
     return local.empty();
   };
   std::vector<char> found(lattice_.size[2], 0);
@@ -207,8 +213,9 @@ bool MovingLattice::folds(const Pose& pose, const NodeWeights& local) const {
   return std::find(found.begin(), found.end(), 1) != found.end();
 }
 
-/// Where weights differ from place to place each part keeps the size it has on its objects: thickness node by node, length
-/// slice by slice, so that slices never overtake each other. One chart holds them all, turned and placed as the mean.
+/// Where weights differ from place to place each part keeps the size it has on its objects: thickness node by
+/// node, length slice by slice, so that slices never overtake each other. One chart holds them all, turned
+/// and placed as the mean.
 void MovingLattice::layAlongSpine(const NodeWeights& local, Pose& pose) const {
   double low = 1e300, high = -1e300;
   for (const Vec3d& q : pose.at) low = std::min(low, q[0]), high = std::max(high, q[0]);
@@ -252,18 +259,22 @@ void MovingLattice::layAlongSpine(const NodeWeights& local, Pose& pose) const {
   };
   const double origin = lengthAt(0);
   if (!pose.chart.bend.straight()) {
-    // Stations lie evenly on the whole spine; what turns there is what the objects' own slices do, stretched as they are.
+    // Stations lie evenly on the whole spine; what turns there is what the objects' own slices do, stretched
+    // as they are.
     std::vector<Vec3d> rates(Bend::kStations, Vec3d(0.0));
     for (int i = 0; i < Bend::kStations; ++i) {
       const double at = pose.chart.bend.stationPlace(i) * pose.chart.scale[0] + origin;
       const auto above = std::upper_bound(length.begin(), length.end(), at);
       const int s = std::min(std::max(int(above - length.begin()) - 1, 0), kSlabs - 1);
-      const double stretch = (length[size_t(s) + 1] - length[size_t(s)]) / step, own = low + s * step + (at - length[size_t(s)]) / stretch;
+      const double stretch = (length[size_t(s) + 1] - length[size_t(s)]) / step,
+                   own = low + s * step + (at - length[size_t(s)]) / stretch;
       for (size_t k = 0; k < objects_; ++k)
         if (!charts_[k].bend.straight())
-          rates[size_t(i)] += slab[size_t(s)][k] * charts_[k].bend.at(own).rate * (pose.chart.scale[0] / stretch);
+          rates[size_t(i)] +=
+              slab[size_t(s)][k] * charts_[k].bend.at(own).rate * (pose.chart.scale[0] / stretch);
     }
-    const Vec3d middle = pose.chart.center + pose.chart.axes * (pose.chart.scale[0] * pose.chart.bend.middle());
+    const Vec3d middle =
+        pose.chart.center + pose.chart.axes * (pose.chart.scale[0] * pose.chart.bend.middle());
     pose.chart.bend = Bend(pose.chart.bend.half(), std::move(rates));
     pose.chart.center = middle - pose.chart.axes * (pose.chart.scale[0] * pose.chart.bend.middle());
   }
@@ -277,7 +288,8 @@ void MovingLattice::layAlongSpine(const NodeWeights& local, Pose& pose) const {
 }
 
 /// Without chart and world.
-MovingLattice::Pose MovingLattice::blend(const Weights& weights, const NodeWeights& local, const VectorField& offsets) const {
+MovingLattice::Pose MovingLattice::blend(const Weights& weights, const NodeWeights& local,
+                                         const VectorField& offsets) const {
   Pose pose;
   pose.mean = weights;
   pose.at.resize(lattice_.count());
@@ -319,7 +331,8 @@ VectorField MovingLattice::displacementOf(const Pose& pose) const {
   return displacement;
 }
 
-std::vector<Vec3d> MovingLattice::carryPoints(const std::vector<Vec3d>& points, const Pose& from, const Pose& to) const {
+std::vector<Vec3d> MovingLattice::carryPoints(const std::vector<Vec3d>& points, const Pose& from,
+                                              const Pose& to) const {
   const VectorField here = displacementOf(from), there = displacementOf(to);
   const MiddleGuess guess(lattice_, here);
   std::vector<Vec3d> result(points.size());
@@ -332,7 +345,8 @@ std::vector<Vec3d> MovingLattice::carryPoints(const std::vector<Vec3d>& points, 
   return result;
 }
 
-/// World centroid of the inside, cell by cell: each cell's volume in the world by the share of it that is inside.
+/// World centroid of the inside, cell by cell: each cell's volume in the world by the share of it that is
+/// inside.
 Vec3d MovingLattice::centroid(const Pose& pose, const Chart& chart) const {
   std::vector<Vec3d> world(pose.at.size());
   tbb::parallel_for(size_t(0), world.size(), [&](size_t i) { world[i] = chart.toWorld(pose.at[i]); });
@@ -375,14 +389,15 @@ struct MovingLattice::Frame {
 /// Grid nodes found in one slab's tetrahedra.
 struct MovingLattice::Found {
   std::vector<size_t> node;
-  std::vector<float> distance;        ///< blended, chart units
-  std::vector<openvdb::Vec3s> at;     ///< per node and field
+  std::vector<float> distance;     ///< blended, chart units
+  std::vector<openvdb::Vec3s> at;  ///< per node and field
 };
 
 MovingLattice::Frame MovingLattice::frameOf(const Pose& pose, const openvdb::math::Transform& transform,
                                             std::vector<const VectorField*> fields, NodeMap& map) const {
   map.objects = fields.size();
-  Frame frame{pose, std::move(fields), std::vector<Vec3d>(lattice_.count()), std::vector<char>(lattice_.count(), 0), &map};
+  Frame frame{pose, std::move(fields), std::vector<Vec3d>(lattice_.count()),
+              std::vector<char>(lattice_.count(), 0), &map};
   frame.handed = transform.baseMap()->getAffineMap()->getMat4().det() < 0 ? -1 : 1;
   tbb::parallel_for(size_t(0), frame.node.size(),
                     [&](size_t i) { frame.node[i] = transform.worldToIndex(pose.world[i]) / map.step; });
@@ -395,7 +410,8 @@ std::vector<const VectorField*> MovingLattice::places() const {
   return fields;
 }
 
-std::vector<double> MovingLattice::jumps(const Chart& chart, const openvdb::math::Transform& transform, int step) const {
+std::vector<double> MovingLattice::jumps(const Chart& chart, const openvdb::math::Transform& transform,
+                                         int step) const {
   std::vector<double> jumps;
   if (chart.bend.straight()) return jumps;
   for (const Chart& c : charts_)
@@ -403,7 +419,8 @@ std::vector<double> MovingLattice::jumps(const Chart& chart, const openvdb::math
   return jumps;
 }
 
-NodeMap MovingLattice::nodesNearSurface(const Pose& pose, const openvdb::math::Transform& transform, int step) const {
+NodeMap MovingLattice::nodesNearSurface(const Pose& pose, const openvdb::math::Transform& transform,
+                                        int step) const {
   NodeMap map;
   map.step = step;
   map.jump = jumps(pose.chart, transform, step);
@@ -448,7 +465,8 @@ NodeMap MovingLattice::nodesNearSurface(const Pose& pose, const openvdb::math::T
   }
   map.foldShare = allCrossed ? double(allFolded) / double(allCrossed) : 0;
   if (allCrossed == 0) return map;
-  // The lattice's margin is a share of the objects' size; voxels may be so large that the band's cells stand out of it.
+  // The lattice's margin is a share of the objects' size; voxels may be so large that the band's cells stand
+  // out of it.
   const bool ends = endsWithin(float((kHalfWidth + kSteepest * step * std::sqrt(3.0)) * voxel), pose);
   if (ends) {
     const Vec3d nodes(reach / (voxel * step));
@@ -501,7 +519,8 @@ openvdb::BBoxd MovingLattice::boxOf(size_t object, const openvdb::BBoxd& world, 
                                     const openvdb::math::Transform& transform) const {
   openvdb::BBoxd box;
   for (int corner = 0; corner < 8; ++corner) {
-    const Vec3d at(world.min()[0] + (corner & 1) * world.extents()[0], world.min()[1] + (corner >> 1 & 1) * world.extents()[1],
+    const Vec3d at(world.min()[0] + (corner & 1) * world.extents()[0],
+                   world.min()[1] + (corner >> 1 & 1) * world.extents()[1],
                    world.min()[2] + (corner >> 2) * world.extents()[2]);
     box.expand(transform.worldToIndex(pose.chart.toWorld(charts_[object].toChart(at))));
   }
@@ -509,7 +528,8 @@ openvdb::BBoxd MovingLattice::boxOf(size_t object, const openvdb::BBoxd& world, 
   const Vec3d cell(lattice_.spacing * charts_[object].meanScale());
   const openvdb::BBoxd wide(world.min() - cell, world.max() + cell);
   for (size_t i = 0; i < lattice_.count(); ++i)
-    if (wide.isInside(anchor_[object] + Vec3d(place_[object][i]))) box.expand(transform.worldToIndex(pose.world[i]));
+    if (wide.isInside(anchor_[object] + Vec3d(place_[object][i])))
+      box.expand(transform.worldToIndex(pose.world[i]));
   return box;
 }
 
@@ -518,13 +538,15 @@ NodeMap MovingLattice::nodesWithin(const openvdb::CoordBBox& box, const Pose& po
   NodeMap map;
   map.step = step;
   map.jump = jumps(pose.chart, transform, step);
-  fillBox(box, frameOf(pose, transform, places(), map), transform,
-          [&](const Vec3d& q, size_t k) { return openvdb::Vec3s(charts_[k].toWorld(q) - anchor_[k]); }, map);
+  fillBox(
+      box, frameOf(pose, transform, places(), map), transform,
+      [&](const Vec3d& q, size_t k) { return openvdb::Vec3s(charts_[k].toWorld(q) - anchor_[k]); }, map);
   return map;
 }
 
-NodeMap MovingLattice::velocitiesWithin(const openvdb::CoordBBox& box, const Weights& weights, const Weights& rate,
-                                        const Pose& pose, const openvdb::math::Transform& transform, int step) const {
+NodeMap MovingLattice::velocitiesWithin(const openvdb::CoordBBox& box, const Weights& weights,
+                                        const Weights& rate, const Pose& pose,
+                                        const openvdb::math::Transform& transform, int step) const {
   // Central differences: the map goes on a little beyond the objects.
   double most = 0;
   for (double r : rate) most = std::max(most, std::abs(r));
@@ -544,8 +566,9 @@ NodeMap MovingLattice::velocitiesWithin(const openvdb::CoordBBox& box, const Wei
   return map;
 }
 
-void MovingLattice::fillBox(const openvdb::CoordBBox& box, Frame frame, const openvdb::math::Transform& transform,
-                            const Beyond& beyond, NodeMap& map) const {
+void MovingLattice::fillBox(const openvdb::CoordBBox& box, Frame frame,
+                            const openvdb::math::Transform& transform, const Beyond& beyond,
+                            NodeMap& map) const {
   std::fill(frame.near.begin(), frame.near.end(), 1);
   // One node more on every side, for the splines.
   map.origin = openvdb::Coord::floor(box.min().asVec3d() / map.step) - openvdb::Coord(1);
@@ -575,7 +598,8 @@ void MovingLattice::findNodes(const Frame& frame, NodeMap& map) const {
     }
 }
 
-/// Finds the nodes inside every near tetrahedron of one slab, with the fields there by barycentric coordinates.
+/// Finds the nodes inside every near tetrahedron of one slab, with the fields there by barycentric
+/// coordinates.
 void MovingLattice::rasterise(const Frame& frame, int z, Found& found) const {
   for (int y = 0; y + 1 < lattice_.size[1]; ++y)
     for (int x = 0; x + 1 < lattice_.size[0]; ++x) {
@@ -585,7 +609,8 @@ void MovingLattice::rasterise(const Frame& frame, int z, Found& found) const {
       for (int c = 0; c < 8; ++c) {
         corner[c] = lattice_.index(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2));
         p[c] = frame.node[corner[c]];
-        for (int a = 0; a < 3; ++a) cellLow[a] = std::min(cellLow[a], p[c][a]), cellHigh[a] = std::max(cellHigh[a], p[c][a]);
+        for (int a = 0; a < 3; ++a)
+          cellLow[a] = std::min(cellLow[a], p[c][a]), cellHigh[a] = std::max(cellHigh[a], p[c][a]);
       }
       openvdb::Coord low = openvdb::Coord::ceil(cellLow - Vec3d(kOnFace));
       openvdb::Coord high = openvdb::Coord::floor(cellHigh + Vec3d(kOnFace));
@@ -605,8 +630,8 @@ void MovingLattice::rasterise(const Frame& frame, int z, Found& found) const {
               if (b0 < -kOnFace || b1 < -kOnFace || b2 < -kOnFace || b3 < -kOnFace) continue;
               found.node.push_back(frame.map->index(i, j, k));
               const std::vector<float>& f = frame.pose.distance;
-              found.distance.push_back(float(b0 * f[corner[t[0]]] + b1 * f[corner[t[1]]] + b2 * f[corner[t[2]]] +
-                                             b3 * f[corner[t[3]]]));
+              found.distance.push_back(float(b0 * f[corner[t[0]]] + b1 * f[corner[t[1]]] +
+                                             b2 * f[corner[t[2]]] + b3 * f[corner[t[3]]]));
               for (const VectorField* field : frame.fields) {
                 const VectorField& a = *field;
                 found.at.push_back(openvdb::Vec3s(b0 * Vec3d(a[corner[t[0]]]) + b1 * Vec3d(a[corner[t[1]]]) +

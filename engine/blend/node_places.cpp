@@ -19,9 +19,12 @@ openvdb::Vec3s combined(const std::array<float, 4>& w, const openvdb::Vec3s& p, 
 
 }  // namespace
 
-std::vector<openvdb::Coord> leavesWith(const NodeMap& nodes, const std::function<bool(int, int, int)>& active) {
+std::vector<openvdb::Coord> leavesWith(const NodeMap& nodes,
+                                       const std::function<bool(int, int, int)>& active) {
   const int perLeaf = kLeaf / nodes.step;
-  const auto leafOf = [&](int node) { return node >= 0 ? node / perLeaf : -((-node + perLeaf - 1) / perLeaf); };
+  const auto leafOf = [&](int node) {
+    return node >= 0 ? node / perLeaf : -((-node + perLeaf - 1) / perLeaf);
+  };
   openvdb::Coord low, high;
   for (int a = 0; a < 3; ++a)
     low[a] = leafOf(nodes.origin[a]), high[a] = leafOf(nodes.origin[a] + std::max(nodes.size[a] - 1, 0));
@@ -68,18 +71,22 @@ void NodePlaces::find(int i, int j, int k, size_t object, std::vector<openvdb::V
   for (int a = 0; a < 4; ++a)
     for (int y = 0; y < step_; ++y)
       for (int z = 0; z < step_; ++z)
-        alongY[a][y][z] = combined(spline_[y], alongZ[a][0][z], alongZ[a][1][z], alongZ[a][2][z], alongZ[a][3][z]);
+        alongY[a][y][z] =
+            combined(spline_[y], alongZ[a][0][z], alongZ[a][1][z], alongZ[a][2][z], alongZ[a][3][z]);
   size_t v = 0;
   for (int x = 0; x < step_; ++x)
     for (int y = 0; y < step_; ++y)
       for (int z = 0; z < step_; ++z)
-        places[v++] = combined(spline_[x], alongY[0][y][z], alongY[1][y][z], alongY[2][y][z], alongY[3][y][z]);
+        places[v++] =
+            combined(spline_[x], alongY[0][y][z], alongY[1][y][z], alongY[2][y][z], alongY[3][y][z]);
 }
 
 bool NodePlaces::torn(int i, int j, int k, int side, size_t object) const {
   if (nodes_.jump.empty()) return false;
   const float longest = float(nodes_.jump[object] * nodes_.jump[object]);
-  const auto place = [&](int a, int b, int c) { return nodes_.at[nodes_.index(a, b, c) * nodes_.objects + object]; };
+  const auto place = [&](int a, int b, int c) {
+    return nodes_.at[nodes_.index(a, b, c) * nodes_.objects + object];
+  };
   for (int c = k; c < k + side; ++c)
     for (int b = j; b < j + side; ++b)
       for (int a = i; a < i + side; ++a) {

@@ -19,7 +19,8 @@ NodeStretch::NodeStretch(const NodeMap& nodes, size_t object, const Mat3d& voxel
   });
 }
 
-/// Derivatives of the place on the object by voxels of the in-between: central differences, one-sided ones at the rim.
+/// Derivatives of the place on the object by voxels of the in-between: central differences, one-sided ones at
+/// the rim.
 Mat3d NodeStretch::jacobian(int i, int j, int k, size_t object) const {
   Mat3d result = Mat3d::zero();
   for (int axis = 0; axis < 3; ++axis) {

@@ -12,7 +12,8 @@ namespace {
 struct Tracer {
   const SliceImage& image;
   const SlicePlanes& planes;
-  // Edges: 2 * pixel + 0 to the right neighbour, + 1 to the upper one. `next`: the edge that follows along the contour.
+  // Edges: 2 * pixel + 0 to the right neighbour, + 1 to the upper one. `next`: the edge that follows along
+  // the contour.
   std::unordered_map<int, int> next;
 
   float value(int x, int y) const { return image[size_t(y) * planes.nx + x]; }
@@ -36,26 +37,56 @@ struct Tracer {
     const bool centre = v[0] + v[1] + v[2] + v[3] < 0;
     const auto link = [&](int from, int to) { next[from] = to; };
     switch (inside) {
-      case 0: case 15: break;
-      case 1: link(bottom, left); break;
-      case 2: link(right, bottom); break;
-      case 3: link(right, left); break;
-      case 4: link(top, right); break;
-      case 6: link(top, bottom); break;
-      case 7: link(top, left); break;
-      case 8: link(left, top); break;
-      case 9: link(bottom, top); break;
-      case 11: link(right, top); break;
-      case 12: link(left, right); break;
-      case 13: link(bottom, right); break;
-      case 14: link(left, bottom); break;
+      case 0:
+      case 15:
+        break;
+      case 1:
+        link(bottom, left);
+        break;
+      case 2:
+        link(right, bottom);
+        break;
+      case 3:
+        link(right, left);
+        break;
+      case 4:
+        link(top, right);
+        break;
+      case 6:
+        link(top, bottom);
+        break;
+      case 7:
+        link(top, left);
+        break;
+      case 8:
+        link(left, top);
+        break;
+      case 9:
+        link(bottom, top);
+        break;
+      case 11:
+        link(right, top);
+        break;
+      case 12:
+        link(left, right);
+        break;
+      case 13:
+        link(bottom, right);
+        break;
+      case 14:
+        link(left, bottom);
+        break;
       case 5:
-        if (centre) link(bottom, right), link(top, left);
-        else link(bottom, left), link(top, right);
+        if (centre)
+          link(bottom, right), link(top, left);
+        else
+          link(bottom, left), link(top, right);
         break;
       case 10:
-        if (centre) link(left, bottom), link(right, top);
-        else link(right, bottom), link(left, top);
+        if (centre)
+          link(left, bottom), link(right, top);
+        else
+          link(right, bottom), link(left, top);
         break;
     }
   }
@@ -104,7 +135,8 @@ std::vector<Contour> traceContours(const SliceImage& image, const SlicePlanes& p
       tracer.next.erase(it);
       edge = following;
     }
-    if (edge != start || contour.points.size() < 3) continue;  // used up already, or cut by the image's border
+    if (edge != start || contour.points.size() < 3)
+      continue;  // used up already, or cut by the image's border
     measure(contour);
     if (std::abs(contour.area) >= 4 * planes.pixel * planes.pixel) contours.push_back(std::move(contour));
   }

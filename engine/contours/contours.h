@@ -9,7 +9,7 @@ struct Contour {
   std::vector<Vec2d> points;  ///< chart units; the first is not repeated
   double area = 0;            ///< signed: negative for holes
   Vec2d centroid{0, 0};
-  int parent = -1;            ///< the contour directly around this one, -1: none
+  int parent = -1;  ///< the contour directly around this one, -1: none
   bool hole() const { return area < 0; }
 };
 
@@ -20,8 +20,9 @@ struct SliceMoments {
   double xx = 0, xy = 0, yy = 0;  ///< covariance
 };
 
-/// Zero contours by marching squares (Lorensen & Cline 1987, in the plane); ambiguous cells are resolved by the value
-/// at their centre, so neighbours agree. Contours of less than four pixels' area are dropped as noise.
+/// Zero contours by marching squares (Lorensen & Cline 1987, in the plane); ambiguous cells are resolved by
+/// the value at their centre, so neighbours agree. Contours of less than four pixels' area are dropped as
+/// noise.
 std::vector<Contour> traceContours(const SliceImage& image, const SlicePlanes& planes);
 
 SliceMoments momentsOf(const std::vector<Contour>& contours);

@@ -7,9 +7,9 @@ namespace slicemorph {
 
 /// A mesh that keeps its triangles over some frames of a morph while its points move.
 struct MovingMesh {
-  size_t first = 0;                                 ///< the frame of its first points, from 0
-  std::vector<openvdb::Vec3I> triangles;            ///< none for a frame in which nothing is to be seen
-  std::vector<std::vector<openvdb::Vec3s>> points;  ///< per frame, world
+  size_t first = 0;                                      ///< the frame of its first points, from 0
+  std::vector<openvdb::Vec3I> triangles;                 ///< none for a frame in which nothing is to be seen
+  std::vector<std::vector<openvdb::Vec3s>> points;       ///< per frame, world
   std::vector<std::vector<openvdb::Vec3s>> colors = {};  ///< per frame and point; or none
 };
 
@@ -30,8 +30,8 @@ struct FollowLimits {
 /// The surfaces of a morph's frames, each frame in one mesh, with as few meshes as are found: the mesh of the
 /// frame in the middle is carried by the plan's map to its neighbours and on, and moved onto each one's
 /// surface, for as long as it stays within the limits; what is left before and after it is done in the same
-/// way. At the worst each frame has its own mesh. Without a plan (null) each has. The meshes have colours where
-/// all frames that are to be seen have. Throws Cancelled.
+/// way. At the worst each frame has its own mesh. Without a plan (null) each has. The meshes have colours
+/// where all frames that are to be seen have. Throws Cancelled.
 std::vector<MovingMesh> followSurfaces(const std::vector<SurfaceFrame>& frames, const MorphPlan* plan,
                                        const FollowLimits& limits = {}, Progress* progress = nullptr);
 

@@ -17,8 +17,8 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 /// Overlap that a turn of 90 degrees must win to be looked at.
 constexpr double kSmallPrice = 0.02;
-/// Overlap that a turn of 90 degrees must win, once the shapes are warped onto each other, to be made; and what
-/// leaving the world's own directions must win at all, for near-degenerate axes must not turn by noise.
+/// Overlap that a turn of 90 degrees must win, once the shapes are warped onto each other, to be made; and
+/// what leaving the world's own directions must win at all, for near-degenerate axes must not turn by noise.
 constexpr double kPricePerRightAngle = 0.12, kTurnMargin = 0.01;
 /// The same where a turn is about what is up: what stands goes on standing.
 constexpr double kUprightPricePerRightAngle = 0.04;
@@ -148,12 +148,13 @@ std::vector<Turn> suggestedTurns(const Normalised& a, const Normalised& b) {
     rotations.push_back(smallestTurn(column(pa.axes, 0), sign * column(pb.axes, 0)));
   std::vector<Turn> turns(rotations.size());
   tbb::parallel_for(size_t(0), turns.size(), [&](size_t i) { turns[i] = measured(a, b, rotations[i]); });
-  std::stable_sort(turns.begin() + 1, turns.end(), [](const Turn& x, const Turn& y) { return score(x) > score(y); });
+  std::stable_sort(turns.begin() + 1, turns.end(),
+                   [](const Turn& x, const Turn& y) { return score(x) > score(y); });
   return turns;
 }
 
-/// The rotation between nearly equal shapes to the last digit: closest points both ways, and the rotation that fits
-/// them best (Besl & McKay 1992; Kabsch 1976). A shape that can turn freely stays as it is.
+/// The rotation between nearly equal shapes to the last digit: closest points both ways, and the rotation
+/// that fits them best (Besl & McKay 1992; Kabsch 1976). A shape that can turn freely stays as it is.
 Mat3d fitted(const Normalised& a, const Normalised& b, Mat3d rotation) {
   const auto surface = [](const Normalised& o) {
     std::vector<Vec3d> points;
@@ -202,8 +203,10 @@ Extent extentAlong(const DistanceField& field, const Vec3d& direction) {
   return e;
 }
 
-/// Shared axes, in the directions half way between the objects: of the pooled covariance, and the world's where that is nearly round.
-Mat3d sharedAxes(const std::vector<Normalised>& objects, const std::vector<Mat3d>& rotations, const Vec3d& axis) {
+/// Shared axes, in the directions half way between the objects: of the pooled covariance, and the world's
+/// where that is nearly round.
+Mat3d sharedAxes(const std::vector<Normalised>& objects, const std::vector<Mat3d>& rotations,
+                 const Vec3d& axis) {
   Mat3d pooled = Mat3d::zero();
   for (size_t k = 0; k < objects.size(); ++k)
     pooled += rotations[k].transpose() * objects[k].moments.covariance * rotations[k] *
@@ -248,7 +251,8 @@ Frames worldFrames(const std::vector<Normalised>& objects, const Vec3d& axis) {
   chart.scale = Vec3d(size);
   Frames frames;
   frames.charts.assign(objects.size(), chart);
-  frames.halfLength = 0.5 * box.extents().dot(Vec3d(std::abs(axes(0, 0)), std::abs(axes(1, 0)), std::abs(axes(2, 0)))) / size;
+  frames.halfLength =
+      0.5 * box.extents().dot(Vec3d(std::abs(axes(0, 0)), std::abs(axes(1, 0)), std::abs(axes(2, 0)))) / size;
   frames.notes.push_back("positions and directions kept as they are in the world");
   return frames;
 }
@@ -263,8 +267,8 @@ std::vector<Turn> proposeTurns(const DistanceField& fieldA, const DistanceField&
   tbb::parallel_for(size_t(1), turns.size(), [&](size_t i) {
     turns[i] = refined(a, b, turns[i], turns[i].overlap < 0.9 ? 0.3 : 0.08);
   });
-  // Among equals the one whose spine leans towards positive directions half way: any rule will do that is the same
-  // when the objects change places.
+  // Among equals the one whose spine leans towards positive directions half way: any rule will do that is the
+  // same when the objects change places.
   const Vec3d spine = column(principalAxes(a.moments.covariance).axes, 0);
   const auto leaning = [&](const Turn& t) {
     const Vec3d m = halfOf(t.rotation) * spine;
@@ -273,7 +277,8 @@ std::vector<Turn> proposeTurns(const DistanceField& fieldA, const DistanceField&
   const Turn* best = &turns[0];
   for (const Turn& t : turns)
     if (t.overlap > kSameShape && best->overlap > kSameShape
-            ? score(t) > score(*best) + kTie || (score(t) > score(*best) - kTie && leaning(t) > leaning(*best) + 1e-3)
+            ? score(t) > score(*best) + kTie ||
+                  (score(t) > score(*best) - kTie && leaning(t) > leaning(*best) + 1e-3)
             : score(t) > score(*best))
       best = &t;
   const bool worldIsAsGood = score(*best) < world.overlap + kTurnMargin;
@@ -281,13 +286,15 @@ std::vector<Turn> proposeTurns(const DistanceField& fieldA, const DistanceField&
   if (best->overlap > kDecisive && best->overlap > world.overlap + kDecisiveGain)
     return {polished(a, b, *best)};
   std::vector<Turn> worthTrying{world, *best};
-  std::stable_sort(turns.begin() + 1, turns.end(), [](const Turn& x, const Turn& y) { return score(x) > score(y); });
+  std::stable_sort(turns.begin() + 1, turns.end(),
+                   [](const Turn& x, const Turn& y) { return score(x) > score(y); });
   for (size_t i = 1; i < turns.size() && worthTrying.size() <= kTurnsWorthTrying; ++i) {
     bool fresh = turns[i].overlap > 0.75 * best->overlap;
     for (const Turn& t : worthTrying) fresh &= angleOf(turns[i].rotation * t.rotation.transpose()) > 0.35;
     if (fresh) worthTrying.push_back(turns[i]);
   }
-  tbb::parallel_for(size_t(1), worthTrying.size(), [&](size_t i) { worthTrying[i] = polished(a, b, worthTrying[i]); });
+  tbb::parallel_for(size_t(1), worthTrying.size(),
+                    [&](size_t i) { worthTrying[i] = polished(a, b, worthTrying[i]); });
   // Models mostly stand upright, each looking its own way.
   for (int quarter = 1; quarter < 4 && up.length() > 0; ++quarter)
     worthTrying.push_back(measured(a, b, rotationFromVector(quarter * kPi / 2 * up.unit())));
@@ -301,7 +308,8 @@ double priceOf(const Mat3d& rotation, const Vec3d& up) {
   const double upright = both > 0 ? std::abs(turn.dot(up)) / both : 0;
   // Upright turns are those within some 8 degrees of it.
   const double share = std::min(std::max((upright - 0.98) / 0.01, 0.0), 1.0);
-  const double perRightAngle = kPricePerRightAngle + share * (kUprightPricePerRightAngle - kPricePerRightAngle);
+  const double perRightAngle =
+      kPricePerRightAngle + share * (kUprightPricePerRightAngle - kPricePerRightAngle);
   return kTurnMargin * std::min(angle / kNoTurn, 1.0) + perRightAngle * angle / (kPi / 2);
 }
 

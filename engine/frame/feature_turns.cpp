@@ -85,7 +85,8 @@ std::vector<Mat3d> turnsOf(const std::vector<Vec3d>& from, const std::vector<Vec
   side = line.cross(side).unit();
   const Mat3d least = rotationFromVector((sine > 1e-9 ? axis / sine : side) * std::atan2(sine, cosine));
   std::vector<Mat3d> turns;
-  for (int quarter = 0; quarter < 4; ++quarter) turns.push_back(rotationFromVector(line * (quarter * M_PI / 2)) * least);
+  for (int quarter = 0; quarter < 4; ++quarter)
+    turns.push_back(rotationFromVector(line * (quarter * M_PI / 2)) * least);
   return turns;
 }
 

@@ -1,8 +1,8 @@
 #include "engine/frame/roll.h"
 
+#include <tbb/parallel_for.h>
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -28,8 +28,8 @@ struct PolarSlice {
   double area = 0;
 };
 
-double insideAt(const DistanceField& field, const DistanceField::Sampler& sampler, const Chart& chart, const Vec3d& z,
-                double soft) {
+double insideAt(const DistanceField& field, const DistanceField::Sampler& sampler, const Chart& chart,
+                const Vec3d& z, double soft) {
   if (chart.spread(z) <= 0) return 0;
   const double d = sampler.coarse(field.relative(chart.toWorld(z))) / (chart.meanScale() * soft);
   return std::min(std::max(0.5 - d, 0.0), 1.0);
@@ -57,7 +57,8 @@ PolarSlice polarSlice(const DistanceField& field, const Chart& chart, double z0,
     for (int a = 0; a < kAngles; ++a) {
       const double radius = (r + 0.5) * reach / kRings, angle = 2 * kPi * a / kAngles;
       const Vec3d z = middle + radius * Vec3d(0, std::cos(angle), std::sin(angle));
-      slice.inside[size_t(r * kAngles + a)] = float(radius * insideAt(field, sampler, chart, z, 0.5 * reach / kRings));
+      slice.inside[size_t(r * kAngles + a)] =
+          float(radius * insideAt(field, sampler, chart, z, 0.5 * reach / kRings));
     }
   return slice;
 }
@@ -67,7 +68,8 @@ double overlapOf(const PolarSlice& a, const PolarSlice& b, int step) {
   double both = 0, either = 0;
   for (int r = 0; r < kRings; ++r)
     for (int i = 0; i < kAngles; ++i) {
-      const float p = a.inside[size_t(r * kAngles + i)], q = b.inside[size_t(r * kAngles + (i + step) % kAngles)];
+      const float p = a.inside[size_t(r * kAngles + i)],
+                  q = b.inside[size_t(r * kAngles + (i + step) % kAngles)];
       both += std::min(p, q), either += std::max(p, q);
     }
   return either > 0 ? both / either : 0;
@@ -81,8 +83,8 @@ int stepsBetween(int from, int to) {
   return d > kAngles / 2 ? d - kAngles : d;
 }
 
-/// How many steps past the highest of the values on the circle its peak lies: where both flanks are alike, so that it is
-/// right for round peaks and for pointed ones, as slices with straight sides have.
+/// How many steps past the highest of the values on the circle its peak lies: where both flanks are alike, so
+/// that it is right for round peaks and for pointed ones, as slices with straight sides have.
 double peakBeside(const std::vector<double>& v, int s) {
   const auto at = [&](int d) { return v[size_t((s + d + kAngles) % kAngles)]; };
   const double lean = at(2) + at(1) - at(-1) - at(-2), fall = at(-1) - at(-2) + at(1) - at(2);
@@ -91,8 +93,8 @@ double peakBeside(const std::vector<double>& v, int s) {
 
 }  // namespace
 
-Roll findRoll(const DistanceField& a, const Chart& chartA, const DistanceField& b, const Chart& chartB, double half,
-              double preferred) {
+Roll findRoll(const DistanceField& a, const Chart& chartA, const DistanceField& b, const Chart& chartB,
+              double half, double preferred) {
   std::vector<PolarSlice> sa(kSlices), sb(kSlices);
   const auto place = [&](int i) { return half * ((i + 0.5) * 2 / kSlices - 1); };
   // A slice whose area is that of a circle of radius 0.56 has it in chart units 1; flat slices reach further.
@@ -106,7 +108,8 @@ Roll findRoll(const DistanceField& a, const Chart& chartA, const DistanceField& 
   std::vector<double> weight(kSlices);
   double total = 0;
   tbb::parallel_for(0, kSlices, [&](int i) {
-    for (int s = 0; s < kAngles; ++s) score[size_t(i)][size_t(s)] = overlapOf(sa[size_t(i)], sb[size_t(i)], s);
+    for (int s = 0; s < kAngles; ++s)
+      score[size_t(i)][size_t(s)] = overlapOf(sa[size_t(i)], sb[size_t(i)], s);
     weight[size_t(i)] = std::sqrt(sa[size_t(i)].area * sb[size_t(i)].area);
   });
   for (double w : weight) total += w;
@@ -121,7 +124,8 @@ Roll findRoll(const DistanceField& a, const Chart& chartA, const DistanceField& 
 
   std::vector<double> mean(kAngles, 0);
   for (int s = 0; s < kAngles; ++s)
-    for (int i = 0; i < kSlices; ++i) mean[size_t(s)] += weight[size_t(i)] * score[size_t(i)][size_t(s)] / total;
+    for (int i = 0; i < kSlices; ++i)
+      mean[size_t(s)] += weight[size_t(i)] * score[size_t(i)][size_t(s)] / total;
   int best = 0;
   for (int s = 1; s < kAngles; ++s)
     if (mean[size_t(s)] - price[size_t(s)] > mean[size_t(best)] - price[size_t(best)]) best = s;

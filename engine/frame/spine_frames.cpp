@@ -18,8 +18,8 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kLeastBow = 0.15;
 /// Overlap of the slices that turning or bending by 90 degrees must win.
 constexpr double kTurnPrice = 0.02;
-/// A roll that changes by less than this along the spine, radians, is no twist: it is what the frames drift where the
-/// spine's own bend is a little off, and is taken out of them.
+/// A roll that changes by less than this along the spine, radians, is no twist: it is what the frames drift
+/// where the spine's own bend is a little off, and is taken out of them.
 constexpr double kLeastTwist = 0.1;
 /// Overlap of the slices that twisting must win.
 constexpr double kTwistGain = 0.03;
@@ -30,7 +30,9 @@ double leastRoll(const Chart& a, const Chart& b) {
   return std::atan2(m(1, 2) - m(2, 1), m(1, 1) + m(2, 2));
 }
 
-double turnBetween(const Chart& a, const Chart& b) { return rotationVector(a.axes.transpose() * b.axes).length(); }
+double turnBetween(const Chart& a, const Chart& b) {
+  return rotationVector(a.axes.transpose() * b.axes).length();
+}
 
 /// The roll of b's slices with which b bends most like a.
 double likeBend(const Chart& a, const Chart& b) {
@@ -51,16 +53,16 @@ double bendBetween(const Chart& a, const Chart& b) {
   return 2 * std::max(a.bend.half(), b.bend.half()) * sum;
 }
 
-/// b's chart as it lies best on a's, one way round or the other: rolled as a whole, and with a roll of its own for each
-/// slice where that wins clearly.
+/// b's chart as it lies best on a's, one way round or the other: rolled as a whole, and with a roll of its
+/// own for each slice where that wins clearly.
 struct Laid {
   Chart steady;
   std::optional<Chart> twisted;
   std::string twist;  ///< what was found
 };
 
-Laid laidOn(const DistanceField& fieldA, const Chart& a, const DistanceField& fieldB, const std::vector<Chart>& ways,
-            double half) {
+Laid laidOn(const DistanceField& fieldA, const Chart& a, const DistanceField& fieldB,
+            const std::vector<Chart>& ways, double half) {
   Laid laid{ways[0], {}, {}};
   double most = -1e300, mostAlong = -1e300, overlap = 0, overlapAlong = 0;
   for (const Chart& way : ways)
@@ -80,7 +82,8 @@ Laid laidOn(const DistanceField& fieldA, const Chart& a, const DistanceField& fi
       if (const double v = valueOf(along, roll.alongOverlap); v > mostAlong) {
         mostAlong = v, overlapAlong = roll.alongOverlap, laid.twisted = along;
         char text[96];
-        std::snprintf(text, sizeof text, "twisted by %.0f degrees against the first: slices overlap %.2f, not",
+        std::snprintf(text, sizeof text,
+                      "twisted by %.0f degrees against the first: slices overlap %.2f, not",
                       (roll.along.back() - roll.along.front()) * 180 / kPi, roll.alongOverlap);
         laid.twist = text;
       }
@@ -94,7 +97,8 @@ Laid laidOn(const DistanceField& fieldA, const Chart& a, const DistanceField& fi
 
 /// Lays every object on the first, `ways(k)` telling in which ways object k may lie.
 template <typename Ways>
-LaidFrames laid(const Fields& fields, const std::vector<std::string>& names, const Frames& frames, const Ways& ways) {
+LaidFrames laid(const Fields& fields, const std::vector<std::string>& names, const Frames& frames,
+                const Ways& ways) {
   LaidFrames result{frames, frames};
   bool any = false;
   for (size_t k = 1; k < fields.size(); ++k) {
@@ -139,7 +143,8 @@ std::optional<LaidFrames> framesAlongSpines(const Fields& fields, const std::vec
   return result;
 }
 
-std::optional<Frames> twistedFrames(const Fields& fields, const std::vector<std::string>& names, const Frames& frames) {
+std::optional<Frames> twistedFrames(const Fields& fields, const std::vector<std::string>& names,
+                                    const Frames& frames) {
   return laid(fields, names, frames, [&](size_t k) { return std::vector<Chart>{frames.charts[k]}; }).twisted;
 }
 

@@ -2,10 +2,10 @@
 
 #include "engine/frame/moments.h"
 
+#include <tbb/parallel_for.h>
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -24,11 +24,11 @@ constexpr double kFirstReach = 0.3, kLastReach = 0.03, kReachStep = 0.7;
 constexpr int kMostSteps = 40;
 /// Radians and sizes: a step this small is the last.
 constexpr double kSmallStep = 1e-5;
-/// A surface whose normals lean less than this off the spokes about an axis, mean square in sizes, shows no turn about
-/// it.
+/// A surface whose normals lean less than this off the spokes about an axis, mean square in sizes, shows no
+/// turn about it.
 constexpr double kRound = 5e-4;
-/// What remains between the surfaces is deformation, as of so many parts that move for themselves; and a turn from
-/// frame to frame is of this order (radians). Both say how far a turn is believed.
+/// What remains between the surfaces is deformation, as of so many parts that move for themselves; and a turn
+/// from frame to frame is of this order (radians). Both say how far a turn is believed.
 constexpr double kParts = 30, kUsualTurn = 0.2;
 
 /// One sample's say: weight * (residual + row . step)^2, lengths in sizes of the object.
@@ -60,7 +60,8 @@ class Tracker {
   }
 
  private:
-  /// How the surface point `at`, with the distance to the other surface and that one's normal, would have the step be.
+  /// How the surface point `at`, with the distance to the other surface and that one's normal, would have the
+  /// step be.
   Say sayOf(const Vec3d& at, double distance, const Vec3d& normal, double facing, double reach) const {
     Say say;
     const Vec3d turn = ((at - motion_.to) / size_).cross(normal);
@@ -111,8 +112,8 @@ class Tracker {
     return -h.ldlt().solve(g);
   }
 
-  /// What holds the turn back, as a quadratic form: all directions by how unsure the fit is, those about which the
-  /// object is round so much that it does not turn.
+  /// What holds the turn back, as a quadratic form: all directions by how unsure the fit is, those about
+  /// which the object is round so much that it does not turn.
   static Eigen::Matrix3d holdOf(const Matrix6& h, double variance) {
     const Eigen::Matrix3d cross = h.topRightCorner<3, 3>(), moves = h.bottomRightCorner<3, 3>();
     const Eigen::Matrix3d turns = h.topLeftCorner<3, 3>() - cross * moves.ldlt().solve(cross.transpose());
@@ -136,8 +137,8 @@ Motion trackMotion(const DistanceField& earlier, const DistanceField& now, Align
   return Tracker(earlier, now, align).run();
 }
 
-Frames trackFrames(const Frames& frames, const Fields& earlier, const Fields& now, const std::vector<std::string>& names,
-                   Align align) {
+Frames trackFrames(const Frames& frames, const Fields& earlier, const Fields& now,
+                   const std::vector<std::string>& names, Align align) {
   Frames result = frames;
   result.notes.clear();
   for (size_t k = 0; k < now.size(); ++k) {

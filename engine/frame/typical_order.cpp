@@ -17,8 +17,8 @@ constexpr size_t kShells = 12;
 /// Radius of the outermost shell, in cube roots of the volume.
 constexpr double kReach = 1.8;
 
-/// What an object looks like wherever it is, however large and turned: logarithms of its variances, shares of its volume in
-/// shells about its middle, and at last its own measures, which tell apart what else is equal.
+/// What an object looks like wherever it is, however large and turned: logarithms of its variances, shares of
+/// its volume in shells about its middle, and at last its own measures, which tell apart what else is equal.
 using Description = std::array<double, 3 + kShells + 10>;
 constexpr size_t kCompared = 3 + kShells;
 
@@ -63,8 +63,9 @@ std::vector<size_t> typicalOrder(const Fields& fields) {
   Description mean{};  // summed in an order that is the same however the objects are given
   for (size_t k : order)
     for (size_t i = 0; i < mean.size(); ++i) mean[i] += all[k][i] / double(fields.size());
-  std::stable_sort(order.begin(), order.end(),
-                   [&](size_t a, size_t b) { return squaredDistance(all[a], mean) < squaredDistance(all[b], mean); });
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
+    return squaredDistance(all[a], mean) < squaredDistance(all[b], mean);
+  });
   return order;
 }
 

@@ -14,7 +14,8 @@ namespace {
 /// Middle slices; each object is sampled four times as densely, so that quarters of a slice can be told.
 constexpr int kSlices = 48, kFine = 4;
 constexpr int kPixels = 40;
-/// Half the largest shift between two objects' slices, in fine steps, and its largest change from slice to slice.
+/// Half the largest shift between two objects' slices, in fine steps, and its largest change from slice to
+/// slice.
 constexpr int kFarthest = kSlices * kFine / 3, kFastest = 3;
 /// Price of a change of the half shift by one slice, and of a half shift of the whole length.
 constexpr double kStretchPrice = 0.1, kShiftPrice = 0.1;
@@ -50,7 +51,8 @@ Thickness thicknessOf(const DistanceField& field, const Chart& chart, const Slic
     areas.push_back(0);
     for (size_t i = 0; i < image.size(); ++i) {
       areas.back() += image[i];
-      t.middle += image[i] * (planes.origin + planes.pixel * Vec2d(double(i % planes.nx), double(i / planes.nx)));
+      t.middle +=
+          image[i] * (planes.origin + planes.pixel * Vec2d(double(i % planes.nx), double(i / planes.nx)));
     }
     total += areas.back();
   }
@@ -70,8 +72,8 @@ double overlapOf(const std::vector<float>* a, const std::vector<float>* b, size_
   return either > 0 ? both / either : 1;
 }
 
-/// Half the shift between the slices of two objects that belong together, per middle slice, in slices: a's lies that much
-/// before the middle slice, b's that much after it.
+/// Half the shift between the slices of two objects that belong together, per middle slice, in slices: a's
+/// lies that much before the middle slice, b's that much after it.
 struct HalfShifts {
   std::vector<double> shift;
   double before = 0, after = 0;
@@ -79,7 +81,9 @@ struct HalfShifts {
 
 HalfShifts halfShifts(const Coverage& a, const Coverage& b, size_t pixels) {
   constexpr int kStates = 2 * kFarthest + 1;
-  const auto slice = [](const Coverage& c, int i) { return i >= 0 && i < int(c.size()) ? &c[size_t(i)] : nullptr; };
+  const auto slice = [](const Coverage& c, int i) {
+    return i >= 0 && i < int(c.size()) ? &c[size_t(i)] : nullptr;
+  };
   std::vector<std::vector<double>> score(kSlices, std::vector<double>(kStates));
   tbb::parallel_for(0, kSlices, [&](int i) {
     const int middle = kFine * i + kFine / 2;
@@ -98,7 +102,8 @@ HalfShifts halfShifts(const Coverage& a, const Coverage& b, size_t pixels) {
       for (int d = -kFastest; d <= kFastest; ++d) {
         const int p = s + d;
         if (p < 0 || p >= kStates) continue;
-        const double change = d / double(kFine), v = value[size_t(i) - 1][size_t(p)] - kStretchPrice * change * change;
+        const double change = d / double(kFine),
+                     v = value[size_t(i) - 1][size_t(p)] - kStretchPrice * change * change;
         if (v > most) most = v, from[size_t(i)][size_t(s)] = p;
       }
       value[size_t(i)][size_t(s)] += most;
@@ -133,7 +138,8 @@ double valueAt(const std::vector<double>& xs, const std::vector<double>& ys, dou
 
 }  // namespace
 
-AlongSpine matchAlongSpine(const Fields& fields, const std::vector<Chart>& charts, const SlicePlanes& planes) {
+AlongSpine matchAlongSpine(const Fields& fields, const std::vector<Chart>& charts,
+                           const SlicePlanes& planes) {
   const size_t objects = fields.size(), count = planes.z0.size();
   const double step = planes.z0[1] - planes.z0[0], first = planes.z0[0] - 0.5 * step;
   const double slab = step * double(count) / kSlices;
@@ -142,8 +148,8 @@ AlongSpine matchAlongSpine(const Fields& fields, const std::vector<Chart>& chart
   const double shrink = std::max(planes.nx, planes.ny) / double(kPixels);
   fine.pixel = planes.pixel * shrink, fine.origin = planes.origin;
   fine.nx = int(planes.nx / shrink) + 1, fine.ny = int(planes.ny / shrink) + 1;
-  // Every object's slices as thick as the others': a slice of a thin object is not to be taken for one near the end of a
-  // thick one.
+  // Every object's slices as thick as the others': a slice of a thin object is not to be taken for one near
+  // the end of a thick one.
   std::vector<Thickness> thickness(objects);
   double meanLog = 0;
   for (size_t k = 0; k < objects; ++k) {

@@ -25,8 +25,10 @@ std::vector<int> assign(const std::vector<std::vector<double>>& cost) {
         if (least[j] < delta) delta = least[j], next = j;
       }
       for (int j = 0; j <= m; ++j)
-        if (used[j]) u[row[j]] += delta, v[j] -= delta;
-        else least[j] -= delta;
+        if (used[j])
+          u[row[j]] += delta, v[j] -= delta;
+        else
+          least[j] -= delta;
       column = next;
     } while (row[column] != 0);
     for (; column; column = way[column]) row[column] = row[way[column]];

@@ -18,7 +18,8 @@ SliceAffine squareRoot(const SliceMoments& m) {
   return {m.mean, (m.xx + s) / t, m.xy / t, (m.yy + s) / t};
 }
 
-/// Gaussian over the slices, each with its area as weight, so that empty slices take their neighbours' values.
+/// Gaussian over the slices, each with its area as weight, so that empty slices take their neighbours'
+/// values.
 std::vector<SliceAffine> smoothed(const std::vector<SliceMoments>& moments) {
   const int n = int(moments.size());
   double median = 0;
@@ -37,7 +38,8 @@ std::vector<SliceAffine> smoothed(const std::vector<SliceMoments>& moments) {
       if (!(moments[j].area > 0)) continue;
       const double d = (i - j) / kSmoothSlices;
       // The far tail keeps empty ends defined.
-      const double w = std::min(moments[j].area / median, 1.0) * (std::exp(-0.5 * d * d) + 1e-9 / (1 + d * d * d * d));
+      const double w =
+          std::min(moments[j].area / median, 1.0) * (std::exp(-0.5 * d * d) + 1e-9 / (1 + d * d * d * d));
       const SliceAffine a = squareRoot(moments[j]);
       total += w, sum.mean += w * a.mean, sum.xx += w * a.xx, sum.xy += w * a.xy, sum.yy += w * a.yy;
     }
@@ -47,7 +49,8 @@ std::vector<SliceAffine> smoothed(const std::vector<SliceMoments>& moments) {
 }
 
 SliceAffine interpolate(const SliceAffine& a, const SliceAffine& b, double t) {
-  return {a.mean + t * (b.mean - a.mean), a.xx + t * (b.xx - a.xx), a.xy + t * (b.xy - a.xy), a.yy + t * (b.yy - a.yy)};
+  return {a.mean + t * (b.mean - a.mean), a.xx + t * (b.xx - a.xx), a.xy + t * (b.xy - a.xy),
+          a.yy + t * (b.yy - a.yy)};
 }
 
 /// to.root * from.root^-1 (p - from.mean) + to.mean
@@ -60,7 +63,8 @@ Vec2d carry(const SliceAffine& from, const SliceAffine& to, const Vec2d& p) {
 
 /// Draws an object's root towards the middle's so that the stretch between them stays bounded.
 SliceAffine bounded(const SliceAffine& a, const SliceAffine& middle) {
-  const double stretch = std::sqrt((a.xx * a.yy - a.xy * a.xy) / (middle.xx * middle.yy - middle.xy * middle.xy));
+  const double stretch =
+      std::sqrt((a.xx * a.yy - a.xy * a.xy) / (middle.xx * middle.yy - middle.xy * middle.xy));
   const double allowed = std::min(std::max(stretch, 1 / kLargestStretch), kLargestStretch) / stretch;
   return {a.mean, a.xx * allowed, a.xy * allowed, a.yy * allowed};
 }
@@ -97,7 +101,8 @@ Vec2d toMiddle(const BaseWarp& base, size_t object, size_t slice, const Vec2d& p
 
 Displacements baseDisplacements(const BaseWarp& base, const Lattice& lattice, const openvdb::BBoxd& box) {
   const size_t objects = base.objects.size();
-  Displacements map{lattice, std::vector<VectorField>(objects, VectorField(lattice.count(), openvdb::Vec3s(0.f)))};
+  Displacements map{lattice,
+                    std::vector<VectorField>(objects, VectorField(lattice.count(), openvdb::Vec3s(0.f)))};
   const double step = base.z0[1] - base.z0[0];
   const Vec3d margin = box.min() - lattice.origin;
   std::vector<Vec2d> d(objects);
@@ -123,7 +128,8 @@ Displacements baseDisplacements(const BaseWarp& base, const Lattice& lattice, co
         for (size_t k = 0; k < objects; ++k) {
           const Vec2d e = fade * (d[k] - mean);
           const std::vector<double>& place = base.place[k];
-          const double along = fade * ((1 - t) * (place[i] - base.z0[i]) + t * (place[i + 1] - base.z0[i + 1]));
+          const double along =
+              fade * ((1 - t) * (place[i] - base.z0[i]) + t * (place[i + 1] - base.z0[i + 1]));
           map.of[k][lattice.index(x, y, z)] = openvdb::Vec3s(float(along), float(e[0]), float(e[1]));
         }
       }

@@ -14,8 +14,8 @@ struct SliceAffine {
   double xx = 1, xy = 0, yy = 1;  ///< symmetric square root of the covariance
 };
 
-/// The base warp: every slice's mean and symmetric square root of its covariance, smoothed along the spine over about
-/// four slices. An object without anything on a slice takes the nearest slices' values.
+/// The base warp: every slice's mean and symmetric square root of its covariance, smoothed along the spine
+/// over about four slices. An object without anything on a slice takes the nearest slices' values.
 struct BaseWarp {
   std::vector<double> z0;                         ///< of the middle slices
   std::vector<std::vector<double>> place;         ///< per object: z0 of its slice that belongs to each
@@ -27,7 +27,8 @@ struct BaseWarp {
 BaseWarp makeBaseWarp(const std::vector<ContourStack>& stacks, const SlicePlanes& planes,
                       const std::vector<std::vector<double>>& place);
 
-/// The base warp as displacements; fades to nothing from the edge of `box` (where the objects are) to the lattice's.
+/// The base warp as displacements; fades to nothing from the edge of `box` (where the objects are) to the
+/// lattice's.
 Displacements baseDisplacements(const BaseWarp& base, const Lattice& lattice, const openvdb::BBoxd& box);
 
 /// Object point on slice `i` -> middle point.

@@ -65,8 +65,8 @@ double overlapOf(const Carried& a, const Carried& b) {
   return either > 0 ? both / either : 0;
 }
 
-std::vector<ContourPair> matchSlice(const std::vector<Contour>& a, const std::vector<Contour>& b, const BaseWarp& base,
-                                    size_t slice, size_t objectA, size_t objectB) {
+std::vector<ContourPair> matchSlice(const std::vector<Contour>& a, const std::vector<Contour>& b,
+                                    const BaseWarp& base, size_t slice, size_t objectA, size_t objectB) {
   std::vector<ContourPair> pairs;
   if (a.empty() || b.empty()) return pairs;
   std::vector<Carried> ca, cb;
@@ -78,9 +78,10 @@ std::vector<ContourPair> matchSlice(const std::vector<Contour>& a, const std::ve
   for (size_t i = 0; i < rows; ++i)
     for (size_t j = 0; j < columns; ++j) {
       const Carried &x = ca[flip ? j : i], &y = cb[flip ? i : j];
-      cost[i][j] = (x.area < 0) == (y.area < 0) ? kCentroidPrice * (x.centroid - y.centroid).length() +
-                                                      kAreaPrice * std::abs(std::log(std::abs(x.area / y.area)))
-                                                : 1e6;
+      cost[i][j] = (x.area < 0) == (y.area < 0)
+                       ? kCentroidPrice * (x.centroid - y.centroid).length() +
+                             kAreaPrice * std::abs(std::log(std::abs(x.area / y.area)))
+                       : 1e6;
     }
   const std::vector<int> assigned = assign(cost);
   for (size_t i = 0; i < rows; ++i) {
@@ -120,7 +121,8 @@ std::vector<ContourPair> matchContours(const std::vector<ContourStack>& stacks, 
   std::vector<std::vector<ContourPair>> perSlice(slices);
   tbb::parallel_for(size_t(0), slices, [&](size_t s) {
     for (const auto& [j, k] : neighbours(stacks.size()))
-      for (const ContourPair& pair : matchSlice(stacks[j][s], stacks[k][s], base, s, j, k)) perSlice[s].push_back(pair);
+      for (const ContourPair& pair : matchSlice(stacks[j][s], stacks[k][s], base, s, j, k))
+        perSlice[s].push_back(pair);
   });
   std::vector<ContourPair> pairs;
   for (const auto& p : perSlice) pairs.insert(pairs.end(), p.begin(), p.end());

@@ -17,13 +17,14 @@ struct ContourPair {
   double overlap;  ///< intersection over union in the middle slice
 };
 
-/// Matches the contours of every object with those of the next one, slice by slice and one slice a task: the assignment of least cost
-/// 1.2 centroid distance + 0.35 |log area ratio| in the middle slice, holes only with holes; a pair is kept only where
-/// the two contours overlap there (intersection over union of at least 0.4), for pairs taken on faith tear the surface
-/// where the number of contours changes from slice to slice.
+/// Matches the contours of every object with those of the next one, slice by slice and one slice a task: the
+/// assignment of least cost 1.2 centroid distance + 0.35 |log area ratio| in the middle slice, holes only
+/// with holes; a pair is kept only where the two contours overlap there (intersection over union of at least
+/// 0.4), for pairs taken on faith tear the surface where the number of contours changes from slice to slice.
 std::vector<ContourPair> matchContours(const std::vector<ContourStack>& stacks, const BaseWarp& base);
 
-/// Points of the accepted pairs, `samples` along each contour, joined at the cyclic start of best correlation.
+/// Points of the accepted pairs, `samples` along each contour, joined at the cyclic start of best
+/// correlation.
 std::vector<Correspondence> pairCorrespondences(const std::vector<ContourPair>& pairs,
                                                 const std::vector<ContourStack>& stacks, const BaseWarp& base,
                                                 int samples);

@@ -11,8 +11,8 @@ namespace slicemorph {
 
 namespace {
 
-/// A mark counts as much as a whole patch of the surface, so that points found nearby cannot outvote it; one of the many
-/// along a line less.
+/// A mark counts as much as a whole patch of the surface, so that points found nearby cannot outvote it; one
+/// of the many along a line less.
 constexpr float kMarkWeight = 100, kLineWeight = 10;
 /// Points along a line, besides its first, and on a disk's rim.
 constexpr int kLinePieces = 12, kRim = 8;
@@ -56,7 +56,8 @@ double sizeOf(const Fields& fields, const std::vector<Chart>& charts) {
 double movement(const LineGroup& group, bool atEnd) {
   double most = 0;
   for (const Line& line : group)
-    most = std::max(most, atEnd ? (line.back() - group[0].back()).length() : (line.front() - group[0].front()).length());
+    most = std::max(
+        most, atEnd ? (line.back() - group[0].back()).length() : (line.front() - group[0].front()).length());
   return most;
 }
 
@@ -75,7 +76,8 @@ void joinLines(std::vector<LineGroup>& groups, double near) {
   for (size_t i = 0; i < groups.size(); ++i)
     for (size_t j = 0; j < groups.size(); ++j) {
       if (i == j || !follows(groups[i], groups[j], near)) continue;
-      for (size_t k = 0; k < groups[i].size(); ++k) groups[i][k].insert(groups[i][k].end(), groups[j][k].begin() + 1, groups[j][k].end());
+      for (size_t k = 0; k < groups[i].size(); ++k)
+        groups[i][k].insert(groups[i][k].end(), groups[j][k].begin() + 1, groups[j][k].end());
       groups.erase(groups.begin() + std::ptrdiff_t(j));
       i = size_t(-1);  // a longer line may go on in one that was looked at
       break;
@@ -86,8 +88,8 @@ Vec3d chartDirection(const Chart& chart, const Vec3d& at, const Vec3d& direction
   return (chart.toChart(at + length * direction) - chart.toChart(at)).unit();
 }
 
-/// The disk's middle, rim, and a place on either side, in chart coordinates; rims begin where the least turn from the first
-/// object's leads.
+/// The disk's middle, rim, and a place on either side, in chart coordinates; rims begin where the least turn
+/// from the first object's leads.
 LineGroup diskPoints(const Feature& disk, const std::vector<Chart>& charts) {
   LineGroup points(charts.size());
   Vec3d first(0.0), side(0.0);
@@ -102,7 +104,8 @@ LineGroup diskPoints(const Feature& disk, const std::vector<Chart>& charts) {
     }
     const Vec3d axis = first.cross(n);
     const double sine = axis.length();
-    const Vec3d own = sine > 1e-9 ? rotationFromVector(axis / sine * std::atan2(sine, first.dot(n))) * side : side;
+    const Vec3d own =
+        sine > 1e-9 ? rotationFromVector(axis / sine * std::atan2(sine, first.dot(n))) * side : side;
     const Vec3d z = charts[k].toChart(center);
     Vec3d e1 = charts[k].toWorld(z + 0.1 * radius / charts[k].meanScale() * own) - center;
     e1 = (e1 - e1.dot(normal) * normal).unit();
@@ -130,7 +133,8 @@ void addMarks(const LineGroup& points, float weight, std::vector<Correspondence>
   }
 }
 
-std::vector<PlacedLimb> limbsOf(const LineGroup& group, const Fields& fields, const std::vector<Chart>& charts, double size) {
+std::vector<PlacedLimb> limbsOf(const LineGroup& group, const Fields& fields,
+                                const std::vector<Chart>& charts, double size) {
   std::vector<PlacedLimb> limbs;
   for (size_t k = 0; k < group.size(); ++k) {
     PlacedLimb limb;
@@ -180,14 +184,16 @@ double conflict(const LineGroup& a, const LineGroup& b, double size) {
     for (size_t j = 0; j < b[0].size(); ++j)
       for (size_t k = 1; k < a.size(); ++k) {
         const Vec3d here = a[0][i] - b[0][j], there = a[k][i] - b[k][j];
-        most = std::max(most, (here - there).length() / (std::min(here.length(), there.length()) + kUnmet * size));
+        most = std::max(most,
+                        (here - there).length() / (std::min(here.length(), there.length()) + kUnmet * size));
       }
   return most;
 }
 
 }  // namespace
 
-FeaturePoints placeFeatures(const std::vector<Feature>& features, const Fields& fields, const std::vector<Chart>& charts) {
+FeaturePoints placeFeatures(const std::vector<Feature>& features, const Fields& fields,
+                            const std::vector<Chart>& charts) {
   FeaturePoints result;
   const double size = features.empty() ? 1 : sizeOf(fields, charts);
   std::vector<LineGroup> lines;
@@ -244,8 +250,9 @@ std::vector<Feature> featuresInReach(const std::vector<Feature>& features, const
   return result;
 }
 
-std::vector<std::string> contradictions(const std::vector<Feature>& features, const std::vector<Chart>& charts,
-                                        const Displacements& map, double size) {
+std::vector<std::string> contradictions(const std::vector<Feature>& features,
+                                        const std::vector<Chart>& charts, const Displacements& map,
+                                        double size) {
   std::vector<std::string> warnings;
   if (features.empty()) return warnings;
   std::vector<MiddleGuess> guesses;
@@ -266,7 +273,8 @@ std::vector<std::string> contradictions(const std::vector<Feature>& features, co
     char off[64];
     std::snprintf(off, sizeof off, "%.3g world units", miss[i] * charts[0].meanScale());
     if (against == i || most < 1) {
-      warnings.push_back("warning: feature '" + features[i].name + "' is missed by " + off + ": no map without folds meets it");
+      warnings.push_back("warning: feature '" + features[i].name + "' is missed by " + off +
+                         ": no map without folds meets it");
     } else if (told.insert(std::minmax(i, against)).second) {
       warnings.push_back("warning: features '" + features[i].name + "' and '" + features[against].name +
                          "' contradict each other: no map without folds meets both; '" + features[i].name +

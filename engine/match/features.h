@@ -6,13 +6,14 @@ namespace slicemorph {
 
 /// A user's features as the matching takes them: of the objects, chart coordinates.
 struct FeaturePoints {
-  std::vector<Correspondence> marks;       ///< of points and disks
-  std::vector<Correspondence> lines;       ///< of lines: along them and around, swinging like limbs
+  std::vector<Correspondence> marks;           ///< of points and disks
+  std::vector<Correspondence> lines;           ///< of lines: along them and around, swinging like limbs
   std::vector<std::vector<PlacedLimb>> limbs;  ///< per object, the lines without their middle places
 };
 
 /// `features`: of the objects of `fields`. Lines that follow each other on all objects are one.
-FeaturePoints placeFeatures(const std::vector<Feature>& features, const Fields& fields, const std::vector<Chart>& charts);
+FeaturePoints placeFeatures(const std::vector<Feature>& features, const Fields& fields,
+                            const std::vector<Chart>& charts);
 
 /// The place at a share (0 to 1) of a polyline's length.
 Vec3d placeAlong(const std::vector<Vec3d>& line, double share);
@@ -20,13 +21,15 @@ Vec3d placeAlong(const std::vector<Vec3d>& line, double share);
 /// Whether a limb lies along a line of the same object.
 bool isToldOf(const PlacedLimb& limb, const std::vector<PlacedLimb>& lines);
 
-/// The features without those that lie far from every object's surface, which have nothing to hold on to; their names go
-/// into `notes`.
+/// The features without those that lie far from every object's surface, which have nothing to hold on to;
+/// their names go into `notes`.
 std::vector<Feature> featuresInReach(const std::vector<Feature>& features, const Fields& fields,
                                      std::vector<std::string>& notes);
 
-/// What features a map does not meet although it was asked to, and with which other ones they are at odds, one warning each.
-std::vector<std::string> contradictions(const std::vector<Feature>& features, const std::vector<Chart>& charts,
-                                        const Displacements& map, double size);
+/// What features a map does not meet although it was asked to, and with which other ones they are at odds,
+/// one warning each.
+std::vector<std::string> contradictions(const std::vector<Feature>& features,
+                                        const std::vector<Chart>& charts, const Displacements& map,
+                                        double size);
 
 }  // namespace slicemorph

@@ -129,11 +129,13 @@ Column solve(const NormalOperator& op, const Column& b, Column x) {
 
 }  // namespace
 
-Displacements fitFields(const Lattice& lattice, const Sites& sites, double stiffness, const Displacements& start) {
+Displacements fitFields(const Lattice& lattice, const Sites& sites, double stiffness,
+                        const Displacements& start) {
   const size_t objects = sites.value.size();
   const NormalOperator op(lattice, sites, stiffness);
   Displacements result{lattice, start.of};
-  // The fit is linear: the last object follows from the others and from the sum of all, which mostly is nothing.
+  // The fit is linear: the last object follows from the others and from the sum of all, which mostly is
+  // nothing.
   std::vector<Vec3d> sums(sites.position.size(), Vec3d(0.0));
   VectorField sum(lattice.count(), openvdb::Vec3s(0.f));
   double most = 0, largest = 0;

@@ -20,8 +20,9 @@ constexpr double kStiffness = 0.3;
 constexpr float kStillWeight = 0.3f;
 
 /// The steps that take every middle point to where its object has the limbs' points now.
-std::vector<Displacements> stepsOf(const Displacements& map, size_t object, const std::vector<Correspondence>& points,
-                                   const std::vector<Vec3d>& still, const Lattice& lattice) {
+std::vector<Displacements> stepsOf(const Displacements& map, size_t object,
+                                   const std::vector<Correspondence>& points, const std::vector<Vec3d>& still,
+                                   const Lattice& lattice) {
   std::vector<Vec3d> target;
   Sites sites;
   for (const Correspondence& c : points) {
@@ -29,7 +30,8 @@ std::vector<Displacements> stepsOf(const Displacements& map, size_t object, cons
     if (!toMiddle(map, object, c.at[object], s)) continue;
     sites.position.push_back(c.middle), sites.weight.push_back(c.weight), target.push_back(s);
   }
-  for (const Vec3d& s : still) sites.position.push_back(s), sites.weight.push_back(kStillWeight), target.push_back(s);
+  for (const Vec3d& s : still)
+    sites.position.push_back(s), sites.weight.push_back(kStillWeight), target.push_back(s);
   sites.value.resize(1);
   std::vector<Displacements> steps;
   while (steps.size() < kMaxSteps) {
@@ -40,7 +42,8 @@ std::vector<Displacements> stepsOf(const Displacements& map, size_t object, cons
       farthest = std::max(farthest, sites.value[0].back().length());
     }
     if (farthest < 0.1 * lattice.spacing) break;
-    Displacements step = fitFields(lattice, sites, kStiffness, {lattice, {VectorField(lattice.count(), openvdb::Vec3s(0.f))}});
+    Displacements step =
+        fitFields(lattice, sites, kStiffness, {lattice, {VectorField(lattice.count(), openvdb::Vec3s(0.f))}});
     for (int halvings = 0; leastRatio(step) < kLeastRatio && halvings < 12; ++halvings)
       for (auto& d : step.of[0]) d *= 0.7f;
     for (Vec3d& p : sites.position) p += step.at(0, p);
@@ -51,8 +54,8 @@ std::vector<Displacements> stepsOf(const Displacements& map, size_t object, cons
 
 }  // namespace
 
-Displacements flowed(const Displacements& map, const std::vector<Correspondence>& points, const std::vector<Vec3d>& still,
-                     double spacing, const Lattice& lattice) {
+Displacements flowed(const Displacements& map, const std::vector<Correspondence>& points,
+                     const std::vector<Vec3d>& still, double spacing, const Lattice& lattice) {
   const Vec3d extent = map.lattice.spacing * (map.lattice.size.asVec3d() - Vec3d(1));
   const Lattice coarse = Lattice::over({map.lattice.origin, map.lattice.origin + extent}, spacing);
   Displacements result{lattice, std::vector<VectorField>(map.of.size(), VectorField(lattice.count()))};

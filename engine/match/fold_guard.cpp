@@ -6,9 +6,10 @@
 
 namespace slicemorph {
 
-// Each goes from corner 000 to 111 along one order of the axes; odd orders have two corners swapped so that all six
-// have positive volume.
-const int kKuhnTetrahedra[6][4] = {{0, 1, 3, 7}, {0, 5, 1, 7}, {0, 3, 2, 7}, {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 6, 4, 7}};
+// Each goes from corner 000 to 111 along one order of the axes; odd orders have two corners swapped so that
+// all six have positive volume.
+const int kKuhnTetrahedra[6][4] = {{0, 1, 3, 7}, {0, 5, 1, 7}, {0, 3, 2, 7},
+                                   {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 6, 4, 7}};
 
 namespace {
 
@@ -97,7 +98,8 @@ VectorField sumOf(const Displacements& map) {
 }
 
 /// Smallest volume of a cell's tetrahedra after a map, over their volume before.
-double smallestRatio(const Displacements& map, const VectorField& sum, const Guarded& guarded, int x, int y, int z) {
+double smallestRatio(const Displacements& map, const VectorField& sum, const Guarded& guarded, int x, int y,
+                     int z) {
   const Lattice& lattice = map.lattice;
   Vec3d p[8];
   for (int c = 0; c < 8; ++c) {
@@ -120,7 +122,8 @@ std::vector<char> foldedCells(const Displacements& map, const std::vector<Guarde
   std::vector<char> folded(lattice.count(), 0);
   forEachCell(lattice, [&](int x, int y, int z) {
     bool any = false;
-    for (int c = 0; c < 8 && !any; ++c) any = suspect[lattice.index(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2))];
+    for (int c = 0; c < 8 && !any; ++c)
+      any = suspect[lattice.index(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2))];
     if (!any) return;
     char& result = folded[lattice.index(x, y, z)];
     for (size_t w = 0; w < guarded.size() && !result; ++w)

@@ -103,7 +103,8 @@ VectorField resampleField(const Lattice& from, const VectorField& field, const L
       for (size_t n = 0; n < stride; ++n) {
         Vec3d sum(0.0);
         for (int i = 0; i < 4; ++i)
-          if (const int at = t.base + i; at >= 0 && at < size[axis]) sum += t.w[i] * values[first + at * stride + n];
+          if (const int at = t.base + i; at >= 0 && at < size[axis])
+            sum += t.w[i] * values[first + at * stride + n];
         along[row * stride + n] = sum;
       }
     });
@@ -129,7 +130,8 @@ bool toMiddle(const Displacements& map, size_t object, const Vec3d& a, Vec3d& s)
 }
 
 bool toMiddleContinued(const Lattice& lattice, const VectorField& displacement, const Vec3d& a, Vec3d& s) {
-  return solveMiddle([&](const Vec3d& p) { return sampleContinued(lattice, displacement, p); }, lattice.spacing, a, s);
+  return solveMiddle([&](const Vec3d& p) { return sampleContinued(lattice, displacement, p); },
+                     lattice.spacing, a, s);
 }
 
 MiddleGuess::MiddleGuess(const Lattice& lattice, const VectorField& displacement)

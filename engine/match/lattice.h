@@ -26,12 +26,14 @@ Vec3d sampleField(const Lattice& lattice, const VectorField& field, const Vec3d&
 /// Trilinear value; beyond the lattice that of its nearest point.
 Vec3d sampleContinued(const Lattice& lattice, const VectorField& field, const Vec3d& z);
 
-/// The field on another lattice, by Catmull-Rom splines: no creases at the coarse nodes. Zero beyond the lattice.
+/// The field on another lattice, by Catmull-Rom splines: no creases at the coarse nodes. Zero beyond the
+/// lattice.
 VectorField resampleField(const Lattice& from, const VectorField& field, const Lattice& to);
 
-/// Every object's displacement from the middle space: object k's chart point of a middle point s is s + of[k](s). An
-/// in-between has it at s + sum_k pathWeights(w)[k] of[k](s). Where the displacements sum to zero the ways are straight
-/// lines; elsewhere they are parabolas by way of s, so that a limb that swings keeps its length.
+/// Every object's displacement from the middle space: object k's chart point of a middle point s is s +
+/// of[k](s). An in-between has it at s + sum_k pathWeights(w)[k] of[k](s). Where the displacements sum to
+/// zero the ways are straight lines; elsewhere they are parabolas by way of s, so that a limb that swings
+/// keeps its length.
 struct Displacements {
   Lattice lattice;
   std::vector<VectorField> of;
@@ -39,17 +41,19 @@ struct Displacements {
   Vec3d at(size_t object, const Vec3d& s) const { return sampleField(lattice, of[object], s); }
 };
 
-/// How much of each object's displacement an in-between of these weights takes: all of one's own, none half way between
-/// all objects.
+/// How much of each object's displacement an in-between of these weights takes: all of one's own, none half
+/// way between all objects.
 Weights pathWeights(const Weights& weights);
 
-/// Middle point of an object's chart point, by Newton's method on s + D(s) = a from a guess at s. Returns whether it is one.
+/// Middle point of an object's chart point, by Newton's method on s + D(s) = a from a guess at s. Returns
+/// whether it is one.
 bool toMiddle(const Displacements& map, size_t object, const Vec3d& a, Vec3d& s);
 
 /// The same for one field of displacements that goes on beyond the lattice as sampleContinued.
 bool toMiddleContinued(const Lattice& lattice, const VectorField& displacement, const Vec3d& a, Vec3d& s);
 
-/// Where to start toMiddle from if a map carries points far: the middle point of the node that lies nearest on the object.
+/// Where to start toMiddle from if a map carries points far: the middle point of the node that lies nearest
+/// on the object.
 class MiddleGuess {
  public:
   MiddleGuess(const Lattice& lattice, const VectorField& displacement);

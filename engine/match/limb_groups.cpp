@@ -12,17 +12,19 @@ namespace slicemorph {
 
 namespace {
 
-/// Costs of a difference of one size in where a limb leaves the body and in where its tip is, and of lengths that differ
-/// by the factor e; and what being left without a partner costs.
+/// Costs of a difference of one size in where a limb leaves the body and in where its tip is, and of lengths
+/// that differ by the factor e; and what being left without a partner costs.
 constexpr double kRootPrice = 2, kTipPrice = 0.5, kLengthPrice = 0.4, kAlonePrice = 1.3;
 /// The first points of a limb's line, which tell where it leaves the body.
 constexpr int kRootPoints = 4;
 
 double costOf(const PlacedLimb& a, const PlacedLimb& b, double size) {
   Vec3d root(0.0);
-  for (int i = 0; i < kRootPoints; ++i) root += (a.middle[size_t(i)] - b.middle[size_t(i)]) / double(kRootPoints);
+  for (int i = 0; i < kRootPoints; ++i)
+    root += (a.middle[size_t(i)] - b.middle[size_t(i)]) / double(kRootPoints);
   const double tip = (a.middle.back() - b.middle.back()).length();
-  return (kRootPrice * root.length() + kTipPrice * tip) / size + kLengthPrice * std::abs(std::log(a.length / b.length));
+  return (kRootPrice * root.length() + kTipPrice * tip) / size +
+         kLengthPrice * std::abs(std::log(a.length / b.length));
 }
 
 /// The least turn that takes one direction to another.
@@ -33,7 +35,8 @@ Mat3d turnBetween(const Vec3d& from, const Vec3d& to) {
   return rotationFromVector(axis.unit() * angle);
 }
 
-/// A limb as a root, lengths, and frames that do not spin (first column along the limb), one a piece between two points.
+/// A limb as a root, lengths, and frames that do not spin (first column along the limb), one a piece between
+/// two points.
 struct Stem {
   Vec3d root;
   std::vector<double> length;
@@ -62,7 +65,8 @@ Mat3d meanFrame(const std::vector<Mat3d>& frames) {
   return mean;
 }
 
-/// Mean root and lengths; the first frame is the mean, and from piece to piece it turns by the mean of the turns.
+/// Mean root and lengths; the first frame is the mean, and from piece to piece it turns by the mean of the
+/// turns.
 Stem meanStem(const std::vector<Stem>& stems) {
   const double share = 1.0 / double(stems.size());
   Stem mean = stems[0];
@@ -94,8 +98,8 @@ std::vector<Vec3d> pointsOf(const Stem& stem, const std::vector<double>& radius)
   return points;
 }
 
-/// A limb that an object lacks lies in it as a stub of at most this share of the limb's length, and not further away from
-/// where the limb is attached.
+/// A limb that an object lacks lies in it as a stub of at most this share of the limb's length, and not
+/// further away from where the limb is attached.
 constexpr double kStubLength = 0.35, kStubReach = 0.5;
 
 /// Per limb of one list its partner in the other; -1: none.
@@ -127,8 +131,8 @@ PlacedLimb meanOf(const std::vector<std::vector<PlacedLimb>>& limbs, const std::
   return mean;
 }
 
-/// What takes part in one limb: per object the number of its limb; -1: it has none. Object after object joins the limbs of
-/// those before.
+/// What takes part in one limb: per object the number of its limb; -1: it has none. Object after object joins
+/// the limbs of those before.
 std::vector<std::vector<int>> partnersOf(const std::vector<std::vector<PlacedLimb>>& limbs, double size) {
   std::vector<std::vector<int>> groups;
   for (size_t k = 0; k < limbs.size(); ++k) {
@@ -145,9 +149,10 @@ std::vector<std::vector<int>> partnersOf(const std::vector<std::vector<PlacedLim
   return groups;
 }
 
-/// Object k's place for a limb it lacks: a short one that lies wholly below the surface, where the limb would be attached.
-std::optional<PlacedLimb> stubOf(const PlacedLimb& limb, size_t k, const DistanceField& field, const Chart& chart,
-                                 const Displacements& map) {
+/// Object k's place for a limb it lacks: a short one that lies wholly below the surface, where the limb would
+/// be attached.
+std::optional<PlacedLimb> stubOf(const PlacedLimb& limb, size_t k, const DistanceField& field,
+                                 const Chart& chart, const Displacements& map) {
   const Vec3d root = limb.middle[0] + map.at(k, limb.middle[0]);
   const Vec3d world = field.closest(chart.toWorld(root));
   const Vec3d surface = chart.toChart(world);
@@ -207,7 +212,8 @@ std::vector<LimbGroup> groupLimbs(const std::vector<std::vector<PlacedLimb>>& li
         continue;
       }
       group.grows = true;
-      const std::optional<PlacedLimb> stub = stubOf(limbs[has][size_t(partners[has])], k, *fields[k], charts[k], map);
+      const std::optional<PlacedLimb> stub =
+          stubOf(limbs[has][size_t(partners[has])], k, *fields[k], charts[k], map);
       if (!stub) break;
       group.limb.push_back(*stub);
     }

@@ -33,9 +33,9 @@ struct Round {
 };
 
 const Round kRounds[] = {
-    {true, 0.22, 0.25, 8, 900},    {true, 0.16, 0.20, 8, 900},    {true, 0.12, 0.15, 6, 1400},
-    {true, 0.09, 0.12, 5, 1400},   {true, 0.065, 0.09, 4, 2200},  {true, 0.05, 0.075, 3, 2200},
-    {false, 0.20, 0.06, 2, 6000},  {false, 0.12, 0.05, 2, 6000},  {false, 0.08, 0.045, 1.5, 8000},
+    {true, 0.22, 0.25, 8, 900},   {true, 0.16, 0.20, 8, 900},   {true, 0.12, 0.15, 6, 1400},
+    {true, 0.09, 0.12, 5, 1400},  {true, 0.065, 0.09, 4, 2200}, {true, 0.05, 0.075, 3, 2200},
+    {false, 0.20, 0.06, 2, 6000}, {false, 0.12, 0.05, 2, 6000}, {false, 0.08, 0.045, 1.5, 8000},
     {false, 0.06, 0.04, 1, 8000},
 };
 
@@ -49,14 +49,16 @@ const Round kQuickRounds[] = {{false, 0.25, 0.14, 3, 1500}, {false, 0.15, 0.10, 
 const Round kFollowRounds[] = {{false, 0.12, 0.06, 2, 6000}, {false, 0.06, 0.045, 1.5, 8000}};
 /// Overlap that only a cut loses from one frame to the next.
 constexpr double kCut = 0.15;
-/// Limbs are followed by fields of this spacing, and the map that follows them is kept on a lattice of this one.
+/// Limbs are followed by fields of this spacing, and the map that follows them is kept on a lattice of this
+/// one.
 constexpr double kFlowSpacing = 0.08, kFlowLattice = 0.04;
-/// Per object: samples of the body, which keeps its place meanwhile; and how far it is from a limb, in the limb's radii.
+/// Per object: samples of the body, which keeps its place meanwhile; and how far it is from a limb, in the
+/// limb's radii.
 constexpr int kStillSamples = 900;
 constexpr double kStillReach = 1.5;
 
-/// What a limb that grows out of the body is worth although it costs overlap: the air beside it has no place on the object
-/// that lacks it.
+/// What a limb that grows out of the body is worth although it costs overlap: the air beside it has no place
+/// on the object that lacks it.
 constexpr double kGrownBonus = 0.03;
 
 /// A gain in overlap after a quick matching that is one after the whole matching, too.
@@ -74,9 +76,13 @@ constexpr double kClearGain = 0.01;
 
 class Registrar {
  public:
-  Registrar(const Fields& fields, const std::vector<Fields>& inner, const Frames& frames, const MorphOptions& options,
-            Progress& progress)
-      : fields_(fields), charts_(frames.charts), options_(options), progress_(progress), objects_(fields.size()) {
+  Registrar(const Fields& fields, const std::vector<Fields>& inner, const Frames& frames,
+            const MorphOptions& options, Progress& progress)
+      : fields_(fields),
+        charts_(frames.charts),
+        options_(options),
+        progress_(progress),
+        objects_(fields.size()) {
     for (const Fields& surface : inner) inner_.push_back({surface, {}, {}});
     features_ = placeFeatures(options.features, fields, charts_);
   }
@@ -117,7 +123,8 @@ class Registrar {
     }
     finish();
     made.notes.insert(made.notes.end(), result_.notes.begin(), result_.notes.end());
-    made.map = std::move(result_.map), made.base = std::move(result_.base), made.overlapAfter = result_.overlapAfter;
+    made.map = std::move(result_.map), made.base = std::move(result_.base),
+    made.overlapAfter = result_.overlapAfter;
     return made;
   }
 
@@ -126,8 +133,8 @@ class Registrar {
     startFrom(before.map, before.base);
     if (now_.overlap < before.overlapAfter - kCut) return std::nullopt;
     char text[128];
-    std::snprintf(text, sizeof text, "the matching of the frame before: overlap %.3f, there %.3f", now_.overlap,
-                  before.overlapAfter);
+    std::snprintf(text, sizeof text, "the matching of the frame before: overlap %.3f, there %.3f",
+                  now_.overlap, before.overlapAfter);
     now_.notes.push_back(text);
     for (const Round& round : kFollowRounds) {
       if (progress_.cancelled()) throw Cancelled();
@@ -149,11 +156,11 @@ class Registrar {
   /// What the rounds change.
   struct State {
     Displacements map;
-    Displacements base;                     ///< what the rounds' fields are added to
-    std::vector<Correspondence> limbPoints; ///< where limbs are followed
-    std::vector<MiddleGuess> guesses;       ///< then, per object
+    Displacements base;                      ///< what the rounds' fields are added to
+    std::vector<Correspondence> limbPoints;  ///< where limbs are followed
+    std::vector<MiddleGuess> guesses;        ///< then, per object
     double overlap = 0;
-    double bonus = 0;                       ///< what the overlap does not show
+    double bonus = 0;  ///< what the overlap does not show
     std::vector<std::string> notes;
 
     double value() const { return overlap + bonus; }
@@ -211,8 +218,8 @@ class Registrar {
     return result;
   }
 
-  /// About `count` of an object's samples, one of every bin, so that a sample more or less at one place does not change
-  /// the choice everywhere else.
+  /// About `count` of an object's samples, one of every bin, so that a sample more or less at one place does
+  /// not change the choice everywhere else.
   OrientedPoints thinned(const OrientedPoints& all, double area, int count) const {
     if (int(all.position.size()) <= count) return all;
     const double cell = 1.3 * std::sqrt(area / count);
@@ -223,7 +230,8 @@ class Registrar {
       const SurfaceBin bin = surfaceBin(all.position[i], n, box_.min(), cell);
       const auto [it, fresh] = bins.emplace(bin, result.position.size());
       if (fresh) {
-        result.position.push_back(all.position[i]), result.normal.push_back(n), result.mass.push_back(all.mass[i]);
+        result.position.push_back(all.position[i]), result.normal.push_back(n),
+            result.mass.push_back(all.mass[i]);
         continue;
       }
       // The sample nearest the middle of the bin's cube stands for the bin: a mean would leave the surface.
@@ -244,8 +252,8 @@ class Registrar {
     if (!quick_) {
       const AlongSpine along = matchAlongSpine(fields_, charts_, result_.planes);
       char text[128];
-      std::snprintf(text, sizeof text, "slices at equal places overlap %.3f, matched along the spine %.3f", along.before,
-                    along.after);
+      std::snprintf(text, sizeof text, "slices at equal places overlap %.3f, matched along the spine %.3f",
+                    along.before, along.after);
       now_.notes.push_back(text);
       place_ = along.place;
     }
@@ -254,9 +262,8 @@ class Registrar {
       own.z0 = place_[k];
       const std::vector<SliceImage> images = sampleSlices(*fields_[k], charts_[k], own);
       result_.stacks[k].resize(images.size());
-      tbb::parallel_for(size_t(0), images.size(), [&](size_t i) {
-        result_.stacks[k][i] = traceContours(images[i], result_.planes);
-      });
+      tbb::parallel_for(size_t(0), images.size(),
+                        [&](size_t i) { result_.stacks[k][i] = traceContours(images[i], result_.planes); });
     }
   }
 
@@ -264,8 +271,8 @@ class Registrar {
     return Lattice::over({box_.min() - margin_, box_.max() + margin_}, spacing * size_);
   }
 
-  /// Displacements on a lattice that covers the objects as they are now: its own nodes as far as they go, so that frame
-  /// after frame blurs nothing, and beyond them what its outermost nodes say.
+  /// Displacements on a lattice that covers the objects as they are now: its own nodes as far as they go, so
+  /// that frame after frame blurs nothing, and beyond them what its outermost nodes say.
   Displacements continued(const Displacements& before) const {
     const Lattice& old = before.lattice;
     const openvdb::Coord low = openvdb::Coord::floor((box_.min() - margin_ - old.origin) / old.spacing);
@@ -288,7 +295,8 @@ class Registrar {
     progress_.report("match contours", 0.1);
     const BaseWarp base = makeBaseWarp(result_.stacks, result_.planes, place_);
     const Lattice lattice = latticeOf(0.08);
-    Displacements none{lattice, std::vector<VectorField>(objects_, VectorField(lattice.count(), openvdb::Vec3s(0.f)))};
+    Displacements none{lattice,
+                       std::vector<VectorField>(objects_, VectorField(lattice.count(), openvdb::Vec3s(0.f)))};
     result_.overlapBefore = now_.overlap = overlapOf(none);
     now_.map = none;
     now_.base = none;
@@ -302,8 +310,9 @@ class Registrar {
     takeAsFarAsBetter(fit(points, latticeOf(0.12), 4), 0, kClearGain, "contour pairs");
   }
 
-  /// Limbs are matched as wholes: a leg meets the leg that leaves the body at the same place, however far it has swung.
-  /// Returns the state that follows them where that wins beyond doubt, or all those that may turn out best.
+  /// Limbs are matched as wholes: a leg meets the leg that leaves the body at the same place, however far it
+  /// has swung. Returns the state that follows them where that wins beyond doubt, or all those that may turn
+  /// out best.
   std::vector<State> withLimbs() {
     const std::vector<std::vector<PlacedLimb>> limbs = placedLimbs(fields_, charts_, now_.map);
     std::vector<Correspondence> matched, all;
@@ -320,7 +329,8 @@ class Registrar {
     now_.notes.push_back("limbs: " + found + " found, " + std::to_string(matches) + " matched, " +
                          std::to_string(grown) + " to grow out of the body");
     if (all.empty()) return {now_};
-    for (auto* points : {&matched, &all}) points->insert(points->end(), features_.lines.begin(), features_.lines.end());
+    for (auto* points : {&matched, &all})
+      points->insert(points->end(), features_.lines.begin(), features_.lines.end());
     const double without = tried(now_).overlap;
     if (1 + (grown > 0 ? kGrownBonus : 0) <= without + kWorthTrying) return {now_};  // no overlap is above 1
     std::vector<std::vector<PlacedLimb>> moving = limbs;
@@ -335,7 +345,8 @@ class Registrar {
       state.bonus = bonus;
       const State after = tried(state);
       char text[128];
-      std::snprintf(text, sizeof text, "%s: overlap %.3f after a quick matching, else %.3f", name, after.overlap, without);
+      std::snprintf(text, sizeof text, "%s: overlap %.3f after a quick matching, else %.3f", name,
+                    after.overlap, without);
       notes.push_back(text);
       if (after.value() > most + kClearGain) {
         most = after.value();
@@ -358,7 +369,8 @@ class Registrar {
   }
 
   /// The state with a map that follows limbs.
-  State following(State state, const std::vector<Correspondence>& points, const std::vector<Vec3d>& still) const {
+  State following(State state, const std::vector<Correspondence>& points,
+                  const std::vector<Vec3d>& still) const {
     state.map = flowed(state.map, points, still, kFlowSpacing * size_, latticeOf(kFlowLattice));
     removeFolds(state.map);
     state.overlap = overlapOf(state.map);
@@ -397,8 +409,8 @@ class Registrar {
     return toMiddle(now_.map, k, a, s);
   }
 
-  /// Takes a map to the degree to which the warped objects overlap better than before: not at all where they do not
-  /// gain more than `nothing`, wholly from a gain of `all`.
+  /// Takes a map to the degree to which the warped objects overlap better than before: not at all where they
+  /// do not gain more than `nothing`, wholly from a gain of `all`.
   double takeAsFarAsBetter(const Displacements& map, double nothing, double all, const char* name) {
     const double overlap = overlapOf(map);
     const double share = degree(overlap - now_.overlap, nothing, all);
@@ -425,7 +437,8 @@ class Registrar {
   void startFromFeatures() {
     if (options_.features.empty()) return;
     // A quick look does not follow lines.
-    if (!features_.lines.empty() && !quick_) now_ = following(now_, features_.lines, stillPoints(features_.limbs));
+    if (!features_.lines.empty() && !quick_)
+      now_ = following(now_, features_.lines, stillPoints(features_.limbs));
     if (!features_.marks.empty()) now_.map = fit(now_.limbPoints, latticeOf(kMarkSpacing), kMarkStiffness);
     now_.overlap = overlapOf(now_.map);
     char text[96];
@@ -433,7 +446,8 @@ class Registrar {
     now_.notes.push_back(text);
   }
 
-  /// The smooth fold-free map that meets the correspondences and the marks, as displacement on top of the base warp.
+  /// The smooth fold-free map that meets the correspondences and the marks, as displacement on top of the
+  /// base warp.
   Displacements fit(std::vector<Correspondence> points, const Lattice& lattice, double stiffness) const {
     points.insert(points.end(), features_.marks.begin(), features_.marks.end());
     const Displacements base = resampled(now_.base, lattice);
@@ -469,7 +483,8 @@ class Registrar {
     const size_t n = all.position.size();
     std::vector<Vec3d> middle(n);
     std::vector<char> found(n);
-    tbb::parallel_for(size_t(0), n, [&](size_t i) { found[i] = toMiddleSpace(k, all.position[i], middle[i]); });
+    tbb::parallel_for(size_t(0), n,
+                      [&](size_t i) { found[i] = toMiddleSpace(k, all.position[i], middle[i]); });
     MiddleSamples result;
     double total = 0;
     for (size_t i = 0; i < n; ++i) {
@@ -484,12 +499,14 @@ class Registrar {
     return result;
   }
 
-  /// Samples are counted for two objects; more share them, so that the work grows no faster than their number.
+  /// Samples are counted for two objects; more share them, so that the work grows no faster than their
+  /// number.
   int ofEach(int samples) const { return std::max(samples * 2 / int(std::max<size_t>(objects_, 2)), 1); }
 
   void refine(const Round& round) {
     std::vector<MiddleSamples> samples(objects_);
-    for (size_t k = 0; k < objects_; ++k) samples[k] = middleSamples(k, thinned(samples_[k], area_[k], ofEach(round.samples)));
+    for (size_t k = 0; k < objects_; ++k)
+      samples[k] = middleSamples(k, thinned(samples_[k], area_[k], ofEach(round.samples)));
     std::vector<Correspondence> points =
         round.soft ? softCorrespondences(samples, round) : closestCorrespondences(fields_, samples, round);
     if (!round.soft) addInner(round, points);
@@ -498,22 +515,28 @@ class Registrar {
     const Lattice lattice = latticeOf(round.spacing);
     const double density = double(points.size()) / 2000;
     char name[64];
-    std::snprintf(name, sizeof name, "%s %.3f (%zu points)", round.soft ? "soft match" : "closest points", round.reach, points.size());
-    // Closest points nearly always help, and the last rounds by little each: they are only refused where they harm.
+    std::snprintf(name, sizeof name, "%s %.3f (%zu points)", round.soft ? "soft match" : "closest points",
+                  round.reach, points.size());
+    // Closest points nearly always help, and the last rounds by little each: they are only refused where they
+    // harm.
     const Displacements map = fit(points, lattice, round.stiffness * density);
     // Of many objects they draw every one to the nearest of all the others.
-    if (round.soft || objects_ > 2) takeAsFarAsBetter(map, 0, kClearGain, name);
-    else takeAsFarAsBetter(map, -2 * kClearGain, -kClearGain, name);
+    if (round.soft || objects_ > 2)
+      takeAsFarAsBetter(map, 0, kClearGain, name);
+    else
+      takeAsFarAsBetter(map, -2 * kClearGain, -kClearGain, name);
   }
 
-  std::vector<Correspondence> softCorrespondences(const std::vector<MiddleSamples>& samples, const Round& round) const {
+  std::vector<Correspondence> softCorrespondences(const std::vector<MiddleSamples>& samples,
+                                                  const Round& round) const {
     // targets[j][i].at: of object j's sample i on every object.
     std::vector<std::vector<Correspondence>> all(objects_);
     for (size_t j = 0; j < objects_; ++j)
       for (size_t i = 0; i < samples[j].own.size(); ++i) {
         Correspondence c;
         const Vec3d& s = samples[j].points.position[i];
-        for (size_t k = 0; k < objects_; ++k) c.at.push_back(k == j ? samples[j].own[i] : s + now_.map.at(k, s));
+        for (size_t k = 0; k < objects_; ++k)
+          c.at.push_back(k == j ? samples[j].own[i] : s + now_.map.at(k, s));
         c.middle = s;
         c.weight = 1;
         all[j].push_back(std::move(c));
@@ -562,7 +585,8 @@ class Registrar {
       std::vector<MiddleSamples> samples(objects_);
       for (size_t k = 0; k < objects_; ++k) {
         if (!surface.fields[k]) continue;
-        const int count = std::max(ofEach(kLeastInner), int(ofEach(round.samples) * std::min(surface.area[k] / area_[k], 1.0)));
+        const int count = std::max(ofEach(kLeastInner),
+                                   int(ofEach(round.samples) * std::min(surface.area[k] / area_[k], 1.0)));
         samples[k] = middleSamples(k, thinned(surface.samples[k], surface.area[k], count));
       }
       const std::vector<Correspondence> found = closestCorrespondences(surface.fields, samples, round);
@@ -570,7 +594,8 @@ class Registrar {
     }
   }
 
-  std::vector<Correspondence> closestCorrespondences(const Fields& fields, const std::vector<MiddleSamples>& samples,
+  std::vector<Correspondence> closestCorrespondences(const Fields& fields,
+                                                     const std::vector<MiddleSamples>& samples,
                                                      const Round& round) const {
     std::vector<Correspondence> points;
     for (size_t j = 0; j < objects_; ++j) {
@@ -584,7 +609,8 @@ class Registrar {
           const Vec3d before = k == j ? samples[j].own[i] : s + now_.map.at(k, s);
           Vec3d at = before;
           if (k != j && fields[k])
-            c.weight = std::max(c.weight, projectOnto(*fields[k], k, samples[j].points.normal[i], round.reach * size_, at));
+            c.weight = std::max(
+                c.weight, projectOnto(*fields[k], k, samples[j].points.normal[i], round.reach * size_, at));
           c.at.push_back(at);
           c.middle += (at - before) / double(objects_);
         }
@@ -595,13 +621,15 @@ class Registrar {
     return points;
   }
 
-  /// Moves a chart point onto a surface of object k and returns how far that is to be trusted: wholly where the surface is
-  /// near and faces the same way, not at all where it is `reach` away or faces elsewhere.
-  float projectOnto(const DistanceField& field, size_t k, const Vec3d& normal, double reach, Vec3d& at) const {
+  /// Moves a chart point onto a surface of object k and returns how far that is to be trusted: wholly where
+  /// the surface is near and faces the same way, not at all where it is `reach` away or faces elsewhere.
+  float projectOnto(const DistanceField& field, size_t k, const Vec3d& normal, double reach,
+                    Vec3d& at) const {
     const Vec3d surface = field.closest(charts_[k].toWorld(at));
     const Vec3d projected = charts_[k].toChart(surface);
     const double near = 1 - (projected - at).length() / reach;
-    const double facing = (charts_[k].normalToChart(projected, field.gradient(surface)).dot(normal) - 0.1) / 0.4;
+    const double facing =
+        (charts_[k].normalToChart(projected, field.gradient(surface)).dot(normal) - 0.1) / 0.4;
     const double trust = std::min(std::max(4 * near, 0.0), 1.0) * std::min(std::max(facing, 0.0), 1.0);
     if (trust > 0) at = projected;
     return float(trust);
@@ -629,7 +657,8 @@ class Registrar {
           // Of the pairs with the n-th smallest, it is the smaller one in all with larger ones.
           std::sort(inside.begin(), inside.end());
           for (size_t n = 0; n < objects_; ++n)
-            both[size_t(iz)] += inside[n] * double(objects_ - 1 - n), either[size_t(iz)] += inside[n] * double(n);
+            both[size_t(iz)] += inside[n] * double(objects_ - 1 - n),
+                either[size_t(iz)] += inside[n] * double(n);
         }
     });
     double sumBoth = 0, sumEither = 0;
@@ -654,7 +683,8 @@ class Registrar {
           if (!any) continue;
           double squares = 0;
           for (const VectorField& field : map.of)
-            for (size_t d : step) squares += ((field[i + d] - field[i - d]) / (2 * lattice.spacing)).lengthSqr();
+            for (size_t d : step)
+              squares += ((field[i + d] - field[i - d]) / (2 * lattice.spacing)).lengthSqr();
           sum[z] += squares / double(objects_), count[z] += 1;
         }
     });
@@ -663,14 +693,17 @@ class Registrar {
     return n > 0 ? std::sqrt(total / n) : 0;
   }
 
-  /// The lattice the frames move: as fine as the eye needs, still free of folds. `last`: nothing is matched after it.
+  /// The lattice the frames move: as fine as the eye needs, still free of folds. `last`: nothing is matched
+  /// after it.
   void finish(bool last = true) {
     const double longest = std::max({box_.extents()[0], box_.extents()[1], box_.extents()[2]});
-    Displacements fine = resampled(now_.map, Lattice::over({box_.min() - margin_, box_.max() + margin_}, longest / 72));
+    Displacements fine =
+        resampled(now_.map, Lattice::over({box_.min() - margin_, box_.max() + margin_}, longest / 72));
     removeFolds(fine, 0.1);
     result_.overlapAfter = overlapOf(fine);
     if (last)
-      for (const std::string& warning : contradictions(options_.features, charts_, fine, size_)) now_.notes.push_back(warning);
+      for (const std::string& warning : contradictions(options_.features, charts_, fine, size_))
+        now_.notes.push_back(warning);
     result_.map = std::move(fine), result_.base = std::move(now_.base), result_.notes = std::move(now_.notes);
   }
 
@@ -690,9 +723,9 @@ class Registrar {
   std::vector<double> area_;             ///< per object, chart units
   std::vector<openvdb::BBoxd> chartBoxes_;
   std::vector<std::vector<double>> place_;  ///< per object and slice: z0
-  openvdb::BBoxd box_;   ///< of all objects, chart space
+  openvdb::BBoxd box_;                      ///< of all objects, chart space
   Vec3d margin_;
-  double size_ = 1;      ///< cube root of the box's volume
+  double size_ = 1;  ///< cube root of the box's volume
   State now_;
   bool quick_ = false;
   Registration result_;
@@ -706,16 +739,18 @@ std::optional<Registration> followRegistration(const Registration& before, const
   return Registrar(fields, inner, frames, options, progress).follow(before);
 }
 
-Registration startRegistration(const Fields& fields, const Frames& frames, const MorphOptions& options, Progress& progress) {
+Registration startRegistration(const Fields& fields, const Frames& frames, const MorphOptions& options,
+                               Progress& progress) {
   return Registrar(fields, {}, frames, options, progress).started();
 }
 
-Registration refineRegistration(Registration made, const Fields& fields, const std::vector<Fields>& inner, const Frames& frames,
-                                const MorphOptions& options, Progress& progress) {
+Registration refineRegistration(Registration made, const Fields& fields, const std::vector<Fields>& inner,
+                                const Frames& frames, const MorphOptions& options, Progress& progress) {
   return Registrar(fields, inner, frames, options, progress).refined(std::move(made));
 }
 
-Agreement quickAgreement(const Fields& fields, const Frames& frames, const MorphOptions& options, Progress& progress) {
+Agreement quickAgreement(const Fields& fields, const Frames& frames, const MorphOptions& options,
+                         Progress& progress) {
   return Registrar(fields, {}, frames, options, progress).quickAgreement();
 }
 

@@ -65,7 +65,8 @@ Vector times(const Kernel& k, const Vector& v) {
 Vector transposedTimes(const Kernel& k, const Vector& u) {
   Vector r = Vector::Zero(k.cols());
   overBlocks(k.cols(), [&](Eigen::Index first, Eigen::Index n) {
-    for (Eigen::Index i = 0; i < k.rows(); ++i) r.segment(first, n) += u[i] * k.row(i).segment(first, n).transpose();
+    for (Eigen::Index i = 0; i < k.rows(); ++i)
+      r.segment(first, n) += u[i] * k.row(i).segment(first, n).transpose();
   });
   return r;
 }

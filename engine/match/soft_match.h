@@ -11,7 +11,8 @@ struct OrientedPoints {
   std::vector<double> mass;
 };
 
-/// Where each point of one surface goes on the other, and how much of its mass finds a place there (0 to about 1).
+/// Where each point of one surface goes on the other, and how much of its mass finds a place there (0 to
+/// about 1).
 struct SoftTargets {
   std::vector<Vec3d> position;
   std::vector<double> trust;
@@ -21,10 +22,11 @@ struct SoftMatch {
   SoftTargets aToB, bToA;
 };
 
-/// Entropic optimal transport between two surfaces, unbalanced and debiased by each surface's transport onto itself
-/// (Cuturi 2013; Chizat et al. 2018; Feydy et al. 2019): every part of a shape looks for a partner and no two share
-/// one, so limbs go to limbs where the nearest point would collapse them. `blur`: length below which the match is
-/// not sharp, in the points' units. Symmetric in a and b; identical surfaces go onto themselves.
+/// Entropic optimal transport between two surfaces, unbalanced and debiased by each surface's transport onto
+/// itself (Cuturi 2013; Chizat et al. 2018; Feydy et al. 2019): every part of a shape looks for a partner and
+/// no two share one, so limbs go to limbs where the nearest point would collapse them. `blur`: length below
+/// which the match is not sharp, in the points' units. Symmetric in a and b; identical surfaces go onto
+/// themselves.
 SoftMatch softMatch(const OrientedPoints& a, const OrientedPoints& b, double blur);
 
 }  // namespace slicemorph

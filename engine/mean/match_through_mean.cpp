@@ -64,7 +64,8 @@ VectorField displacementFrom(const std::vector<Vec3d>& sources, const Lattice& n
     for (int y = 0; y < nodes.size[1]; ++y)
       for (int x = 0; x < nodes.size[0]; ++x) {
         const size_t i = nodes.index(x, y, z);
-        result[i] = openvdb::Vec3s(sources[i] + sampleContinued(lattice, field, sources[i]) - nodes.position(x, y, z));
+        result[i] = openvdb::Vec3s(sources[i] + sampleContinued(lattice, field, sources[i]) -
+                                   nodes.position(x, y, z));
       }
   });
   return result;
@@ -84,13 +85,15 @@ Displacements recentred(const Displacements& map) {
   removeFolds(mean);
   const std::vector<Vec3d> sources = sourcesOf(lattice, lattice, mean.of[0]);
   Displacements result{lattice, {}};
-  for (const VectorField& field : map.of) result.of.push_back(displacementFrom(sources, lattice, lattice, field));
+  for (const VectorField& field : map.of)
+    result.of.push_back(displacementFrom(sources, lattice, lattice, field));
   return result;
 }
 
 /// Where features are half way by a map, world places of the mean; lines by nine places along them.
-std::vector<Feature> featuresOfPair(const std::vector<Feature>& features, size_t object, const Displacements& map,
-                                    const std::vector<Chart>& charts, const Mean& mean) {
+std::vector<Feature> featuresOfPair(const std::vector<Feature>& features, size_t object,
+                                    const Displacements& map, const std::vector<Chart>& charts,
+                                    const Mean& mean) {
   std::vector<Feature> result;
   for (const Feature& feature : features) {
     Feature pair{feature.name, feature.kind, {{}, feature.places[object]}, {}, {}};
@@ -106,9 +109,12 @@ std::vector<Feature> featuresOfPair(const std::vector<Feature>& features, size_t
     };
     const size_t count = feature.kind == Feature::Kind::kLine ? 9 : 1;
     for (size_t i = 0; i < count; ++i)
-      pair.places[0].push_back(middle([&](size_t k) { return placeAlong(feature.places[k], count > 1 ? double(i) / double(count - 1) : 0); }));
+      pair.places[0].push_back(middle([&](size_t k) {
+        return placeAlong(feature.places[k], count > 1 ? double(i) / double(count - 1) : 0);
+      }));
     if (feature.kind == Feature::Kind::kDisk) {
-      const Vec3d ahead = middle([&](size_t k) { return feature.places[k][0] + feature.radii[k] * feature.normals[k].unit(); });
+      const Vec3d ahead = middle(
+          [&](size_t k) { return feature.places[k][0] + feature.radii[k] * feature.normals[k].unit(); });
       double radius = 0;
       for (size_t k = 0; k < charts.size(); ++k) radius += share * feature.radii[k] / charts[k].meanScale();
       pair.normals = {ahead - pair.places[0][0], feature.normals[object]};
@@ -121,8 +127,9 @@ std::vector<Feature> featuresOfPair(const std::vector<Feature>& features, size_t
 
 }  // namespace
 
-Registration matchThroughMean(Registration start, const Fields& fields, const std::vector<Fields>& inner, const Frames& frames,
-                              const std::vector<std::string>& names, const MorphOptions& options, Progress& progress) {
+Registration matchThroughMean(Registration start, const Fields& fields, const std::vector<Fields>& inner,
+                              const Frames& frames, const std::vector<std::string>& names,
+                              const MorphOptions& options, Progress& progress) {
   Registration result = std::move(start);
   const std::vector<Chart>& charts = frames.charts;
   const Mean mean = meanOf(result.map, fields, charts);
@@ -140,8 +147,8 @@ Registration matchThroughMean(Registration start, const Fields& fields, const st
     Progress none;
     const Registration match = registerObjects({mean.field, fields[k]}, {}, pair, own, none, false);
     char text[256];
-    std::snprintf(text, sizeof text, "%s and the mean: overlap %.3f, matched %.3f", names[k].c_str(), match.overlapBefore,
-                  match.overlapAfter);
+    std::snprintf(text, sizeof text, "%s and the mean: overlap %.3f, matched %.3f", names[k].c_str(),
+                  match.overlapBefore, match.overlapAfter);
     found[k] = text;
     next.of[k] = fromMean(match.map, next.lattice);
     progress.report("match", 0.2 + 0.7 * double(++done) / double(fields.size()));

@@ -29,7 +29,8 @@ struct SurfaceDistance {
 /// the vertices of both directions taken together. Throws GeometryError where a mesh has no triangles.
 SurfaceDistance surfaceDistance(const Mesh& a, const Mesh& b);
 
-/// One way: every point (world) against the closest point of the mesh. Throws GeometryError where either is empty.
+/// One way: every point (world) against the closest point of the mesh. Throws GeometryError where either is
+/// empty.
 SurfaceDistance distanceTo(const std::vector<openvdb::Vec3s>& points, const Mesh& mesh);
 
 struct Overlap {

@@ -155,7 +155,8 @@ void appendDistances(const Points& points, const Mesh& to, std::vector<double>& 
 }
 
 void requireTriangles(const Mesh& mesh) {
-  if (mesh.triangles.empty()) throw GeometryError("a surface without triangles has no distance to another one");
+  if (mesh.triangles.empty())
+    throw GeometryError("a surface without triangles has no distance to another one");
 }
 
 SurfaceDistance summarise(std::vector<double> distances) {

@@ -48,7 +48,8 @@ FloatGrid::Ptr fullField(FloatGrid::ConstPtr levelSet, const Transform& transfor
     for (size_t i = range.begin(); i != range.end(); ++i) {
       leaves[i] = new Leaf(origins[i], 0.0f, true);
       for (openvdb::Index n = 0; n < Leaf::SIZE; ++n)
-        leaves[i]->setValueOnly(n, sample(distance.relative(transform.indexToWorld(leaves[i]->offsetToGlobalCoord(n)))));
+        leaves[i]->setValueOnly(
+            n, sample(distance.relative(transform.indexToWorld(leaves[i]->offsetToGlobalCoord(n)))));
     }
   });
   auto field = FloatGrid::create();

@@ -28,7 +28,8 @@ constexpr int kMostReach = 24;
 
 openvdb::Vec3STree::Ptr topologyOf(const GridBase& where) {
   openvdb::Vec3STree::Ptr tree;
-  using Types = openvdb::TypeList<FloatGrid, openvdb::DoubleGrid, openvdb::Vec3SGrid, openvdb::BoolGrid, openvdb::MaskGrid>;
+  using Types = openvdb::TypeList<FloatGrid, openvdb::DoubleGrid, openvdb::Vec3SGrid, openvdb::BoolGrid,
+                                  openvdb::MaskGrid>;
   const bool known = where.apply<Types>([&](const auto& grid) {
     tree = std::make_shared<openvdb::Vec3STree>(grid.tree(), openvdb::Vec3s(0.f), openvdb::TopologyCopy());
   });
@@ -53,7 +54,8 @@ Carrier& Carrier::operator=(Carrier&&) noexcept = default;
 GridBase::ConstPtr Carrier::carry(const std::vector<GridBase::ConstPtr>& grids, const CarryOptions& options) {
   Impl& p = *impl_;
   if (grids.size() != p.weights.size())
-    throw InputError(std::to_string(grids.size()) + " grids were given for " + std::to_string(p.weights.size()) + " objects");
+    throw InputError(std::to_string(grids.size()) + " grids were given for " +
+                     std::to_string(p.weights.size()) + " objects");
   const auto first = std::find_if(grids.begin(), grids.end(), [](const auto& grid) { return bool(grid); });
   if (first == grids.end()) throw InputError("none of the objects has a grid to carry");
   const GridBase& like = **first;
@@ -79,28 +81,34 @@ GridBase::ConstPtr Carrier::carry(const std::vector<GridBase::ConstPtr>& grids, 
 GridBase::Ptr Carrier::warped(const std::vector<CarriedGrid>& carried, const GridBase& like,
                               const CarryOptions& options) {
   if (!carried.empty()) {
-    const Transform::Ptr transform = options.voxelSize > 0 ? Transform::createLinearTransform(options.voxelSize)
-                                                           : commonTransform(carried);
+    const Transform::Ptr transform = options.voxelSize > 0
+                                         ? Transform::createLinearTransform(options.voxelSize)
+                                         : commonTransform(carried);
     const openvdb::CoordBBox box = boxOf(carried, impl_->carrying, *transform);
-    if (!box.empty()) return warpGrids(carried, impl_->nodesFor(box, *transform), impl_->local(), *transform, options.conserve);
+    if (!box.empty())
+      return warpGrids(carried, impl_->nodesFor(box, *transform), impl_->local(), *transform,
+                       options.conserve);
   }
   GridBase::Ptr empty = like.copyGridWithNewTree();
   empty->setTransform(like.transform().copy());
   return empty;
 }
 
-Image Carrier::carry(const std::vector<const Image*>& images, const ImageLattice& on, const std::vector<double>& isos) const {
+Image Carrier::carry(const std::vector<const Image*>& images, const ImageLattice& on,
+                     const std::vector<double>& isos) const {
   const Impl& p = *impl_;
   if (images.size() != p.weights.size())
-    throw InputError(std::to_string(images.size()) + " images were given for " + std::to_string(p.weights.size()) + " objects");
+    throw InputError(std::to_string(images.size()) + " images were given for " +
+                     std::to_string(p.weights.size()) + " objects");
   p.refuseRegions();
   std::vector<CarriedImage> carried;
   for (size_t k = 0; k < images.size(); ++k) {
     if (p.alone == k) return resampledTo(*images[k], on);
     const size_t shape = p.shapeOf[k];
     if (p.weights[k] > 0)
-      carried.push_back({images[k], shape, p.anchors[shape], p.weights[k], p.fields.empty() ? nullptr : p.fields[shape].get(),
-                         p.sizes[shape], isos.empty() ? std::nullopt : std::optional<double>(isos[k])});
+      carried.push_back({images[k], shape, p.anchors[shape], p.weights[k],
+                         p.fields.empty() ? nullptr : p.fields[shape].get(), p.sizes[shape],
+                         isos.empty() ? std::nullopt : std::optional<double>(isos[k])});
   }
   return warpImages(carried, imageNodes(on, p.carrying, p.imageSpacing), on);
 }
@@ -108,11 +116,14 @@ Image Carrier::carry(const std::vector<const Image*>& images, const ImageLattice
 Image Carrier::carryLabels(const std::vector<const LabelField*>& labels, const ImageLattice& on) const {
   const Impl& p = *impl_;
   if (labels.size() != p.weights.size())
-    throw InputError(std::to_string(labels.size()) + " label maps were given for " + std::to_string(p.weights.size()) + " objects");
+    throw InputError(std::to_string(labels.size()) + " label maps were given for " +
+                     std::to_string(p.weights.size()) + " objects");
   p.refuseRegions();
   std::vector<CarriedLabels> carried;
   for (size_t k = 0; k < labels.size(); ++k)
-    if (p.weights[k] > 0) carried.push_back({labels[k], p.shapeOf[k], p.anchors[p.shapeOf[k]], p.weights[k] * p.sizes[p.shapeOf[k]]});
+    if (p.weights[k] > 0)
+      carried.push_back(
+          {labels[k], p.shapeOf[k], p.anchors[p.shapeOf[k]], p.weights[k] * p.sizes[p.shapeOf[k]]});
   return warpLabels(carried, imageNodes(on, p.carrying, p.imageSpacing), on);
 }
 
@@ -120,8 +131,8 @@ openvdb::Vec3SGrid::Ptr Carrier::colors(const FloatGrid& surface,
                                         const std::vector<openvdb::Vec3SGrid::ConstPtr>& colors) {
   Impl& p = *impl_;
   if (colors.size() != p.weights.size())
-    throw InputError(std::to_string(colors.size()) + " grids of colours were given for " + std::to_string(p.weights.size()) +
-                     " objects");
+    throw InputError(std::to_string(colors.size()) + " grids of colours were given for " +
+                     std::to_string(p.weights.size()) + " objects");
   if (p.alone && colors[*p.alone]) return colorsAround(surface, *colors[*p.alone]);
   std::vector<CarriedColors> carried, uncounted;
   for (size_t k = 0; k < colors.size(); ++k) {
@@ -166,14 +177,15 @@ void Carrier::fillVelocities(openvdb::Vec3SGrid& grid, const Weights& rate) cons
   const NodePlaces velocities(nodes);
   const int step = nodes.step;
   openvdb::tree::LeafManager<openvdb::Vec3STree> leaves(grid.tree());
-  leaves.foreach([&](openvdb::Vec3STree::LeafNodeType& leaf, size_t) {
+  leaves.foreach ([&](openvdb::Vec3STree::LeafNodeType& leaf, size_t) {
     std::vector<openvdb::Vec3s> cell(size_t(step) * step * step);
     const openvdb::Coord o = leaf.origin();
     for (int x = 0; x < kLeaf; x += step)
       for (int y = 0; y < kLeaf; y += step)
         for (int z = 0; z < kLeaf; z += step) {
           const int i = (o[0] + x) / step, j = (o[1] + y) / step, k = (o[2] + z) / step;
-          if (!nodes.inside(i, j, k) || !nodes.inside(i + 1, j + 1, k + 1)) continue;  // nothing is active there
+          if (!nodes.inside(i, j, k) || !nodes.inside(i + 1, j + 1, k + 1))
+            continue;  // nothing is active there
           velocities.find(i, j, k, 0, cell);
           for (size_t v = 0; v < cell.size(); ++v) {
             const int a = int(v) / (step * step), b = int(v) / step % step, d = int(v) % step;
@@ -194,11 +206,13 @@ bool Carrier::Impl::counts(size_t object) const {
 LocalWeights Carrier::Impl::local() const { return {weights, regions.get()}; }
 
 void Carrier::Impl::refuseRegions() const {
-  if (regions) throw InputError("regions with weights of their own are for shapes and grids, not for in-between images");
+  if (regions)
+    throw InputError("regions with weights of their own are for shapes and grids, not for in-between images");
 }
 
 const NodeMap& Carrier::Impl::nodesFor(const openvdb::CoordBBox& box, const Transform& transform) {
-  const auto same = std::find_if(nodes.begin(), nodes.end(), [&](const Nodes& n) { return *n.transform == transform; });
+  const auto same =
+      std::find_if(nodes.begin(), nodes.end(), [&](const Nodes& n) { return *n.transform == transform; });
   openvdb::CoordBBox all = box;
   if (same != nodes.end()) {
     if (same->box.isInside(box)) return same->map;

@@ -8,15 +8,15 @@ namespace slicemorph {
 /// What a Carrier is made of.
 struct Carrier::Impl {
   Carrying carrying;
-  std::optional<size_t> alone;  ///< the object that the in-between is, if it is one
-  Weights weights;              ///< per object, none below 0
+  std::optional<size_t> alone;            ///< the object that the in-between is, if it is one
+  Weights weights;                        ///< per object, none below 0
   std::unique_ptr<RegionShares> regions;  ///< with weights per object; null: weights are the same everywhere
-  std::vector<size_t> shapeOf;  ///< per object: its place in the lattice
-  Weights shapeWeights;         ///< per place in the lattice
-  std::vector<Vec3d> anchors;   ///< per place in the lattice
+  std::vector<size_t> shapeOf;            ///< per object: its place in the lattice
+  Weights shapeWeights;                   ///< per place in the lattice
+  std::vector<Vec3d> anchors;             ///< per place in the lattice
   std::vector<std::shared_ptr<const DistanceField>> fields;  ///< per place in the lattice; none without one
-  std::vector<double> sizes;    ///< per place in the lattice: of the in-between against the object's
-  double imageSpacing = 1;      ///< world units between the nodes that carry images
+  std::vector<double> sizes;  ///< per place in the lattice: of the in-between against the object's
+  double imageSpacing = 1;    ///< world units between the nodes that carry images
 
   /// The nodes of the last transforms that were asked for: grids of one file mostly share one.
   struct Nodes {

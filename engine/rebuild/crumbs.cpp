@@ -10,7 +10,8 @@ namespace slicemorph {
 
 namespace {
 
-/// What has fewer inside voxels and a smaller share of all is dust: tips that are thinner than a voxel leave it.
+/// What has fewer inside voxels and a smaller share of all is dust: tips that are thinner than a voxel leave
+/// it.
 constexpr size_t kDust = 27;
 constexpr double kDustShare = 1e-3;
 
@@ -59,8 +60,10 @@ LeafParts labelLeaf(const Leaf& leaf) {
   for (int i = 0; i < kVoxels; ++i) {
     if (!(v[i] < 0)) continue;
     const size_t root = sets.find(size_t(i));  // the smallest of its part, so labelled before
-    if (root == size_t(i)) parts.label[i] = short(parts.sizes.size()), parts.sizes.push_back(0);
-    else parts.label[i] = parts.label[root];
+    if (root == size_t(i))
+      parts.label[i] = short(parts.sizes.size()), parts.sizes.push_back(0);
+    else
+      parts.label[i] = parts.label[root];
     ++parts.sizes[size_t(parts.label[i])];
   }
   return parts;
@@ -70,10 +73,10 @@ LeafParts labelLeaf(const Leaf& leaf) {
 struct Parts {
   std::vector<const Leaf*> leaves;
   std::vector<LeafParts> inLeaf;
-  std::vector<size_t> first;       ///< number of each leaf's first part
-  std::vector<size_t> root;        ///< per part
-  std::vector<size_t> sizes;       ///< per root, voxels
-  bool tiles = false;              ///< whether part 0 has anything
+  std::vector<size_t> first;  ///< number of each leaf's first part
+  std::vector<size_t> root;   ///< per part
+  std::vector<size_t> sizes;  ///< per root, voxels
+  bool tiles = false;         ///< whether part 0 has anything
 
   std::vector<size_t> roots() const {
     std::vector<size_t> result;
@@ -143,7 +146,8 @@ void remove(FloatGrid& grid, const std::vector<openvdb::Coord>& voxels) {
   for (auto it = box.begin(); it; ++it) {
     if (!accessor.isValueOn(*it)) continue;
     bool near = false;
-    for (auto n = openvdb::CoordBBox(*it - openvdb::Coord(kReach), *it + openvdb::Coord(kReach)).begin(); n && !near; ++n)
+    for (auto n = openvdb::CoordBBox(*it - openvdb::Coord(kReach), *it + openvdb::Coord(kReach)).begin();
+         n && !near; ++n)
       near = accessor.getValue(*n) < 0;
     if (!near) accessor.setValueOff(*it, background);
   }
@@ -156,7 +160,8 @@ int countPieces(const FloatGrid& levelSet) {
   size_t total = 0;
   for (size_t r : parts.roots()) total += parts.sizes[r];
   int pieces = 0;
-  for (size_t r : parts.roots()) pieces += r == 0 || parts.sizes[r] >= kDust || double(parts.sizes[r]) > kDustShare * double(total);
+  for (size_t r : parts.roots())
+    pieces += r == 0 || parts.sizes[r] >= kDust || double(parts.sizes[r]) > kDustShare * double(total);
   return std::max(pieces, 1);
 }
 
@@ -166,7 +171,8 @@ int removeCrumbs(FloatGrid& levelSet, int allowed) {
   if (int(roots.size()) <= allowed) return 0;
   size_t total = 0;
   for (size_t r : roots) total += parts.sizes[r];
-  std::stable_sort(roots.begin(), roots.end(), [&](size_t a, size_t b) { return parts.sizes[a] < parts.sizes[b]; });
+  std::stable_sort(roots.begin(), roots.end(),
+                   [&](size_t a, size_t b) { return parts.sizes[a] < parts.sizes[b]; });
   std::unordered_map<size_t, std::vector<openvdb::Coord>> crumbs;
   for (size_t i = 0; i + size_t(allowed) < roots.size(); ++i)
     if (roots[i] != 0 && double(parts.sizes[roots[i]]) < kCrumb * double(total)) crumbs[roots[i]];
@@ -175,7 +181,8 @@ int removeCrumbs(FloatGrid& levelSet, int allowed) {
       const short label = parts.inLeaf[i].label[size_t(v)];
       if (label < 0) continue;
       const auto crumb = crumbs.find(parts.root[parts.first[i] + size_t(label)]);
-      if (crumb != crumbs.end()) crumb->second.push_back(parts.leaves[i]->offsetToGlobalCoord(openvdb::Index(v)));
+      if (crumb != crumbs.end())
+        crumb->second.push_back(parts.leaves[i]->offsetToGlobalCoord(openvdb::Index(v)));
     }
   for (size_t r : roots)
     if (const auto crumb = crumbs.find(r); crumb != crumbs.end()) remove(levelSet, crumb->second);

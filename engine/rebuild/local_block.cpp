@@ -53,8 +53,10 @@ Real LocalBlock<Real>::linearAmongActive(const Vec3d& at, Real value[3]) const {
     const size_t i = corner.index + (n & 1 ? x : 0) + (n & 2 ? y : 0) + (n & 4 ? 1 : 0);
     if (!active_[i]) continue;
     Real weight = 1;
-    for (int axis = 0; axis < 3; ++axis) weight *= n >> axis & 1 ? corner.fraction[axis] : 1 - corner.fraction[axis];
-    for (int channel = 0; channel < 3; ++channel) value[channel] += weight * values_[size_t(channel) * count_ + i];
+    for (int axis = 0; axis < 3; ++axis)
+      weight *= n >> axis & 1 ? corner.fraction[axis] : 1 - corner.fraction[axis];
+    for (int channel = 0; channel < 3; ++channel)
+      value[channel] += weight * values_[size_t(channel) * count_ + i];
     share += weight;
   }
   for (int channel = 0; channel < 3 && share > 0; ++channel) value[channel] /= share;

@@ -4,8 +4,8 @@
 
 namespace slicemorph {
 
-/// A box of a grid's values, copied out so that interpolation finds them without the tree. Vectors are kept as three
-/// scalars. `Real`: float or double.
+/// A box of a grid's values, copied out so that interpolation finds them without the tree. Vectors are kept
+/// as three scalars. `Real`: float or double.
 template <typename Real>
 class LocalBlock {
  public:
@@ -21,10 +21,11 @@ class LocalBlock {
   bool active(const Vec3d& at) const;
   /// Trilinear value.
   Real linear(const Vec3d& at, int channel) const;
-  /// Of three channels, trilinear among the active voxels around a point alone; returns their share of it, 0 to 1.
+  /// Of three channels, trilinear among the active voxels around a point alone; returns their share of it, 0
+  /// to 1.
   Real linearAmongActive(const Vec3d& at, Real value[3]) const;
-  /// Catmull-Rom spline through the 4 x 4 x 4 voxels around, kept within their range: sharper than trilinear, and never
-  /// beyond what is there.
+  /// Catmull-Rom spline through the 4 x 4 x 4 voxels around, kept within their range: sharper than trilinear,
+  /// and never beyond what is there.
   Real cubic(const Vec3d& at, int channel) const;
 
  private:
@@ -34,7 +35,8 @@ class LocalBlock {
   };
   Corner cornerOf(const Vec3d& at) const;
   size_t index(const openvdb::Coord& c) const {
-    return (size_t(c[0] - low_[0]) * size_t(size_[1]) + size_t(c[1] - low_[1])) * size_t(size_[2]) + size_t(c[2] - low_[2]);
+    return (size_t(c[0] - low_[0]) * size_t(size_[1]) + size_t(c[1] - low_[1])) * size_t(size_[2]) +
+           size_t(c[2] - low_[2]);
   }
   void reset(const openvdb::BBoxd& points, int channels);
   template <typename Value>
@@ -53,7 +55,8 @@ template <typename Real>
 template <typename Value>
 void LocalBlock<Real>::put(size_t i, const Value& value, bool on) {
   if constexpr (openvdb::VecTraits<Value>::IsVec) {
-    for (int channel = 0; channel < 3; ++channel) values_[size_t(channel) * count_ + i] = Real(value[channel]);
+    for (int channel = 0; channel < 3; ++channel)
+      values_[size_t(channel) * count_ + i] = Real(value[channel]);
   } else {
     values_[i] = Real(value);
   }
@@ -64,7 +67,8 @@ template <typename Real>
 template <typename Value>
 bool LocalBlock<Real>::isFirst(const Value& value) const {
   if constexpr (openvdb::VecTraits<Value>::IsVec)
-    return values_[0] == Real(value[0]) && values_[count_] == Real(value[1]) && values_[2 * count_] == Real(value[2]);
+    return values_[0] == Real(value[0]) && values_[count_] == Real(value[1]) &&
+           values_[2 * count_] == Real(value[2]);
   else
     return values_[0] == Real(value);
 }

@@ -25,7 +25,8 @@ class MatchDepths {
   /// Whether a surface may pass near the straight lines between two measured places.
   bool near(const std::vector<Place>& first, const std::vector<Place>& last) const;
 
-  /// Moves measured places of one voxel to such of like depth. Returns the in-between's distance there, world units.
+  /// Moves measured places of one voxel to such of like depth. Returns the in-between's distance there, world
+  /// units.
   float match(std::vector<Place>& places) const;
 
  private:

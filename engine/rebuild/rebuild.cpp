@@ -17,7 +17,8 @@ constexpr double kSteepestWhereVarying = 2.6;
 
 class Rebuilder {
  public:
-  Rebuilder(const NodeMap& nodes, const Fields& fields, const DistanceBlend& blend, const openvdb::math::Transform& transform)
+  Rebuilder(const NodeMap& nodes, const Fields& fields, const DistanceBlend& blend,
+            const openvdb::math::Transform& transform)
       : nodes_(nodes),
         voxel_(transform.voxelSize()[0]),
         step_(nodes.step),
@@ -61,7 +62,8 @@ class Rebuilder {
   }
 
   /// The same half way between two voxels of a cell; per used object, `places` of its voxels.
-  const float* factorsOf(const std::vector<std::vector<openvdb::Vec3s>>& places, size_t a, size_t b, Local& local) const {
+  const float* factorsOf(const std::vector<std::vector<openvdb::Vec3s>>& places, size_t a, size_t b,
+                         Local& local) const {
     if (!blend_.weights.vary()) return factor_.data();
     local.at.resize(blend_.sizes.size());
     for (size_t n = 0; n < used_.size(); ++n) local.at[used_[n]] = (places[n][a] + places[n][b]) * 0.5f;
@@ -107,8 +109,9 @@ class Rebuilder {
         }
   }
 
-  /// `values`: of the cell's first voxel, in OpenVDB's leaf order (x slowest). Voxels go by blocks of 2 x 2 x 2, and
-  /// only those blocks are sampled whose middle is near enough to the surface to hold a voxel of the band.
+  /// `values`: of the cell's first voxel, in OpenVDB's leaf order (x slowest). Voxels go by blocks of 2 x 2 x
+  /// 2, and only those blocks are sampled whose middle is near enough to the surface to hold a voxel of the
+  /// band.
   void fillCell(int i, int j, int k, std::vector<std::vector<openvdb::Vec3s>>& places, float* values) const {
     for (size_t n = 0; n < used_.size(); ++n) {
       if (places_.torn(i, j, k, 2, used_[n])) return blendNodes(i, j, k, values);
@@ -160,10 +163,10 @@ class Rebuilder {
   double steepest_;
   NodePlaces places_;
   const DistanceBlend& blend_;
-  std::vector<size_t> used_;    ///< objects that count somewhere
-  std::vector<float> factor_;   ///< of each of these, where weights do not vary
+  std::vector<size_t> used_;   ///< objects that count somewhere
+  std::vector<float> factor_;  ///< of each of these, where weights do not vary
   std::vector<DistanceField::Sampler> samplers_;
-  std::vector<float> distance_; ///< blended, per node, world units
+  std::vector<float> distance_;  ///< blended, per node, world units
 };
 
 }  // namespace

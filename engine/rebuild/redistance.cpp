@@ -47,8 +47,10 @@ class Block {
     for (int x = x0; x < x1; ++x)
       for (int y = y0; y < y1; ++y) {
         float* row = &v_[index(x, y, z0)];
-        if (from) std::copy_n(from + offsetOf(x - a * kLeaf, y - b * kLeaf, z0 - c * kLeaf), z1 - z0, row);
-        else std::fill_n(row, z1 - z0, SparseValues::kUnknown);
+        if (from)
+          std::copy_n(from + offsetOf(x - a * kLeaf, y - b * kLeaf, z0 - c * kLeaf), z1 - z0, row);
+        else
+          std::fill_n(row, z1 - z0, SparseValues::kUnknown);
       }
   }
   float v_[kSide * kSide * kSide];
@@ -78,7 +80,8 @@ float interpolate(const Block& block, const openvdb::Vec3s& p) {
   const float most = std::max({v[0], v[1], v[dy], v[dy + 1], v[dx], v[dx + 1], v[dx + dy], v[dx + dy + 1]});
   if (!known(most)) return most;
   const float p00 = v[0] + w[2] * (v[1] - v[0]), p01 = v[dy] + w[2] * (v[dy + 1] - v[dy]);
-  const float p10 = v[dx] + w[2] * (v[dx + 1] - v[dx]), p11 = v[dx + dy] + w[2] * (v[dx + dy + 1] - v[dx + dy]);
+  const float p10 = v[dx] + w[2] * (v[dx + 1] - v[dx]),
+              p11 = v[dx + dy] + w[2] * (v[dx + dy + 1] - v[dx + dy]);
   const float p0 = p00 + w[1] * (p01 - p00), p1 = p10 + w[1] * (p11 - p10);
   return p0 + w[0] * (p1 - p0);
 }
@@ -106,7 +109,8 @@ float distanceAt(const Block& block, int x, int y, int z) {
   }
   // Next to a change of sign the surface is less than a voxel away whatever the gradient says.
   for (float neighbour : around)
-    if (known(neighbour) && (neighbour < 0) != (here < 0)) d = std::min(d, std::abs(here / (here - neighbour)));
+    if (known(neighbour) && (neighbour < 0) != (here < 0))
+      d = std::min(d, std::abs(here / (here - neighbour)));
   return std::copysign(d, here);
 }
 

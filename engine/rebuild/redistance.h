@@ -30,8 +30,9 @@ class SparseValues {
   std::unordered_map<openvdb::Coord, size_t> index_;
 };
 
-/// Makes a level set of a function that is about a distance near its zero set, up to a factor that may change from
-/// place to place: two Newton steps along the gradient to the zero set. Signs, and so the topology, are kept.
+/// Makes a level set of a function that is about a distance near its zero set, up to a factor that may change
+/// from place to place: two Newton steps along the gradient to the zero set. Signs, and so the topology, are
+/// kept.
 FloatGrid::Ptr redistance(const SparseValues& values, const openvdb::math::Transform& transform);
 
 }  // namespace slicemorph

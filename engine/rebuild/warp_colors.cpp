@@ -18,7 +18,8 @@ using openvdb::Vec3SGrid;
 constexpr double kNothing = 1e-6;
 
 /// One object's colour for a place that the map leads to.
-std::optional<Vec3s> surfaceColor(const CarriedColors& source, const ColorSampler& sampler, const Vec3d& place) {
+std::optional<Vec3s> surfaceColor(const CarriedColors& source, const ColorSampler& sampler,
+                                  const Vec3d& place) {
   constexpr double kWhole = 1 - 1e-4;
   const ColorMean there = sampler.between(sampler.toIndex(place));
   return there.weight() > kWhole ? there.value() : sampler.at(source.field->closest(place));
@@ -26,8 +27,8 @@ std::optional<Vec3s> surfaceColor(const CarriedColors& source, const ColorSample
 
 }  // namespace
 
-Vec3SGrid::Ptr warpColors(const FloatGrid& surface, const std::vector<CarriedColors>& colors, const NodeMap& nodes,
-                          const LocalWeights& weights) {
+Vec3SGrid::Ptr warpColors(const FloatGrid& surface, const std::vector<CarriedColors>& colors,
+                          const NodeMap& nodes, const LocalWeights& weights) {
   auto tree = std::make_shared<openvdb::Vec3STree>(surface.tree(), Vec3s(0.f), openvdb::TopologyCopy());
   tree->voxelizeActiveTiles();
   auto result = Vec3SGrid::create(tree);
@@ -43,7 +44,9 @@ Vec3SGrid::Ptr warpColors(const FloatGrid& surface, const std::vector<CarriedCol
     for (int v = 0; v < step * step * step && !any; ++v)
       any = leaf.isValueOn(Leaf::coordToOffset(first.offsetBy(v / (step * step), v / step % step, v % step)));
     const openvdb::Coord node = openvdb::Coord::floor((leaf.origin() + first).asVec3d() / step);
-    if (!any || !nodes.inside(node[0], node[1], node[2]) || !nodes.inside(node[0] + 1, node[1] + 1, node[2] + 1)) return;
+    if (!any || !nodes.inside(node[0], node[1], node[2]) ||
+        !nodes.inside(node[0] + 1, node[1] + 1, node[2] + 1))
+      return;
     const auto find = [&](size_t shape) {
       places[shape].resize(size_t(step) * step * step);
       finder.find(node[0], node[1], node[2], shape, places[shape]);
@@ -73,7 +76,7 @@ Vec3SGrid::Ptr warpColors(const FloatGrid& surface, const std::vector<CarriedCol
     }
   };
   openvdb::tree::LeafManager<openvdb::Vec3STree> leaves(*tree);
-  leaves.foreach([&](Leaf& leaf, size_t) {
+  leaves.foreach ([&](Leaf& leaf, size_t) {
     std::vector<std::vector<Vec3s>> places(nodes.objects);
     std::vector<ColorSampler> samplers;
     for (const CarriedColors& c : colors) samplers.emplace_back(*c.grid);

@@ -23,15 +23,16 @@ namespace {
 using openvdb::GridBase;
 using Transform = openvdb::math::Transform;
 using CarriedTypes = openvdb::TypeList<FloatGrid, openvdb::DoubleGrid, openvdb::Vec3SGrid, openvdb::Vec3DGrid,
-                                       openvdb::BoolGrid, openvdb::MaskGrid, openvdb::Int32Grid, openvdb::Int64Grid,
-                                       openvdb::Vec3IGrid>;
+                                       openvdb::BoolGrid, openvdb::MaskGrid, openvdb::Int32Grid,
+                                       openvdb::Int64Grid, openvdb::Vec3IGrid>;
 
 /// Frames of more voxels than this along their longest side have nodes twice as far apart.
 constexpr int kFineNodesUpTo = 400;
 
 /// Voxels of a grid that a cell of the in-between may spread over.
 constexpr double kMostLocal = 64 * 64 * 64;
-/// Voxels of a grid by which the faces of staggered values lie off, at most: half a voxel stretched six times.
+/// Voxels of a grid by which the faces of staggered values lie off, at most: half a voxel stretched six
+/// times.
 constexpr double kStaggeredReach = 3;
 
 template <typename Value>
@@ -99,7 +100,8 @@ bool cellActive(const NodeMap& nodes, const std::vector<Source>& sources, int i,
       const size_t node = nodes.index(i + (n & 1), j + (n >> 1 & 1), k + (n >> 2));
       box.expand(s.toIndex(Vec3d(nodes.at[node * nodes.objects + s.shape])));
     }
-    // The splines between the nodes overshoot by at most an eighth of the cell; the samples reach a voxel out.
+    // The splines between the nodes overshoot by at most an eighth of the cell; the samples reach a voxel
+    // out.
     const Vec3d slack = box.extents() / 8.0 + Vec3d(1.0);
     if (s.blocks.meets({box.min() - slack, box.max() + slack})) return true;
   }
@@ -137,26 +139,40 @@ class Warper {
   static constexpr int kChannels = openvdb::VecTraits<Value>::Size;
 
  public:
-  Warper(const std::vector<CarriedGrid>& grids, const NodeMap& nodes, const LocalWeights& weights, const Transform& transform,
-         bool conserve)
-      : nodes_(nodes), places_(nodes), weights_(weights), vary_(weights.vary() && kBlends<Value>), transform_(transform),
-        like_(openvdb::gridConstPtrCast<GridType>(grids.front().grid)), worldPerVoxel_(worldPerVoxel(transform)),
-        conserve_(conserve && kBlends<Value> && !kIsVector<Value>), turn_(kIsVector<Value> && kBlends<Value> && turns(*like_)),
+  Warper(const std::vector<CarriedGrid>& grids, const NodeMap& nodes, const LocalWeights& weights,
+         const Transform& transform, bool conserve)
+      : nodes_(nodes),
+        places_(nodes),
+        weights_(weights),
+        vary_(weights.vary() && kBlends<Value>),
+        transform_(transform),
+        like_(openvdb::gridConstPtrCast<GridType>(grids.front().grid)),
+        worldPerVoxel_(worldPerVoxel(transform)),
+        conserve_(conserve && kBlends<Value> && !kIsVector<Value>),
+        turn_(kIsVector<Value> && kBlends<Value> && turns(*like_)),
         staggered_(kIsVector<Value> && like_->getGridClass() == openvdb::GRID_STAGGERED),
-        smooth_(like_->getGridClass() != openvdb::GRID_LEVEL_SET), band_(isBand()), color_(isColor()) {
-    if (!kBlends<Value> && grids.size() > 1) throw InputError("values of the type " + like_->valueType() + " cannot be blended");
+        smooth_(like_->getGridClass() != openvdb::GRID_LEVEL_SET),
+        band_(isBand()),
+        color_(isColor()) {
+    if (!kBlends<Value> && grids.size() > 1)
+      throw InputError("values of the type " + like_->valueType() + " cannot be blended");
     const Mat3d voxelPerWorld = worldPerVoxel_.inverse();
     double rest = 1;
     background_ = like_->background();
     for (const CarriedGrid& g : grids) {
       const auto grid = openvdb::gridConstPtrCast<GridType>(g.grid);
-      if (!grid) throw InputError("grids of different types cannot be blended: " + like_->type() + " and " + g.grid->type());
+      if (!grid)
+        throw InputError("grids of different types cannot be blended: " + like_->type() + " and " +
+                         g.grid->type());
       std::shared_ptr<const NodeStretch> stretch;
-      if (conserve_ || turn_ || staggered_) stretch = std::make_shared<NodeStretch>(nodes, g.shape, voxelPerWorld);
+      if (conserve_ || turn_ || staggered_)
+        stretch = std::make_shared<NodeStretch>(nodes, g.shape, voxelPerWorld);
       grids_.push_back(grid);
-      sources_.push_back({g.shape, g.object, g.weight, ToIndex(grid->transform(), g.anchor), ActiveBlocks(grid->tree()), stretch});
+      sources_.push_back({g.shape, g.object, g.weight, ToIndex(grid->transform(), g.anchor),
+                          ActiveBlocks(grid->tree()), stretch});
       rest -= g.weight;
-      if constexpr (kBlends<Value>) background_ += Value((grid->background() - like_->background()) * g.weight);
+      if constexpr (kBlends<Value>)
+        background_ += Value((grid->background() - like_->background()) * g.weight);
     }
     if constexpr (kBlends<Value>) missing_ = Value(like_->background() * (std::abs(rest) < 1e-12 ? 0 : rest));
   }
@@ -169,10 +185,12 @@ class Warper {
     const std::vector<openvdb::Coord> origins =
         leavesWith(nodes_, [this](int i, int j, int k) { return cellActive(nodes_, sources_, i, j, k); });
     std::vector<Leaf*> leaves(origins.size(), nullptr);
-    tbb::parallel_for(tbb::blocked_range<size_t>(0, origins.size()), [&](const tbb::blocked_range<size_t>& range) {
-      Scratch scratch(*this);
-      for (size_t i = range.begin(); i != range.end(); ++i) leaves[i] = filled(origins[i], scratch);
-    });
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, origins.size()),
+                      [&](const tbb::blocked_range<size_t>& range) {
+                        Scratch scratch(*this);
+                        for (size_t i = range.begin(); i != range.end(); ++i)
+                          leaves[i] = filled(origins[i], scratch);
+                      });
     for (Leaf* leaf : leaves)
       if (leaf) result->tree().addLeaf(leaf);
     if constexpr (std::is_same_v<GridType, FloatGrid>)
@@ -203,7 +221,8 @@ class Warper {
   /// A narrow band, whose inside is not active.
   bool isBand() const {
     if constexpr (std::is_same_v<GridType, FloatGrid>)
-      return like_->getGridClass() == openvdb::GRID_LEVEL_SET && like_->background() > 0 && like_->tree().activeTileCount() == 0;
+      return like_->getGridClass() == openvdb::GRID_LEVEL_SET && like_->background() > 0 &&
+             like_->tree().activeTileCount() == 0;
     return false;
   }
 
@@ -258,7 +277,8 @@ class Warper {
             scratch.sum[v] = color_ ? openvdb::zeroVal<Value>() : missingAt(scratch, v);
           std::fill(scratch.on.begin(), scratch.on.end(), 0);
           scratch.mass.assign(color_ ? scratch.sum.size() : 0, 0.0);
-          for (size_t s = 0; s < sources_.size(); ++s) color_ ? addColors(s, node, scratch) : addCell(s, node, scratch);
+          for (size_t s = 0; s < sources_.size(); ++s)
+            color_ ? addColors(s, node, scratch) : addCell(s, node, scratch);
           finishColors(scratch);
           put(scratch, {x, y, z}, *leaf);
         }
@@ -271,8 +291,10 @@ class Warper {
       for (int b = 0; b < nodes_.step; ++b)
         for (int d = 0; d < nodes_.step; ++d, ++v) {
           const openvdb::Index offset = Leaf::coordToOffset(at.offsetBy(a, b, d));
-          if (scratch.on[v]) leaf.setValueOn(offset, scratch.sum[v]);
-          else if (band_) leaf.setValueOff(offset, scratch.sum[v]);
+          if (scratch.on[v])
+            leaf.setValueOn(offset, scratch.sum[v]);
+          else if (band_)
+            leaf.setValueOff(offset, scratch.sum[v]);
         }
   }
 
@@ -289,7 +311,8 @@ class Warper {
         const double share = double(scratch.block.linearAmongActive(scratch.places.index[v], value));
         const double weight = weightOf(source, scratch, v) * share;
         if (!(weight > 0)) continue;
-        scratch.sum[v] += Value(Element(value[0] * weight), Element(value[1] * weight), Element(value[2] * weight));
+        scratch.sum[v] +=
+            Value(Element(value[0] * weight), Element(value[1] * weight), Element(value[2] * weight));
         scratch.mass[v] += weight;
         scratch.on[v] = 1;
       }
@@ -309,7 +332,8 @@ class Warper {
     if constexpr (!kBlends<Value>) {
       for (size_t v = 0; v < scratch.sum.size(); ++v) {
         Value value{};
-        scratch.on[v] = scratch.accessors[s].probeValue(openvdb::Coord::round(scratch.places.index[v]), value);
+        scratch.on[v] =
+            scratch.accessors[s].probeValue(openvdb::Coord::round(scratch.places.index[v]), value);
         scratch.sum[v] = value;
       }
     } else {
@@ -350,9 +374,11 @@ class Warper {
       const double size = std::cbrt(double(local.volume));
       for (int axis = 0; axis < 3; ++axis) {
         const Vec3d toFace(worldPerVoxel_(0, axis), worldPerVoxel_(1, axis), worldPerVoxel_(2, axis));
-        Vec3d face = source.toIndex(Vec3d(scratch.places.world[v]) - 0.5 * size * (Mat3d(local.rotation) * toFace));
+        Vec3d face =
+            source.toIndex(Vec3d(scratch.places.world[v]) - 0.5 * size * (Mat3d(local.rotation) * toFace));
         for (int c = 0; c < 3; ++c)
-          face[c] = std::clamp(face[c], scratch.places.box.min()[c] - kStaggeredReach, scratch.places.box.max()[c] + kStaggeredReach);
+          face[c] = std::clamp(face[c], scratch.places.box.min()[c] - kStaggeredReach,
+                               scratch.places.box.max()[c] + kStaggeredReach);
         Value whole;
         for (int c = 0; c < 3; ++c) {
           Vec3d own = face;
@@ -368,7 +394,8 @@ class Warper {
   Value sampled(const LocalBlock<Real>& block, const Vec3d& at) const {
     if constexpr (kIsVector<Value>) {
       Value value;
-      for (int c = 0; c < kChannels; ++c) value[c] = Element(smooth_ ? block.cubic(at, c) : block.linear(at, c));
+      for (int c = 0; c < kChannels; ++c)
+        value[c] = Element(smooth_ ? block.cubic(at, c) : block.linear(at, c));
       return value;
     } else {
       return Value(smooth_ ? block.cubic(at, 0) : block.linear(at, 0));
@@ -416,7 +443,8 @@ bool canCarry(const GridBase& grid) {
 
 bool isBlended(const GridBase& grid) {
   bool blended = false;
-  grid.apply<CarriedTypes>([&](const auto& g) { blended = kBlends<typename std::decay_t<decltype(g)>::ValueType>; });
+  grid.apply<CarriedTypes>(
+      [&](const auto& g) { blended = kBlends<typename std::decay_t<decltype(g)>::ValueType>; });
   return blended;
 }
 
@@ -431,10 +459,12 @@ Transform::Ptr commonTransform(const std::vector<CarriedGrid>& grids) {
   }
   if (same) return grids[0].grid->transform().copy();
   // Regions may take what counts nowhere else.
-  return Transform::createLinearTransform(weight > 0 ? size / weight : std::cbrt(std::abs(grids[0].grid->transform().voxelVolume())));
+  return Transform::createLinearTransform(
+      weight > 0 ? size / weight : std::cbrt(std::abs(grids[0].grid->transform().voxelVolume())));
 }
 
-openvdb::CoordBBox boxOf(const std::vector<CarriedGrid>& grids, const Carrying& carrying, const Transform& transform) {
+openvdb::CoordBBox boxOf(const std::vector<CarriedGrid>& grids, const Carrying& carrying,
+                         const Transform& transform) {
   openvdb::BBoxd box;
   for (const CarriedGrid& g : grids) {
     const openvdb::CoordBBox active = g.grid->evalActiveVoxelBoundingBox();
@@ -452,7 +482,8 @@ int carryingStep(const openvdb::CoordBBox& box) {
   return box.dim()[int(box.maxExtent())] > kFineNodesUpTo ? 8 : 4;
 }
 
-NodeMap carryingNodes(const openvdb::CoordBBox& box, const Carrying& carrying, const Transform& transform, int step) {
+NodeMap carryingNodes(const openvdb::CoordBBox& box, const Carrying& carrying, const Transform& transform,
+                      int step) {
   if (carrying.lattice) return carrying.lattice->nodesWithin(box, carrying.pose, transform, step);
   NodeMap nodes;
   nodes.step = step;
@@ -468,13 +499,14 @@ NodeMap carryingNodes(const openvdb::CoordBBox& box, const Carrying& carrying, c
   return nodes;
 }
 
-GridBase::Ptr warpGrids(const std::vector<CarriedGrid>& grids, const NodeMap& nodes, const LocalWeights& weights,
-                        const Transform& transform, bool conserve) {
+GridBase::Ptr warpGrids(const std::vector<CarriedGrid>& grids, const NodeMap& nodes,
+                        const LocalWeights& weights, const Transform& transform, bool conserve) {
   GridBase::Ptr result;
   const bool known = grids.front().grid->apply<CarriedTypes>([&](const auto& grid) {
     result = Warper<std::decay_t<decltype(grid)>>(grids, nodes, weights, transform, conserve).run();
   });
-  if (!known) throw InputError("values of the type " + grids.front().grid->valueType() + " cannot be carried");
+  if (!known)
+    throw InputError("values of the type " + grids.front().grid->valueType() + " cannot be carried");
   return result;
 }
 

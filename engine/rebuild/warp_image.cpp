@@ -176,7 +176,8 @@ Image warpImages(const std::vector<CarriedImage>& images, const ImageNodes& node
             values[c]->addLine(toVoxel[c](stretch[c].at), toVoxel[c].way(stretch[c].step), count,
                                images[c].weight, &sum[size_t(i)]);
           for (int n = 0; n < count && near; ++n) {
-            for (size_t c = 0; c < images.size(); ++c) place[c].at = stretch[c].at + stretch[c].step * float(n);
+            for (size_t c = 0; c < images.size(); ++c)
+              place[c].at = stretch[c].at + stretch[c].step * float(n);
             matchDepths.measure(place);
             const float distance = matchDepths.match(place);
             double& value = sum[size_t(i + n)];

@@ -23,8 +23,10 @@ struct FineSteps {
 FineSteps fineSteps(const ScoreStack& stack) {
   const auto& planes = stack.planes;
   double least = 1e300, ends = 0;
-  for (size_t k = 0; k + 1 < planes.size(); ++k) least = std::min(least, planes[k + 1].position - planes[k].position);
-  ends = std::max(planes[1].position - planes[0].position, planes.back().position - planes[planes.size() - 2].position);
+  for (size_t k = 0; k + 1 < planes.size(); ++k)
+    least = std::min(least, planes[k + 1].position - planes[k].position);
+  ends = std::max(planes[1].position - planes[0].position,
+                  planes.back().position - planes[planes.size() - 2].position);
   FineSteps s;
   s.first = planes.front().position, s.last = planes.back().position;
   // Even gaps have their planes on nodes.
@@ -35,16 +37,18 @@ FineSteps fineSteps(const ScoreStack& stack) {
   return s;
 }
 
-/// The label's lead at a position; beyond the ends that of the end plane, less what closes it: an elliptic cap as high
-/// as the label is deep, at most half a gap.
+/// The label's lead at a position; beyond the ends that of the end plane, less what closes it: an elliptic
+/// cap as high as the label is deep, at most half a gap.
 LabelScore leadAt(const SliceScores& scores, int label, double position) {
   const auto& planes = scores.stack().planes;
   const double first = planes.front().position, last = planes.back().position;
   const double beyond = std::max(first - position, position - last);
-  if (beyond <= 1e-9 * (last - first)) return scores.marginAt(std::min(std::max(position, first), last), label);
+  if (beyond <= 1e-9 * (last - first))
+    return scores.marginAt(std::min(std::max(position, first), last), label);
   LabelScore lead = scores.marginAt(position < first ? first : last, label);
   if (lead.values.empty()) return lead;
-  const double gap = position < first ? planes[1].position - first : last - planes[planes.size() - 2].position;
+  const double gap =
+      position < first ? planes[1].position - first : last - planes[planes.size() - 2].position;
   const double depth = std::max(double(*std::max_element(lead.values.begin(), lead.values.end())), 1e-6);
   const double q = beyond / std::min(0.5 * gap, depth);
   const double less = depth * (q < 1 ? 1 - std::sqrt(1 - q * q) : q);
@@ -59,7 +63,8 @@ FloatGrid::Ptr labelLevelSet(const SliceScores& scores, int label, const StackPl
   const FineSteps fine = fineSteps(stack);
   const float band = 3 * std::max(stack.pixel[0], stack.pixel[1]);
   std::vector<LabelScore> leads(size_t(fine.count));
-  tbb::parallel_for(0, fine.count, [&](int k) { leads[size_t(k)] = leadAt(scores, label, fine.position(k)); });
+  tbb::parallel_for(0, fine.count,
+                    [&](int k) { leads[size_t(k)] = leadAt(scores, label, fine.position(k)); });
   PixelBox box;
   for (const LabelScore& l : leads) box = hull(box, l.box);
   if (box.empty()) throw GeometryError("no plane holds label " + std::to_string(label));
@@ -70,15 +75,17 @@ FloatGrid::Ptr labelLevelSet(const SliceScores& scores, int label, const StackPl
     const LabelScore& l = leads[size_t(k)];
     for (int y = l.box.y0; y < l.box.y1; ++y)
       for (int x = l.box.x0; x < l.box.x1; ++x)
-        dense.setValue(openvdb::Coord(x, y, k), std::min(std::max(-l.values[l.box.index(x, y)], -band), band));
+        dense.setValue(openvdb::Coord(x, y, k),
+                       std::min(std::max(-l.values[l.box.index(x, y)], -band), band));
   });
   FloatGrid::Ptr grid = FloatGrid::create(band);
   openvdb::tools::copyFromDense(dense, *grid, 0.0f);
   grid->setGridClass(openvdb::GRID_LEVEL_SET);
   const Vec3d up = fine.step * place.along, corner = place.origin + fine.position(0) * place.along;
   const auto &x = place.stepX, &y = place.stepY;
-  grid->setTransform(openvdb::math::Transform::createLinearTransform(openvdb::Mat4d(
-      x[0], x[1], x[2], 0.0, y[0], y[1], y[2], 0.0, up[0], up[1], up[2], 0.0, corner[0], corner[1], corner[2], 1.0)));
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(
+      openvdb::Mat4d(x[0], x[1], x[2], 0.0, y[0], y[1], y[2], 0.0, up[0], up[1], up[2], 0.0, corner[0],
+                     corner[1], corner[2], 1.0)));
   return grid;
 }
 

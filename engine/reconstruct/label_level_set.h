@@ -12,11 +12,12 @@ struct StackPlace {
   Vec3d along{0, 0, 1};  ///< per unit of position
 };
 
-/// A label's surface as zero level of a field on a lattice with one node a pixel and steps along the stack near the
-/// pixel's size: half the label's lead over the best other one (a distance near the surface, levelled off three pixels
-/// from it; negative inside), between the given planes as SliceScores has it. Where the label is still there on the
-/// first or the last plane a cap closes it within half a gap; so does a pixel's rim at the domain's border. The grid's
-/// transform is affine. Throws GeometryError where no plane has the label.
+/// A label's surface as zero level of a field on a lattice with one node a pixel and steps along the stack
+/// near the pixel's size: half the label's lead over the best other one (a distance near the surface,
+/// levelled off three pixels from it; negative inside), between the given planes as SliceScores has it. Where
+/// the label is still there on the first or the last plane a cap closes it within half a gap; so does a
+/// pixel's rim at the domain's border. The grid's transform is affine. Throws GeometryError where no plane
+/// has the label.
 FloatGrid::Ptr labelLevelSet(const SliceScores& scores, int label, const StackPlace& place);
 
 }  // namespace slicemorph

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kHeldPixels = 1.5;  // on both sides of a contour: value and slope
 constexpr int kIterations = 80;
-constexpr double kEnough = 1e-6;     // of the residual's square
+constexpr double kEnough = 1e-6;  // of the residual's square
 
 double dot(const std::vector<float>& a, const std::vector<float>& b) {
   double sum = 0;

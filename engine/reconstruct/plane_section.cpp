@@ -25,7 +25,9 @@ Loop distinct(const Loop& loop, double tolerance) {
 }
 
 using Key = std::array<long long, 2>;
-Key keyOf(const Vec2d& p, double tolerance) { return {std::llround(p[0] / tolerance), std::llround(p[1] / tolerance)}; }
+Key keyOf(const Vec2d& p, double tolerance) {
+  return {std::llround(p[0] / tolerance), std::llround(p[1] / tolerance)};
+}
 
 /// The points in the order of their places: the same for a loop that starts elsewhere or runs the other way.
 std::vector<Key> signature(const Loop& loop, double tolerance) {
@@ -37,11 +39,14 @@ std::vector<Key> signature(const Loop& loop, double tolerance) {
 
 /// Where two edges cross properly, as a share of the first; negative: they do not.
 double crossing(const Edge& e, const Edge& f) {
-  if (std::max(e.a[0], e.b[0]) < std::min(f.a[0], f.b[0]) || std::max(f.a[0], f.b[0]) < std::min(e.a[0], e.b[0]) ||
-      std::max(e.a[1], e.b[1]) < std::min(f.a[1], f.b[1]) || std::max(f.a[1], f.b[1]) < std::min(e.a[1], e.b[1]))
+  if (std::max(e.a[0], e.b[0]) < std::min(f.a[0], f.b[0]) ||
+      std::max(f.a[0], f.b[0]) < std::min(e.a[0], e.b[0]) ||
+      std::max(e.a[1], e.b[1]) < std::min(f.a[1], f.b[1]) ||
+      std::max(f.a[1], f.b[1]) < std::min(e.a[1], e.b[1]))
     return -1;
   const Vec2d d = e.b - e.a, g = f.b - f.a;
-  const double c1 = cross(d, f.a - e.a), c2 = cross(d, f.b - e.a), c3 = cross(g, e.a - f.a), c4 = cross(g, e.b - f.a);
+  const double c1 = cross(d, f.a - e.a), c2 = cross(d, f.b - e.a), c3 = cross(g, e.a - f.a),
+               c4 = cross(g, e.b - f.a);
   if ((c1 < 0) == (c2 < 0) || (c3 < 0) == (c4 < 0) || c1 == 0 || c2 == 0 || c3 == 0 || c4 == 0) return -1;
   return c3 / (c3 - c4);
 }
@@ -133,7 +138,8 @@ Region joined(const Region& a, const Region& b) {
 int selfCrossings(const Region& region) {
   int count = 0;
   for (size_t i = 0; i < region.edges.size(); ++i)
-    for (size_t j = i + 1; j < region.edges.size(); ++j) count += crossing(region.edges[i], region.edges[j]) >= 0;
+    for (size_t j = i + 1; j < region.edges.size(); ++j)
+      count += crossing(region.edges[i], region.edges[j]) >= 0;
   return count;
 }
 
@@ -264,7 +270,8 @@ PlaneSection sectionOf(const PlaneContours& plane, double tolerance, const std::
       ++overlapping;
       j = i + 1;
     }
-  for (const Region& region : regions) section.edges.insert(section.edges.end(), region.edges.begin(), region.edges.end());
+  for (const Region& region : regions)
+    section.edges.insert(section.edges.end(), region.edges.begin(), region.edges.end());
   section.edges = withoutKeyholes(section.edges, tolerance);
   const auto say = [&](int count, const char* what) {
     if (count > 0) notes.push_back(where + ": " + std::to_string(count) + what);
@@ -299,7 +306,8 @@ PlaneImage distanceImage(const PlaneSection& section, double pixel, double margi
   for (const Edge& e : section.edges)
     for (const Vec2d& p : {e.a, e.b})
       for (int a = 0; a < 2; ++a) low[a] = std::min(low[a], p[a]), high[a] = std::max(high[a], p[a]);
-  // A grid that is the same wherever the contours lie in it keeps neighbouring planes' pixels above each other.
+  // A grid that is the same wherever the contours lie in it keeps neighbouring planes' pixels above each
+  // other.
   for (int a = 0; a < 2; ++a) image.low[a] = pixel * std::floor((low[a] - margin) / pixel);
   image.width = int(std::ceil((high[0] + margin - image.low[0]) / pixel)) + 1;
   image.height = int(std::ceil((high[1] + margin - image.low[1]) / pixel)) + 1;

@@ -4,7 +4,8 @@
 
 namespace slicemorph {
 
-/// What a plane says about an object: the edges of the region inside, in no order (inside by the even-odd rule).
+/// What a plane says about an object: the edges of the region inside, in no order (inside by the even-odd
+/// rule).
 struct PlaneSection {
   PlaneContours frame;  ///< without loops
   struct Edge {
@@ -13,18 +14,18 @@ struct PlaneSection {
   std::vector<Edge> edges;
 };
 
-/// The region of a plane's contours. Nested contours are holes by the even-odd rule, as is what a contour that crosses
-/// itself encloses twice; a line that a contour runs in and out along (a keyhole) is no edge; contours that cross each
-/// other are joined; of contours given twice one is taken. `where` begins the notes that say so. `tolerance`: world
-/// units, below which two points are the same.
+/// The region of a plane's contours. Nested contours are holes by the even-odd rule, as is what a contour
+/// that crosses itself encloses twice; a line that a contour runs in and out along (a keyhole) is no edge;
+/// contours that cross each other are joined; of contours given twice one is taken. `where` begins the notes
+/// that say so. `tolerance`: world units, below which two points are the same.
 PlaneSection sectionOf(const PlaneContours& plane, double tolerance, const std::string& where,
                        std::vector<std::string>& notes);
 
-/// Signed distance to a section's edges on a grid of pixels, negative inside (Danielsson 1980, with exact distances to
-/// the edge handed on).
+/// Signed distance to a section's edges on a grid of pixels, negative inside (Danielsson 1980, with exact
+/// distances to the edge handed on).
 struct PlaneImage {
   int width = 0, height = 0;
-  Vec2d low{0, 0};    ///< plane units: centre of pixel (0, 0)
+  Vec2d low{0, 0};  ///< plane units: centre of pixel (0, 0)
   double pixel = 1;
   std::vector<float> distance;
   std::vector<int> nearest;  ///< the edge

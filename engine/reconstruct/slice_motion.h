@@ -28,9 +28,9 @@ struct SliceMotion {
   }
 };
 
-/// Motion that carries the labels of plane `a` onto those of the next, seen from half way, by least squares of their
-/// distances' difference over windows that narrow from coarse to fine (Lucas & Kanade 1981, on all labels at once, so
-/// that neighbours move together). Symmetric: from b to a it is the opposite.
+/// Motion that carries the labels of plane `a` onto those of the next, seen from half way, by least squares
+/// of their distances' difference over windows that narrow from coarse to fine (Lucas & Kanade 1981, on all
+/// labels at once, so that neighbours move together). Symmetric: from b to a it is the opposite.
 SliceMotion findMotion(const ScoreStack& stack, size_t a);
 
 }  // namespace slicemorph

@@ -38,7 +38,8 @@ double valueAt(const NodeBox& box, const std::vector<float>& values, const CellP
 /// World units per world unit, from the cell's corners.
 Vec3d gradientAt(const NodeBox& box, const std::vector<float>& values, const CellPlace& place);
 
-/// "The function has this value here", as strongly as `weight` says against the bending of a node's surroundings.
+/// "The function has this value here", as strongly as `weight` says against the bending of a node's
+/// surroundings.
 struct PlateDatum {
   CellPlace place;
   float target = 0, weight = 1;
@@ -49,10 +50,11 @@ struct PlateSettings {
   double tolerance = 1e-3;  ///< of the residual, against the first one
 };
 
-/// Minimises the bending energy (sum of all squared second differences) plus the data's squared residuals over the
-/// `active` nodes (ascending; none within two nodes of the box's border), all others held: conjugate gradients with
-/// the diagonal as preconditioner. `values` is the first guess. Returns the steps taken.
-int solvePlate(const NodeBox& box, const std::vector<std::uint32_t>& active, const std::vector<PlateDatum>& data,
-               const PlateSettings& settings, std::vector<float>& values);
+/// Minimises the bending energy (sum of all squared second differences) plus the data's squared residuals
+/// over the `active` nodes (ascending; none within two nodes of the box's border), all others held: conjugate
+/// gradients with the diagonal as preconditioner. `values` is the first guess. Returns the steps taken.
+int solvePlate(const NodeBox& box, const std::vector<std::uint32_t>& active,
+               const std::vector<PlateDatum>& data, const PlateSettings& settings,
+               std::vector<float>& values);
 
 }  // namespace slicemorph

@@ -13,8 +13,8 @@
 #include <tbb/partitioner.h>
 
 #include <algorithm>
-#include <optional>
 #include <cmath>
+#include <optional>
 #include <sstream>
 
 namespace slicemorph {

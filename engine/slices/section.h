@@ -17,6 +17,7 @@ struct SectionValues {
 SectionValues sampleSection(const openvdb::GridBase& grid, const SectionPlane& plane);
 
 /// The same of several slices, which is faster where they are near each other.
-std::vector<SectionValues> sampleSections(const openvdb::GridBase& grid, const std::vector<SectionPlane>& planes);
+std::vector<SectionValues> sampleSections(const openvdb::GridBase& grid,
+                                          const std::vector<SectionPlane>& planes);
 
 }  // namespace slicemorph

@@ -21,7 +21,8 @@ SlicePlanes placeSlices(const std::vector<openvdb::BBoxd>& chartBoxes, int count
   return planes;
 }
 
-std::vector<SliceImage> sampleSlices(const DistanceField& field, const Chart& chart, const SlicePlanes& planes) {
+std::vector<SliceImage> sampleSlices(const DistanceField& field, const Chart& chart,
+                                     const SlicePlanes& planes) {
   std::vector<SliceImage> images(planes.z0.size());
   const float unit = float(1.0 / chart.meanScale());
   tbb::parallel_for(size_t(0), images.size(), [&](size_t i) {

@@ -24,6 +24,7 @@ using SliceImage = std::vector<float>;
 SlicePlanes placeSlices(const std::vector<openvdb::BBoxd>& chartBoxes, int count);
 
 /// Samples every slice of one object, one slice a task.
-std::vector<SliceImage> sampleSlices(const DistanceField& field, const Chart& chart, const SlicePlanes& planes);
+std::vector<SliceImage> sampleSlices(const DistanceField& field, const Chart& chart,
+                                     const SlicePlanes& planes);
 
 }  // namespace slicemorph

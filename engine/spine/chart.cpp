@@ -83,13 +83,14 @@ Bend::Bend(double half, std::vector<Vec3d> rates) {
   for (int i = kMiddle; i + 1 < kStations; ++i) {
     Place& p = table->place[i];
     p.rate = mean(i);
-    table->place[i + 1] = {p.point + p.frame * (h * Step{h * p.rate}.end()), p.frame * rotationFromVector(h * p.rate),
-                           Vec3d(0.0)};
+    table->place[i + 1] = {p.point + p.frame * (h * Step{h * p.rate}.end()),
+                           p.frame * rotationFromVector(h * p.rate), Vec3d(0.0)};
   }
   for (int i = kMiddle; i > 0; --i) {
     const Place& p = table->place[i];
     const Vec3d rate = mean(i - 1);
-    table->place[i - 1] = {p.point - p.frame * (h * Step{-h * rate}.end()), p.frame * rotationFromVector(-h * rate), rate};
+    table->place[i - 1] = {p.point - p.frame * (h * Step{-h * rate}.end()),
+                           p.frame * rotationFromVector(-h * rate), rate};
   }
   for (int i = 0; i < kStations; ++i)
     table->middle += table->place[i].point * ((i == 0 || i == kStations - 1 ? 0.5 : 1) / (kStations - 1));
@@ -97,7 +98,9 @@ Bend::Bend(double half, std::vector<Vec3d> rates) {
 }
 
 double Bend::half() const { return table_ ? table_->half : 1; }
-std::vector<Vec3d> Bend::rates() const { return table_ ? table_->rate : std::vector<Vec3d>(kStations, Vec3d(0.0)); }
+std::vector<Vec3d> Bend::rates() const {
+  return table_ ? table_->rate : std::vector<Vec3d>(kStations, Vec3d(0.0));
+}
 Vec3d Bend::middle() const { return table_ ? table_->middle : Vec3d(0.0); }
 
 Bend::Place Bend::at(double z0) const {

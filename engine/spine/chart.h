@@ -6,9 +6,9 @@
 
 namespace slicemorph {
 
-/// How a spine bends: turn rates of its frame along it, in the frame's own directions (about the spine: twist; about e1
-/// and e2: bending), in radians per chart unit, linear between stations evenly spread over z0 in [-half, half]. Beyond
-/// these the spine goes on straight. Copies share one table.
+/// How a spine bends: turn rates of its frame along it, in the frame's own directions (about the spine:
+/// twist; about e1 and e2: bending), in radians per chart unit, linear between stations evenly spread over z0
+/// in [-half, half]. Beyond these the spine goes on straight. Copies share one table.
 class Bend {
  public:
   static constexpr int kStations = 129;
@@ -38,14 +38,14 @@ class Bend {
   std::shared_ptr<const Table> table_;
 };
 
-/// Chart of one object, Phi(z) -> world. Chart coordinates z = (z0, x, y): z0 runs along the spine, (x, y) lie in the
-/// slice plane, and all three have the same unit, about one radius, so that lengths and angles mean nearly the same for
-/// every object; u = z0 / aspect, where the aspect is the objects' common half length in those units. A straight spine
-/// gives parallel slices, a bent one slices that lean.
+/// Chart of one object, Phi(z) -> world. Chart coordinates z = (z0, x, y): z0 runs along the spine, (x, y)
+/// lie in the slice plane, and all three have the same unit, about one radius, so that lengths and angles
+/// mean nearly the same for every object; u = z0 / aspect, where the aspect is the objects' common half
+/// length in those units. A straight spine gives parallel slices, a bent one slices that lean.
 struct Chart {
-  Vec3d center{0, 0, 0};  ///< world; of the spine at z0 = 0
+  Vec3d center{0, 0, 0};           ///< world; of the spine at z0 = 0
   Mat3d axes = Mat3d::identity();  ///< columns: spine direction, e1, e2 at z0 = 0; a rotation
-  Vec3d scale{1, 1, 1};   ///< world units per chart unit, per axis
+  Vec3d scale{1, 1, 1};            ///< world units per chart unit, per axis
   Bend bend;
 
   Vec3d toWorld(const Vec3d& z) const;
@@ -59,8 +59,9 @@ struct Chart {
   double meanScale() const { return std::cbrt(scale[0] * scale[1] * scale[2]); }
 };
 
-/// The in-between chart: middles and lengths linear, rotations by their weighted mean on the rotation group (slerp for
-/// two; Karcher mean for more), turn rates linear in the frame's own directions, so that a bar bends like a bar.
+/// The in-between chart: middles and lengths linear, rotations by their weighted mean on the rotation group
+/// (slerp for two; Karcher mean for more), turn rates linear in the frame's own directions, so that a bar
+/// bends like a bar.
 Chart blendCharts(const std::vector<Chart>& charts, const Weights& weights);
 
 /// The same object's chart with the spine the other way round (a half turn about e1).

@@ -3,9 +3,9 @@
 #include "engine/frame/moments.h"
 #include "engine/spine/geodesics.h"
 
+#include <tbb/parallel_for.h>
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -34,22 +34,22 @@ constexpr double kSlender = 1.8;
 constexpr double kLong = 1.2;
 /// Where slices come closer together than this the chart is of no use; how much of the object may lie there.
 constexpr double kLeastSpread = 0.4, kMostCrossed = 0.01;
-/// What the axis follows, in widths of its slices: how far from its end a slice is trusted wholly, and how short a wave
-/// at an end may be. It begins stiff and grows supple, so that it neither folds nor curls on its way; once it rests its
-/// ends are followed closer.
+/// What the axis follows, in widths of its slices: how far from its end a slice is trusted wholly, and how
+/// short a wave at an end may be. It begins stiff and grows supple, so that it neither folds nor curls on its
+/// way; once it rests its ends are followed closer.
 struct Grip {
   double cap, wave;
 };
 constexpr Grip kEarly{0.8, 0.35}, kLate{0.3, 0.25};
 constexpr double kFirstWave = 1.5, kSuppler = 0.7;
 constexpr int kRounds = 9, kLateRounds = 8;
-/// An axis that moves by less than this from round to round, in widths, rests; one that moves by more than the second
-/// with its ends followed closer has not found them.
+/// An axis that moves by less than this from round to round, in widths, rests; one that moves by more than
+/// the second with its ends followed closer has not found them.
 constexpr double kRest = 0.002, kRestless = 0.02;
 constexpr double kVolumeTolerance = 0.03;
 
-/// Trust in a slice by its distance to the axis' end: near an end it may be cut askew by the end cap. `cap`: in widths of
-/// the slice, where trust begins to fade.
+/// Trust in a slice by its distance to the axis' end: near an end it may be cut askew by the end cap. `cap`:
+/// in widths of the slice, where trust begins to fade.
 double awayFromEnd(double distance, double area, double cap) {
   const double clear = std::min(distance / std::max(cap * std::sqrt(std::max(area, 0.0)), 1e-300), 1.0);
   return clear * clear * clear * clear;
@@ -102,7 +102,9 @@ std::vector<Vec3d> evenly(const std::vector<Vec3d>& line, int count) {
 void layOver(Chart& chart, const std::vector<Vec3d>& points) {
   const int n = int(points.size());
   const auto weight = [&](int i) { return (i == 0 || i == n - 1 ? 0.5 : 1) / (n - 1); };
-  const auto spine = [&](int i) { return chart.axes * (chart.scale[0] * chart.bend.at(2.0 * i / (n - 1) - 1).point); };
+  const auto spine = [&](int i) {
+    return chart.axes * (chart.scale[0] * chart.bend.at(2.0 * i / (n - 1) - 1).point);
+  };
   Vec3d mean(0.0);
   for (int i = 0; i < n; ++i) mean += weight(i) * points[size_t(i)];
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Identity() * 1e-9 * chart.scale[0] * chart.scale[0];
@@ -119,8 +121,8 @@ void layOver(Chart& chart, const std::vector<Vec3d>& points) {
   chart.center = mean - chart.axes * (chart.scale[0] * chart.bend.middle());
 }
 
-/// Frames along evenly spaced points that do not spin (double reflection; Wang et al. 2008), as a chart with slices in
-/// world units.
+/// Frames along evenly spaced points that do not spin (double reflection; Wang et al. 2008), as a chart with
+/// slices in world units.
 Chart chartThrough(const std::vector<Vec3d>& points) {
   const int n = Bend::kStations;
   const std::vector<Vec3d> p = evenly(points, n);
@@ -137,7 +139,8 @@ Chart chartThrough(const std::vector<Vec3d>& points) {
   for (int i = 0; i + 1 < n; ++i) {
     const Vec3d v1 = p[i + 1] - p[i];
     const double c1 = v1.lengthSqr();
-    const Vec3d s = side[i] - v1 * (2 / c1 * v1.dot(side[i])), t = tangent[i] - v1 * (2 / c1 * v1.dot(tangent[i]));
+    const Vec3d s = side[i] - v1 * (2 / c1 * v1.dot(side[i])),
+                t = tangent[i] - v1 * (2 / c1 * v1.dot(tangent[i]));
     const Vec3d v2 = tangent[i + 1] - t;
     const double c2 = v2.lengthSqr();
     side[i + 1] = c2 > 1e-30 ? s - v2 * (2 / c2 * v2.dot(s)) : s;
@@ -146,12 +149,15 @@ Chart chartThrough(const std::vector<Vec3d>& points) {
   std::vector<Mat3d> frame;
   for (int i = 0; i < n; ++i) {
     const Vec3d e2 = tangent[i].cross(side[i]);
-    frame.emplace_back(tangent[i][0], side[i][0], e2[0], tangent[i][1], side[i][1], e2[1], tangent[i][2], side[i][2], e2[2]);
+    frame.emplace_back(tangent[i][0], side[i][0], e2[0], tangent[i][1], side[i][1], e2[1], tangent[i][2],
+                       side[i][2], e2[2]);
   }
   const double spacing = 2.0 / (n - 1);
   std::vector<Vec3d> between, rates;
-  for (int i = 0; i + 1 < n; ++i) between.push_back(rotationVector(frame[i].transpose() * frame[i + 1]) / spacing);
-  for (int i = 0; i < n; ++i) rates.push_back(0.5 * (between[std::max(i - 1, 0)] + between[std::min(i, n - 2)]));
+  for (int i = 0; i + 1 < n; ++i)
+    between.push_back(rotationVector(frame[i].transpose() * frame[i + 1]) / spacing);
+  for (int i = 0; i < n; ++i)
+    rates.push_back(0.5 * (between[std::max(i - 1, 0)] + between[std::min(i, n - 2)]));
   rates.front() += 0.5 * (between[0] - between[1]), rates.back() += 0.5 * (between[n - 2] - between[n - 3]);
   double length = 0;
   for (int i = 0; i + 1 < n; ++i) length += (p[i + 1] - p[i]).length();
@@ -190,8 +196,10 @@ std::vector<Vec3d> geodesicStart(const InsideNodes& nodes) {
   constexpr double kTip = 1.2;
   const double length = most / (kSections - 1);
   for (int i = 0; i < kSections; ++i) {
-    if (weight[i] > 0) sum[i] /= weight[i];
-    else sum[i] = mean;
+    if (weight[i] > 0)
+      sum[i] /= weight[i];
+    else
+      sum[i] = mean;
     const double area = weight[i] * nodes.spacing * nodes.spacing * nodes.spacing / length;
     weight[i] = awayFromEnd(length * std::min(i, kSections - 1 - i), area, kTip);
   }
@@ -205,9 +213,10 @@ std::vector<Vec3d> inChart(const Chart& chart, const InsideNodes& nodes) {
   return z;
 }
 
-/// From where to where along the chart's spine the object reaches. Each node's ball is inside, so it is followed along
-/// the spine to the ball's end.
-std::pair<double, double> extentOf(const Chart& chart, const InsideNodes& nodes, const std::vector<Vec3d>& z) {
+/// From where to where along the chart's spine the object reaches. Each node's ball is inside, so it is
+/// followed along the spine to the ball's end.
+std::pair<double, double> extentOf(const Chart& chart, const InsideNodes& nodes,
+                                   const std::vector<Vec3d>& z) {
   double low = 1e300, high = -1e300;
   const auto ballEnd = [&](size_t i, double sign) {
     const Mat3d frame = chart.axes * chart.bend.at(z[i][0]).frame;
@@ -228,8 +237,8 @@ std::pair<double, double> extentOf(const Chart& chart, const InsideNodes& nodes,
 
 /// A chart's own slices, evenly from tip to tip.
 struct Sections {
-  double low = 0, high = 0;     ///< z0 of the first and the last one
-  std::vector<Complex> away;    ///< from the spine to the slice's centroid, e1 + i e2, world units
+  double low = 0, high = 0;   ///< z0 of the first and the last one
+  std::vector<Complex> away;  ///< from the spine to the slice's centroid, e1 + i e2, world units
   std::vector<double> trust, width;
 
   double place(int i) const { return low + (high - low) * i / (kSections - 1); }
@@ -256,8 +265,8 @@ Sections sectionsOf(const Chart& chart, const InsideNodes& nodes, double cap) {
   const double unit = nodes.spacing * nodes.spacing * nodes.spacing / (spacing * chart.scale[0]);
   for (int i = 0; i < kSections; ++i) {
     result.away.push_back(area[i] > 0 ? moment[i] / area[i] : 0);
-    // Slices where the object ends or narrows suddenly, and those at an end cap, which are cut askew as long as the
-    // axis is not right, are trusted least.
+    // Slices where the object ends or narrows suddenly, and those at an end cap, which are cut askew as long
+    // as the axis is not right, are trusted least.
     double least = 1e300, most = 0;
     for (int j = std::max(i - 4, 0); j <= std::min(i + 4, kSections - 1); ++j)
       least = std::min(least, area[j]), most = std::max(most, area[j]);
@@ -284,7 +293,8 @@ std::vector<Complex> bendAt(const Chart& chart, const Sections& sections) {
 }
 
 /// Turning of the bend's direction about the spine near section i, radians per section.
-double windingAt(int i, const std::vector<Complex>& bend, const std::vector<double>& trust, double leastBend) {
+double windingAt(int i, const std::vector<Complex>& bend, const std::vector<double>& trust,
+                 double leastBend) {
   constexpr int kWindow = 12;
   double turning = 0, all = kWindow * leastBend * leastBend;
   for (int j = std::max(i - kWindow, 1); j <= std::min(i + kWindow, kSections - 2); ++j) {
@@ -294,9 +304,9 @@ double windingAt(int i, const std::vector<Complex>& bend, const std::vector<doub
   return turning / all;
 }
 
-/// The axis through the centroids of the chart's own slices, each as near as its trust tells, that bends as evenly as can
-/// be. Even is a screw's motion at a constant rate, for a bar may end in the midst of a bend or a winding:
-/// d bend = i winding bend, in frames that do not spin. `wave`: see Grip.
+/// The axis through the centroids of the chart's own slices, each as near as its trust tells, that bends as
+/// evenly as can be. Even is a screw's motion at a constant rate, for a bar may end in the midst of a bend or
+/// a winding: d bend = i winding bend, in frames that do not spin. `wave`: see Grip.
 std::vector<Vec3d> throughCentroids(const Chart& chart, const Sections& sections, double wave) {
   const int n = kSections;
   const double spacing = (sections.high - sections.low) / (n - 1) * chart.scale[0];
@@ -315,7 +325,8 @@ std::vector<Vec3d> throughCentroids(const Chart& chart, const Sections& sections
     const double stiffness = inside * std::pow(std::max(std::pow(waves, 6) / inside, 1.0), end);
     const Complex turn(0, windingAt(i + 1, bend, sections.trust, kLeastBend / chart.scale[0]));
     const Complex row[4] = {-1.0 - 0.5 * turn, 3.0 + 0.5 * turn, -3.0 + 0.5 * turn, 1.0 - 0.5 * turn};
-    const Complex own = spacing * spacing * (bend[i + 2] - bend[i + 1] - 0.5 * turn * (bend[i + 1] + bend[i + 2]));
+    const Complex own =
+        spacing * spacing * (bend[i + 2] - bend[i + 1] - 0.5 * turn * (bend[i + 1] + bend[i + 2]));
     for (int p = 0; p < 4; ++p) {
       for (int q = 0; q < 4; ++q) a(i + p, i + q) += stiffness * std::conj(row[p]) * row[q];
       b[i + p] -= stiffness * std::conj(row[p]) * own;
@@ -327,8 +338,8 @@ std::vector<Vec3d> throughCentroids(const Chart& chart, const Sections& sections
   return points;
 }
 
-/// Whether the object spreads clearly more along the spine than across it: a cube's diagonal or a ring's diameter is no
-/// axis.
+/// Whether the object spreads clearly more along the spine than across it: a cube's diagonal or a ring's
+/// diameter is no axis.
 bool isLong(const Chart& chart, const InsideNodes& nodes, const std::vector<Vec3d>& z) {
   double all = 0, along = 0, first = 0, second = 0, mixed = 0;
   Vec3d mean(0.0);
@@ -360,7 +371,8 @@ double countedVolume(const DistanceField& field, const Chart& chart, const std::
   constexpr int kAlong = 96, kAcross = 48;
   const Vec3d margin = 0.1 * box.extents(), low = box.min() - margin, extent = box.extents() + 2.0 * margin;
   const Vec3d cell(extent[0] / kAlong, extent[1] / kAcross, extent[2] / kAcross);
-  const double soft = std::max({chart.scale[0] * cell[0], chart.scale[1] * cell[1], chart.scale[2] * cell[2]});
+  const double soft =
+      std::max({chart.scale[0] * cell[0], chart.scale[1] * cell[1], chart.scale[2] * cell[2]});
   std::vector<double> sums(kAlong, 0);
   tbb::parallel_for(0, kAlong, [&](int i) {
     const DistanceField::Sampler sampler(field);
@@ -400,12 +412,14 @@ std::vector<Vec3d> straightStart(const InsideNodes& nodes) {
   const Mat3d axes = principalAxes(covariance).axes;
   const Vec3d axis(axes(0, 0), axes(1, 0), axes(2, 0));
   double low = 0, high = 0;
-  for (const Vec3d& p : nodes.position) low = std::min(low, (p - mean).dot(axis)), high = std::max(high, (p - mean).dot(axis));
+  for (const Vec3d& p : nodes.position)
+    low = std::min(low, (p - mean).dot(axis)), high = std::max(high, (p - mean).dot(axis));
   return {mean + low * axis, mean + high * axis};
 }
 
 /// The axis from a first guess; nothing where it is no sound chart of the object.
-std::optional<Chart> settled(const DistanceField& field, const InsideNodes& nodes, const std::vector<Vec3d>& start) {
+std::optional<Chart> settled(const DistanceField& field, const InsideNodes& nodes,
+                             const std::vector<Vec3d>& start) {
   if (start.empty()) return std::nullopt;
   Chart chart = chartThrough(start);
   double moved = 0;
@@ -432,7 +446,8 @@ std::optional<Chart> settled(const DistanceField& field, const InsideNodes& node
   double crossed = 0, all = 0;
   for (size_t i = 0; i < z.size(); ++i) {
     all += nodes.share[i];
-    if (chart.spread(z[i]) < kLeastSpread || (chart.toWorld(z[i]) - nodes.position[i]).length() > 0.01 * radius)
+    if (chart.spread(z[i]) < kLeastSpread ||
+        (chart.toWorld(z[i]) - nodes.position[i]).length() > 0.01 * radius)
       crossed += nodes.share[i];
   }
   if (crossed > kMostCrossed * all) return std::nullopt;

@@ -14,8 +14,8 @@ namespace {
 constexpr double kProminent = 0.12;
 /// A branch is at least this many times longer than wide.
 constexpr double kSlender = 1.2;
-/// And thinner than the body: its width is less than this share of the body's greatest depth, doubled. What is as thick is
-/// the body's own end.
+/// And thinner than the body: its width is less than this share of the body's greatest depth, doubled. What
+/// is as thick is the body's own end.
 constexpr double kThin = 0.9;
 
 /// Nodes that hang together beyond some distance from the body, grown from a tip inwards.
@@ -26,7 +26,8 @@ struct Branch {
 };
 
 /// The middle line of a branch's nodes from distance `root` outwards.
-Limb limbOf(const InsideNodes& nodes, const std::vector<double>& distance, const Branch& branch, double root) {
+Limb limbOf(const InsideNodes& nodes, const std::vector<double>& distance, const Branch& branch,
+            double root) {
   constexpr int n = Limb::kSections;
   const double spacing = (distance[branch.tip] - root) / (n - 1);
   std::vector<Vec3d> sum(n, Vec3d(0.0));
@@ -92,7 +93,8 @@ std::vector<Limb> findLimbs(const DistanceField& field) {
         mine = other;
         continue;
       }
-      // Two branches meet. Both end here, if both are branches at all; the lesser one's nodes join the other's.
+      // Two branches meet. Both end here, if both are branches at all; the lesser one's nodes join the
+      // other's.
       Branch* a = &branches[size_t(mine)];
       Branch* b = &branches[size_t(other)];
       if (distance[a->tip] < distance[b->tip]) std::swap(a, b), std::swap(mine, other);

@@ -12,8 +12,9 @@ struct Limb {
   static constexpr int kSections = 13;
 };
 
-/// The branches of an object: parts of the inside that run out to a tip of their own, by geodesic distance from the body's
-/// deepest place. A branch counts that is longer than its width, thinner than the body and not much shorter than the longest way.
+/// The branches of an object: parts of the inside that run out to a tip of their own, by geodesic distance
+/// from the body's deepest place. A branch counts that is longer than its width, thinner than the body and
+/// not much shorter than the longest way.
 std::vector<Limb> findLimbs(const DistanceField& field);
 
 }  // namespace slicemorph

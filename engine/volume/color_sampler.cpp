@@ -40,7 +40,8 @@ ColorMean ColorSampler::between(const Vec3d& index) const {
     double weight = 1;
     for (int d = 0; d < 3; ++d) weight *= corner[d] ? rest[d] : 1 - rest[d];
     Vec3s color;
-    if (weight > kLeastWeight && values_.probeValue(base + corner, color) && isColor(color)) mean.add(color, weight);
+    if (weight > kLeastWeight && values_.probeValue(base + corner, color) && isColor(color))
+      mean.add(color, weight);
   }
   return mean;
 }

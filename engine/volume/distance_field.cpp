@@ -93,7 +93,8 @@ void DistanceField::seedFromBand() {
   });
 }
 
-/// Closest points handed from neighbour to neighbour, in eight sweeps (Danielsson 1980, in Gauss-Seidel order).
+/// Closest points handed from neighbour to neighbour, in eight sweeps (Danielsson 1980, in Gauss-Seidel
+/// order).
 void DistanceField::sweep() {
   for (int pass = 0; pass < 8; ++pass) {
     const int sx = pass & 1 ? -1 : 1, sy = pass & 2 ? -1 : 1, sz = pass & 4 ? -1 : 1;
@@ -129,7 +130,8 @@ void DistanceField::signDistances() {
       for (int x = 0; x < size_[0]; ++x) {
         const Vec3d p = first + step * Vec3d(x, y, z);
         float f = band_(openvdb::Vec3s(p), std::numeric_limits<float>::max());
-        if (f == std::numeric_limits<float>::max()) f = accessor.getValue(band_.origin() + openvdb::Coord::floor(p));
+        if (f == std::numeric_limits<float>::max())
+          f = accessor.getValue(band_.origin() + openvdb::Coord::floor(p));
         float& d = distance_[index(x, y, z)];
         d = std::abs(f) < 1.8 * voxelSize_ ? f : std::copysign(d, f);
       }
@@ -218,9 +220,13 @@ inline openvdb::Vec3s BandBlocks::gradient(const openvdb::Vec3s& p) const {
 }
 
 DistanceField::Sampler::Sampler(const DistanceField& field)
-    : field_(&field), voxelSize_(float(field.voxelSize_)), coarseScale_(float(1 / field.spacing_)),
-      fineScale_(float(1 / field.voxelSize_)), coarseOrigin_((field.anchor_ - field.origin_) / field.spacing_),
-      fineOrigin_(field.levelSet_->transform().worldToIndex(field.anchor_) - field.band_.origin().asVec3d()) {}
+    : field_(&field),
+      voxelSize_(float(field.voxelSize_)),
+      coarseScale_(float(1 / field.spacing_)),
+      fineScale_(float(1 / field.voxelSize_)),
+      coarseOrigin_((field.anchor_ - field.origin_) / field.spacing_),
+      fineOrigin_(field.levelSet_->transform().worldToIndex(field.anchor_) - field.band_.origin().asVec3d()) {
+}
 
 float DistanceField::Sampler::operator()(const openvdb::Vec3s& p) const {
   const float h = voxelSize_, beyond = std::numeric_limits<float>::max();
@@ -254,19 +260,21 @@ BandBlocks::BandBlocks(const FloatGrid& levelSet) {
   for (int a = 0; a < 3; ++a) size_[a] = (box.max()[a] - box.min()[a]) / int(Leaf::DIM) + 1;
   block_.assign(size_t(size_[0]) * size_[1] * size_[2], -1);
   values_.resize(leaves.size() * kBlock);
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, leaves.size()), [&](const tbb::blocked_range<size_t>& range) {
-    auto accessor = levelSet.getConstAccessor();
-    for (size_t i = range.begin(); i < range.end(); ++i) {
-      const openvdb::Coord at = leaves[i]->origin(), cell = at - origin_;
-      block_[(size_t(cell[0] >> 3) * size_[1] + (cell[1] >> 3)) * size_[2] + (cell[2] >> 3)] = int(i);
-      const float* own = leaves[i]->buffer().data();
-      float* v = &values_[i * kBlock];
-      for (int z = 0; z < kSide; ++z)
-        for (int y = 0; y < kSide; ++y)
-          for (int x = 0; x < kSide; ++x)
-            *v++ = x < 8 && y < 8 && z < 8 ? own[(x * 8 + y) * 8 + z] : accessor.getValue(at.offsetBy(x, y, z));
-    }
-  });
+  tbb::parallel_for(
+      tbb::blocked_range<size_t>(0, leaves.size()), [&](const tbb::blocked_range<size_t>& range) {
+        auto accessor = levelSet.getConstAccessor();
+        for (size_t i = range.begin(); i < range.end(); ++i) {
+          const openvdb::Coord at = leaves[i]->origin(), cell = at - origin_;
+          block_[(size_t(cell[0] >> 3) * size_[1] + (cell[1] >> 3)) * size_[2] + (cell[2] >> 3)] = int(i);
+          const float* own = leaves[i]->buffer().data();
+          float* v = &values_[i * kBlock];
+          for (int z = 0; z < kSide; ++z)
+            for (int y = 0; y < kSide; ++y)
+              for (int x = 0; x < kSide; ++x)
+                *v++ = x < 8 && y < 8 && z < 8 ? own[(x * 8 + y) * 8 + z]
+                                               : accessor.getValue(at.offsetBy(x, y, z));
+        }
+      });
 }
 
 void DistanceField::sampleSurface(int count) {

@@ -8,18 +8,18 @@ namespace slicemorph {
 
 /// A point of an object's surface with the area it stands for.
 struct SurfaceSample {
-  Vec3d position;  ///< world
-  Vec3d normal;    ///< unit, outwards
-  double area = 0; ///< world units squared
+  Vec3d position;   ///< world
+  Vec3d normal;     ///< unit, outwards
+  double area = 0;  ///< world units squared
 };
 
-/// Bin of a surface point among cubes of side `cell` from `origin`. Opposite sides of a thin part must not fall into one:
-/// a bin holds normals of one main direction only.
+/// Bin of a surface point among cubes of side `cell` from `origin`. Opposite sides of a thin part must not
+/// fall into one: a bin holds normals of one main direction only.
 using SurfaceBin = std::array<int, 4>;
 SurfaceBin surfaceBin(const Vec3d& position, const Vec3d& normal, const Vec3d& origin, double cell);
 
-/// A level set's narrow band for fast sampling: its leaves with one voxel of their neighbours on the far sides, found
-/// through a table over the box of all leaves. No lookup leaves its block, none needs a cache.
+/// A level set's narrow band for fast sampling: its leaves with one voxel of their neighbours on the far
+/// sides, found through a table over the box of all leaves. No lookup leaves its block, none needs a cache.
 class BandBlocks {
  public:
   explicit BandBlocks(const FloatGrid& levelSet);
@@ -40,20 +40,21 @@ class BandBlocks {
   std::vector<float> values_;
 };
 
-/// Distance to one object's surface at any point of space: the level set's own values in its narrow band, and beyond
-/// it a true distance from a coarse closest-point transform. A clamped band would make unmatched parts pop; a true
-/// distance lets them shrink.
+/// Distance to one object's surface at any point of space: the level set's own values in its narrow band, and
+/// beyond it a true distance from a coarse closest-point transform. A clamped band would make unmatched parts
+/// pop; a true distance lets them shrink.
 class DistanceField {
  public:
-  /// `levelSet`: by the conventions, with a surface. `nodes`: of the coarse grid along the object's longest side.
+  /// `levelSet`: by the conventions, with a surface. `nodes`: of the coarse grid along the object's longest
+  /// side.
   explicit DistanceField(FloatGrid::ConstPtr levelSet, int nodes = 112);
 
   const FloatGrid& levelSet() const { return *levelSet_; }
   double voxelSize() const { return voxelSize_; }
   /// Box of the surface, world units.
   const openvdb::BBoxd& box() const { return box_; }
-  /// The box's middle. Places in single precision are relative to it, so that an object far from the world's origin
-  /// loses no digits.
+  /// The box's middle. Places in single precision are relative to it, so that an object far from the world's
+  /// origin loses no digits.
   const Vec3d& anchor() const { return anchor_; }
   openvdb::Vec3s relative(const Vec3d& world) const { return openvdb::Vec3s(world - anchor_); }
 

@@ -24,13 +24,16 @@ class Line {
       double s = -std::numeric_limits<double>::infinity();
       while (k >= 0) {
         const int v = at_[size_t(k)];
-        s = ((double(f_[size_t(q)]) + double(unit) * q * q) - (double(f_[size_t(v)]) + double(unit) * v * v)) / (2.0 * unit * (q - v));
+        s = ((double(f_[size_t(q)]) + double(unit) * q * q) -
+             (double(f_[size_t(v)]) + double(unit) * v * v)) /
+            (2.0 * unit * (q - v));
         if (s > border_[size_t(k)]) break;
         --k;
       }
       if (k < 0) s = -std::numeric_limits<double>::infinity();
       ++k;
-      at_[size_t(k)] = q, border_[size_t(k)] = s, border_[size_t(k) + 1] = std::numeric_limits<double>::infinity();
+      at_[size_t(k)] = q, border_[size_t(k)] = s,
+      border_[size_t(k) + 1] = std::numeric_limits<double>::infinity();
     }
     if (k < 0) return;
     int j = 0;
@@ -58,19 +61,22 @@ void squaredDistances(std::vector<float>& d, const openvdb::Coord& n, const Vec3
   });
   tbb::parallel_for(0, n[1], [&](int j) {
     Line z(n[2]);
-    for (int i = 0; i < n[0]; ++i) z.transform(&d[size_t(j) * row + size_t(i)], plane, n[2], float(spacing[2]));
+    for (int i = 0; i < n[0]; ++i)
+      z.transform(&d[size_t(j) * row + size_t(i)], plane, n[2], float(spacing[2]));
   });
 }
 
 }  // namespace
 
-std::vector<float> signedDistances(const std::vector<char>& inside, const openvdb::Coord& size, const Vec3d& spacing) {
+std::vector<float> signedDistances(const std::vector<char>& inside, const openvdb::Coord& size,
+                                   const Vec3d& spacing) {
   const size_t count = inside.size();
   std::vector<float> toInside(count), toOutside(count);
   for (size_t i = 0; i < count; ++i) toInside[i] = inside[i] ? 0 : kFar, toOutside[i] = inside[i] ? kFar : 0;
   squaredDistances(toInside, size, spacing);
   squaredDistances(toOutside, size, spacing);
-  for (size_t i = 0; i < count; ++i) toInside[i] = inside[i] ? std::sqrt(toOutside[i]) : -std::sqrt(toInside[i]);
+  for (size_t i = 0; i < count; ++i)
+    toInside[i] = inside[i] ? std::sqrt(toOutside[i]) : -std::sqrt(toInside[i]);
   return toInside;
 }
 

@@ -12,9 +12,9 @@ class LabelField {
 
   struct Label {
     std::int64_t value = 0;
-    openvdb::CoordBBox box;         ///< voxels that hold distances
-    std::vector<float> distance;    ///< world units, positive inside; i fastest
-    float deepest = 0;              ///< the largest of them
+    openvdb::CoordBBox box;       ///< voxels that hold distances
+    std::vector<float> distance;  ///< world units, positive inside; i fastest
+    float deepest = 0;            ///< the largest of them
   };
 
   const ImageLattice& lattice() const { return lattice_; }

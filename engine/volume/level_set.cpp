@@ -31,7 +31,8 @@ struct ValueRange {
     clamped += std::abs(value) >= background;
   }
   ValueRange joined(const ValueRange& other) const {
-    return {std::min(low, other.low), std::max(high, other.high), clamped + other.clamped, finite && other.finite};
+    return {std::min(low, other.low), std::max(high, other.high), clamped + other.clamped,
+            finite && other.finite};
   }
 };
 
@@ -49,12 +50,13 @@ ValueRange rangeOf(const FloatGrid& grid) {
       },
       [](const ValueRange& a, const ValueRange& b) { return a.joined(b); });
   auto tile = grid.tree().cbeginValueOn();
-  for (tile.setMaxDepth(openvdb::FloatTree::ValueOnCIter::LEAF_DEPTH - 1); tile; ++tile) range.add(*tile, background);
+  for (tile.setMaxDepth(openvdb::FloatTree::ValueOnCIter::LEAF_DEPTH - 1); tile; ++tile)
+    range.add(*tile, background);
   return range;
 }
 
-/// Mean length of the gradient next to the surface, in value per voxel, over some hundred leaves or more; 0 where there is no
-/// surface.
+/// Mean length of the gradient next to the surface, in value per voxel, over some hundred leaves or more; 0
+/// where there is no surface.
 double meanSlope(const FloatGrid& grid, double voxelSize) {
   const openvdb::tree::LeafManager<const openvdb::FloatTree> leaves(grid.tree());
   const size_t stride = leaves.leafCount() / 1024 + 1;
@@ -131,11 +133,13 @@ void forActiveValues(const FloatGrid& grid, const Add& add) {
   for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf)
     for (auto value = leaf->cbeginValueOn(); value; ++value) add(*value, size_t(1));
   auto tile = grid.tree().cbeginValueOn();
-  for (tile.setMaxDepth(openvdb::FloatTree::ValueOnCIter::LEAF_DEPTH - 1); tile; ++tile) add(*tile, size_t(tile.getVoxelCount()));
+  for (tile.setMaxDepth(openvdb::FloatTree::ValueOnCIter::LEAF_DEPTH - 1); tile; ++tile)
+    add(*tile, size_t(tile.getVoxelCount()));
 }
 
-/// The value above which three quarters of a fog's total lie: the body that is seen, whatever its densest spot. At most
-/// half the largest value, so that fog of one density throughout has its surface inside its ramp.
+/// The value above which three quarters of a fog's total lie: the body that is seen, whatever its densest
+/// spot. At most half the largest value, so that fog of one density throughout has its surface inside its
+/// ramp.
 double fogSurfaceValue(const FloatGrid& grid, double largest) {
   constexpr size_t kBins = 4096;
   constexpr double kShare = 0.75;
@@ -183,7 +187,8 @@ LevelSetReading readingOf(const FloatGrid& grid, double voxelSize, double iso) {
   reading.minimum = range.low;
   reading.maximum = range.high;
   reading.fog = isFog(grid, range);
-  if (reading.fog && iso == 0 && range.finite && range.high > 0) reading.iso = fogSurfaceValue(grid, range.high);
+  if (reading.fog && iso == 0 && range.finite && range.high > 0)
+    reading.iso = fogSurfaceValue(grid, range.high);
   // Where the active values lie on one side of the surface only, the background may lie on the other.
   const float low = std::min(range.low, grid.background()), high = std::max(range.high, grid.background());
   if (!range.finite) {
@@ -223,7 +228,8 @@ LevelSetInput toLevelSet(const FloatGrid::ConstPtr& grid, double voxelSize, doub
   result.grid->setName(grid->getName());
   std::ostringstream note;
   note << "rebuilt as a level set from its surface at " << reading.iso
-       << (reading.fog && iso == 0 ? " (found from the density; --iso sets another)" : "") << ": " << reading.rebuilt;
+       << (reading.fog && iso == 0 ? " (found from the density; --iso sets another)" : "") << ": "
+       << reading.rebuilt;
   result.notes.push_back(note.str());
   return result;
 }

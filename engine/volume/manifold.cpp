@@ -19,8 +19,8 @@ using openvdb::Vec3I;
 using openvdb::Vec3s;
 using Index = std::uint32_t;
 
-/// How far split points move towards their own faces, relative to these: readers that weld equal coordinates must not
-/// join them again.
+/// How far split points move towards their own faces, relative to these: readers that weld equal coordinates
+/// must not join them again.
 constexpr double kApart = 0.05;
 
 /// The corners of all triangles, sorted by point; corner 3 t + k is corner k of triangle t.
@@ -107,9 +107,11 @@ Fault faultAt(const std::vector<Side>& sides) {
 
 std::vector<size_t> pointsWith(Fault fault, const Mesh& mesh, const Corners& corners) {
   std::vector<Fault> faults(mesh.points.size(), Fault::kNone);
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, faults.size(), 4096), [&](const tbb::blocked_range<size_t>& r) {
-    for (size_t i = r.begin(); i < r.end(); ++i) faults[i] = faultAt(sidesAround(mesh, corners, i));
-  });
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, faults.size(), 4096),
+                    [&](const tbb::blocked_range<size_t>& r) {
+                      for (size_t i = r.begin(); i < r.end(); ++i)
+                        faults[i] = faultAt(sidesAround(mesh, corners, i));
+                    });
   std::vector<size_t> found;
   for (size_t i = 0; i < faults.size(); ++i) {
     if (faults[i] == Fault::kOpen) throw GeometryError("the surface mesh is not closed");
@@ -146,8 +148,8 @@ std::vector<Leaf> leavesOf(const Mesh& mesh, const Corners& corners, Index a, In
   return leaves;
 }
 
-/// Pairs of leaves that bound the same solid wedge: turning about a -> b, a wedge of the inside begins at a triangle
-/// running b -> a and ends at one running a -> b.
+/// Pairs of leaves that bound the same solid wedge: turning about a -> b, a wedge of the inside begins at a
+/// triangle running b -> a and ends at one running a -> b.
 std::vector<std::pair<Leaf, Leaf>> pairWedges(const std::vector<Leaf>& leaves) {
   std::vector<std::pair<Leaf, Leaf>> pairs;
   std::vector<bool> used(leaves.size(), false);
@@ -191,7 +193,8 @@ std::vector<std::pair<Index, Index>> crowdedEdges(const Mesh& mesh, const Corner
   for (size_t a : pointsWith(Fault::kEdge, mesh, corners)) {
     const std::vector<Side> sides = sidesAround(mesh, corners, a);
     for (size_t i = 1; i < sides.size(); ++i) {
-      if (sides[i].from == sides[i - 1].from && a < sides[i].from) edges.emplace_back(Index(a), sides[i].from);
+      if (sides[i].from == sides[i - 1].from && a < sides[i].from)
+        edges.emplace_back(Index(a), sides[i].from);
     }
   }
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
@@ -203,7 +206,8 @@ bool splitEdges(Mesh& mesh) {
   const Corners corners = cornersByPoint(mesh);
   const std::vector<std::pair<Index, Index>> edges = crowdedEdges(mesh, corners);
   if (edges.empty()) return false;
-  // `corners` belongs to the mesh as it was: an edge at a triangle split in this round waits for the next one.
+  // `corners` belongs to the mesh as it was: an edge at a triangle split in this round waits for the next
+  // one.
   const Mesh before = mesh;
   std::vector<bool> touched(mesh.triangles.size(), false);
   for (const auto& [a, b] : edges) {
@@ -263,9 +267,11 @@ size_t separatePoints(Mesh& mesh) {
   std::vector<Index> coincident = coincidentPoints(mesh.points);
   if (coincident.empty()) return 0;
   const Corners corners = cornersByPoint(mesh);
-  // Each round moves points a little further; a surface that has shrunk to a point or line cannot be pulled apart.
+  // Each round moves points a little further; a surface that has shrunk to a point or line cannot be pulled
+  // apart.
   for (int round = 0; round < 8 && !coincident.empty(); ++round) {
-    for (Index point : coincident) mesh.points[point] = towards(mesh, sidesAround(mesh, corners, point), point);
+    for (Index point : coincident)
+      mesh.points[point] = towards(mesh, sidesAround(mesh, corners, point), point);
     coincident = coincidentPoints(mesh.points);
   }
   return coincident.size();

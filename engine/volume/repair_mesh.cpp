@@ -39,8 +39,8 @@ std::string number(double value) {
 // ---------------------------------------------------------------- points
 
 struct Welded {
-  std::vector<Vec3s> points;   // distinct coordinates, in the order of first use
-  std::vector<Index> newIndex; // of every old point; kNone: no face uses it
+  std::vector<Vec3s> points;    // distinct coordinates, in the order of first use
+  std::vector<Index> newIndex;  // of every old point; kNone: no face uses it
   size_t unused = 0, merged = 0;
 };
 
@@ -262,7 +262,9 @@ Edges collectEdges(const std::vector<Vec3I>& triangles) {
 /// Disjoint sets of triangles that also carry whether a triangle is wound against its set's root.
 class Sets {
  public:
-  explicit Sets(size_t count) : parent_(count), flip_(count, 0) { std::iota(parent_.begin(), parent_.end(), 0); }
+  explicit Sets(size_t count) : parent_(count), flip_(count, 0) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
 
   Index root(Index i) {
     flipped(i);
@@ -307,8 +309,8 @@ double signedVolume(const std::vector<Vec3s>& points, const Vec3I& t, const Vec3
 }
 
 struct Winding {
-  std::vector<Index> patch;    // per triangle: its set across edges with two faces
-  std::vector<Index> shell;    // per triangle: its set across any edge
+  std::vector<Index> patch;  // per triangle: its set across edges with two faces
+  std::vector<Index> shell;  // per triangle: its set across any edge
   size_t shells = 0, nonManifold = 0, twisted = 0, turned = 0;
 };
 
@@ -352,7 +354,7 @@ using Loop = std::vector<Index>;
 struct Boundary {
   std::vector<Loop> loops;  // in the direction that triangles filling them run
   size_t edges = 0;
-  size_t strays = 0;        // edges that close no loop, because the winding disagrees there
+  size_t strays = 0;  // edges that close no loop, because the winding disagrees there
 };
 
 /// Cuts a walk along boundary edges into loops that pass no point twice.
@@ -406,7 +408,8 @@ double loopLength(const std::vector<Vec3s>& points, const Loop& loop) {
   return length;
 }
 
-/// Lengths of the connected parts of the boundary, whatever the winding: for surfaces that have no loops to fill.
+/// Lengths of the connected parts of the boundary, whatever the winding: for surfaces that have no loops to
+/// fill.
 std::vector<double> boundaryParts(const Mesh& mesh) {
   const Edges edges = collectEdges(mesh.triangles);
   Sets parts(mesh.points.size());
@@ -502,7 +505,8 @@ std::vector<Part> partsOf(const Mesh& mesh, const Winding& winding) {
       const Index own = partOf[winding.patch[edges.half(e, i).triangle]];
       int balance = 0;
       for (size_t j = 0; j < edges.faces(e); ++j) {
-        if (partOf[winding.patch[edges.half(e, j).triangle]] == own) balance += edges.half(e, j).forward ? 1 : -1;
+        if (partOf[winding.patch[edges.half(e, j).triangle]] == own)
+          balance += edges.half(e, j).forward ? 1 : -1;
       }
       if (balance != 0) parts[own].closed = false;
     }
@@ -627,7 +631,8 @@ void noteCleaning(const Cleaned& c, std::vector<std::string>& notes) {
     notes.push_back("turned " + plural(c.winding.turned, "face") + " wound against the neighbours");
   }
   if (c.winding.nonManifold) {
-    notes.push_back(plural(c.winding.nonManifold, "edge") + " with more than two faces: kept, the inside is what " +
+    notes.push_back(plural(c.winding.nonManifold, "edge") +
+                    " with more than two faces: kept, the inside is what " +
                     "cannot be reached from outside");
   }
 }

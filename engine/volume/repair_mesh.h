@@ -11,45 +11,48 @@ namespace slicemorph {
 /// Faces of any number of corners, as files hold them. World space.
 struct PolygonMesh {
   std::vector<openvdb::Vec3s> points;
-  std::vector<std::uint32_t> corners;         ///< indices into `points`, face after face
-  std::vector<std::uint32_t> faceStarts{0};   ///< faces + 1 offsets into `corners`
-  std::vector<openvdb::Vec3s> colors = {};    ///< per corner of a face, as the file has them; or none
+  std::vector<std::uint32_t> corners;        ///< indices into `points`, face after face
+  std::vector<std::uint32_t> faceStarts{0};  ///< faces + 1 offsets into `corners`
+  std::vector<openvdb::Vec3s> colors = {};   ///< per corner of a face, as the file has them; or none
 
-  size_t importCopies = 0;    ///< points that the importer copied from others (one a corner): welded without a word
-  size_t importDropped = 0;   ///< points of the file that no face uses and the importer left out
+  size_t importCopies =
+      0;  ///< points that the importer copied from others (one a corner): welded without a word
+  size_t importDropped = 0;  ///< points of the file that no face uses and the importer left out
 
   size_t faceCount() const { return faceStarts.size() - 1; }
 };
 
-/// Connections of a mesh after exact duplicate points and faces are gone and winding agrees, before holes are filled.
+/// Connections of a mesh after exact duplicate points and faces are gone and winding agrees, before holes are
+/// filled.
 struct MeshTopology {
-  size_t shells = 0;            ///< parts connected through shared edges
-  size_t boundaryEdges = 0;     ///< edges with one face
+  size_t shells = 0;         ///< parts connected through shared edges
+  size_t boundaryEdges = 0;  ///< edges with one face
   size_t boundaryLoops = 0;
   double longestLoop = 0;       ///< world units, along the edges
   double diagonal = 0;          ///< of the bounding box, world units
   size_t nonManifoldEdges = 0;  ///< edges with three faces or more
-  size_t twistedEdges = 0;      ///< edges across which no winding agrees: > 0 on surfaces that are not orientable
-  double signedVolume = 0;      ///< world units cubed, of the faces as found
+  size_t twistedEdges = 0;  ///< edges across which no winding agrees: > 0 on surfaces that are not orientable
+  double signedVolume = 0;  ///< world units cubed, of the faces as found
   size_t weldedPoints = 0, unusedPoints = 0;
 };
 
 struct RepairedMesh {
-  Mesh mesh;                       ///< closed; every shell that is closed by itself wound outwards
+  Mesh mesh;  ///< closed; every shell that is closed by itself wound outwards
   MeshTopology found;
   std::vector<std::string> notes;  ///< what was changed, one sentence each with counts
 };
 
-/// Longest boundary loop that repairMesh fills, relative to the diagonal of the bounding box. (The largest hole of the
-/// Stanford bunny, in its base, is 0.45; the open end of a tube as long as it is wide is 2.2.)
+/// Longest boundary loop that repairMesh fills, relative to the diagonal of the bounding box. (The largest
+/// hole of the Stanford bunny, in its base, is 0.45; the open end of a tube as long as it is wide is 2.2.)
 constexpr double kLargestHole = 0.5;
 
-/// Makes a closed triangle mesh: triangulates faces (concave ones by ear clipping), welds points of equal coordinates,
-/// drops unused points, degenerate and duplicate faces, makes winding agree across edges with two faces, fills holes of
-/// at most kLargestHole with the triangulation of least area (Barequet & Sharir 1995), turns inside-out shells.
-/// Faces must index `points`. Shells may touch or cross each other: voxelise takes whatever cannot be reached from
-/// outside as inside. For the same reason a cavity (a shell inside another) becomes solid; a note says so.
-/// Throws GeometryError, with the numbers, where the surface is open, not orientable, or has no faces.
+/// Makes a closed triangle mesh: triangulates faces (concave ones by ear clipping), welds points of equal
+/// coordinates, drops unused points, degenerate and duplicate faces, makes winding agree across edges with
+/// two faces, fills holes of at most kLargestHole with the triangulation of least area (Barequet & Sharir
+/// 1995), turns inside-out shells. Faces must index `points`. Shells may touch or cross each other: voxelise
+/// takes whatever cannot be reached from outside as inside. For the same reason a cavity (a shell inside
+/// another) becomes solid; a note says so. Throws GeometryError, with the numbers, where the surface is open,
+/// not orientable, or has no faces.
 RepairedMesh repairMesh(const PolygonMesh& mesh);
 
 /// What repairMesh finds, without changing anything; throws nothing but std::bad_alloc.

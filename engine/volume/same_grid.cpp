@@ -13,7 +13,8 @@ bool isSame(const FloatGrid& a, const FloatGrid& b) {
   if (a.activeVoxelCount() != b.activeVoxelCount() || !a.tree().hasSameTopology(b.tree())) return false;
   auto leafB = b.tree().cbeginLeaf();
   for (auto leafA = a.tree().cbeginLeaf(); leafA; ++leafA, ++leafB)
-    if (std::memcmp(leafA->buffer().data(), leafB->buffer().data(), sizeof(float) * leafA->SIZE) != 0) return false;
+    if (std::memcmp(leafA->buffer().data(), leafB->buffer().data(), sizeof(float) * leafA->SIZE) != 0)
+      return false;
   return true;
 }
 

@@ -22,7 +22,8 @@ using openvdb::Vec3s;
 using openvdb::Vec4I;
 using Index = std::uint32_t;
 
-/// Larger grids are a mistyped voxel size: the band of 4e8 voxels takes some 3 GiB, and more while it is built.
+/// Larger grids are a mistyped voxel size: the band of 4e8 voxels takes some 3 GiB, and more while it is
+/// built.
 constexpr double kMostVoxelsAlong = 8192;
 constexpr double kMostBandVoxels = 4e8;
 /// Coordinates beyond it lose their fraction in single precision and come near the limits of 32-bit indices.
@@ -56,13 +57,13 @@ void refuseAbsurdSize(const Mesh& mesh, double voxelSize) {
   const double band = areaOf(mesh) / (voxelSize * voxelSize) * 2 * kHalfWidth;
   double farthest = 0;
   for (int i = 0; i < 3; ++i) farthest = std::max({farthest, std::abs(box.min()[i]), std::abs(box.max()[i])});
-  const double allowed = std::max({longest / kMostVoxelsAlong, farthest / kFarthestVoxel,
-                                   voxelSize * std::sqrt(band / kMostBandVoxels)});
+  const double allowed = std::max(
+      {longest / kMostVoxelsAlong, farthest / kFarthestVoxel, voxelSize * std::sqrt(band / kMostBandVoxels)});
   if (std::isfinite(allowed) && voxelSize >= allowed) return;
   why << "voxel size " << voxelSize << " would make a grid of " << std::ceil(longest / voxelSize)
       << " voxels along the longest side and about " << band << " voxels in the narrow band; at most "
-      << kMostVoxelsAlong << " and " << kMostBandVoxels << " are allowed: for this surface a voxel size of at least "
-      << allowed;
+      << kMostVoxelsAlong << " and " << kMostBandVoxels
+      << " are allowed: for this surface a voxel size of at least " << allowed;
   throw InputError(why.str());
 }
 
@@ -105,20 +106,21 @@ bool isFree(const QuadsByPoint& by, const std::vector<Vec4I>& quads, Index own, 
 std::vector<Vec3I> splitQuads(const std::vector<Vec3s>& points, const std::vector<Vec4I>& quads) {
   const QuadsByPoint by(quads, points.size());
   std::vector<Vec3I> triangles(quads.size() * 2);
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, quads.size(), 4096), [&](const tbb::blocked_range<size_t>& r) {
-    for (size_t i = r.begin(); i < r.end(); ++i) {
-      const Vec4I& q = quads[i];
-      const double d02 = (Vec3d(points[q[0]]) - Vec3d(points[q[2]])).lengthSqr();
-      const double d13 = (Vec3d(points[q[1]]) - Vec3d(points[q[3]])).lengthSqr();
-      int first = d13 < d02 ? 1 : 0;
-      if (!isFree(by, quads, Index(i), q[first], q[first + 2]) &&
-          isFree(by, quads, Index(i), q[1 - first], q[(3 - first)])) {
-        first = 1 - first;
-      }
-      triangles[2 * i] = Vec3I(q[first], q[first + 1], q[first + 2]);
-      triangles[2 * i + 1] = Vec3I(q[first], q[first + 2], q[(first + 3) % 4]);
-    }
-  });
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, quads.size(), 4096),
+                    [&](const tbb::blocked_range<size_t>& r) {
+                      for (size_t i = r.begin(); i < r.end(); ++i) {
+                        const Vec4I& q = quads[i];
+                        const double d02 = (Vec3d(points[q[0]]) - Vec3d(points[q[2]])).lengthSqr();
+                        const double d13 = (Vec3d(points[q[1]]) - Vec3d(points[q[3]])).lengthSqr();
+                        int first = d13 < d02 ? 1 : 0;
+                        if (!isFree(by, quads, Index(i), q[first], q[first + 2]) &&
+                            isFree(by, quads, Index(i), q[1 - first], q[(3 - first)])) {
+                          first = 1 - first;
+                        }
+                        triangles[2 * i] = Vec3I(q[first], q[first + 1], q[first + 2]);
+                        triangles[2 * i + 1] = Vec3I(q[first], q[first + 2], q[(first + 3) % 4]);
+                      }
+                    });
   return triangles;
 }
 
@@ -142,8 +144,8 @@ Mesh rawSurface(const FloatGrid& grid, double iso) {
   return mesh;
 }
 
-/// A copy whose values keep clear of `iso` by a thousandth of the smaller step to either side. Voxels that lie exactly
-/// on the surface can shrink parts of it to a point, where faces have no extent.
+/// A copy whose values keep clear of `iso` by a thousandth of the smaller step to either side. Voxels that
+/// lie exactly on the surface can shrink parts of it to a point, where faces have no extent.
 FloatGrid::Ptr awayFrom(const FloatGrid& grid, double iso) {
   double below = 0, above = 0;
   for (auto value = grid.cbeginValueOn(); value; ++value) {
@@ -164,8 +166,8 @@ FloatGrid::Ptr awayFrom(const FloatGrid& grid, double iso) {
 FloatGrid::Ptr voxelise(const Mesh& mesh, double voxelSize) {
   refuseAbsurdSize(mesh, voxelSize);
   const auto transform = openvdb::math::Transform::createLinearTransform(voxelSize);
-  FloatGrid::Ptr grid = openvdb::tools::meshToLevelSet<FloatGrid>(*transform, mesh.points, mesh.triangles,
-                                                                 float(kHalfWidth));
+  FloatGrid::Ptr grid =
+      openvdb::tools::meshToLevelSet<FloatGrid>(*transform, mesh.points, mesh.triangles, float(kHalfWidth));
   if (!hasInside(*grid)) {
     std::ostringstream why;
     why << "nothing lies inside the surface at voxel size " << voxelSize
@@ -180,9 +182,9 @@ openvdb::Int32Grid::Ptr nearestTriangles(const Mesh& mesh, const openvdb::math::
   using openvdb::tools::QuadAndTriangleDataAdapter;
   auto nearest = openvdb::Int32Grid::create(openvdb::Int32(openvdb::util::INVALID_IDX));
   openvdb::util::NullInterrupter never;
-  openvdb::tools::meshToVolume<FloatGrid>(never, QuadAndTriangleDataAdapter<Vec3s, Vec3I>(mesh.points, mesh.triangles),
-                                          transform, float(halfWidth), float(halfWidth),
-                                          openvdb::tools::UNSIGNED_DISTANCE_FIELD, nearest.get());
+  openvdb::tools::meshToVolume<FloatGrid>(
+      never, QuadAndTriangleDataAdapter<Vec3s, Vec3I>(mesh.points, mesh.triangles), transform,
+      float(halfWidth), float(halfWidth), openvdb::tools::UNSIGNED_DISTANCE_FIELD, nearest.get());
   return nearest;
 }
 

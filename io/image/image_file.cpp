@@ -51,7 +51,8 @@ std::vector<ImageFile> listSeries(const InputName& name) {
   std::error_code ignored;
   if (!name.grid.empty() || !std::filesystem::is_directory(name.path, ignored)) {
     std::vector<std::string> notes;
-    ImageFile file = itkReaders().dicomSeries(name.path, itkReaders().chooseSeries(name.path, name.grid, notes));
+    ImageFile file =
+        itkReaders().dicomSeries(name.path, itkReaders().chooseSeries(name.path, name.grid, notes));
     file.name = name.path + (name.grid.empty() ? "" : ":" + name.grid);
     file.notes.insert(file.notes.begin(), notes.begin(), notes.end());
     return {std::move(file)};
