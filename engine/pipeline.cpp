@@ -1,17 +1,17 @@
-#include "engine/slicemorph.h"
+#include "slicemorph/slicemorph.h"
 
 #include "engine/blend/moving_lattice.h"
-#include "engine/errors.h"
 #include "engine/frame/track.h"
 #include "engine/frame/typical_order.h"
 #include "engine/match/choose_frames.h"
 #include "engine/match/features.h"
 #include "engine/match/register.h"
 #include "engine/mean/match_through_mean.h"
-#include "engine/rebuild/carrier.h"
-#include "engine/rebuild/crumbs.h"
+#include "engine/rebuild/pullback.h"
 #include "engine/rebuild/rebuild.h"
+#include "engine/rebuild/small_components.h"
 #include "engine/volume/same_grid.h"
+#include "slicemorph/errors.h"
 
 #include <tbb/parallel_for.h>
 
@@ -223,7 +223,7 @@ void MorphPlan::Impl::measureInner(const std::vector<Object>& objects) {
 
 void MorphPlan::Impl::decide(Progress& progress) {
   if (fields.size() < 2) return;  // nothing to match: every in-between is the one shape
-  std::vector<std::string> notes = std::move(frames.notes);
+  Notes notes = std::move(frames.notes);
   MorphOptions ofShapes = options;
   ofShapes.features = featuresInReach(features, fields, notes);
   frames = chooseFrames(fields, names, ofShapes, progress);
@@ -263,7 +263,8 @@ bool MorphPlan::Impl::follow(const Impl& before, Progress& progress) {
   features.clear();
   if (shapeOf != before.shapeOf) {
     drawn.clear();
-    frames.notes = {"planned anew: other objects are equal than in the frame before"};
+    frames.notes = {{"sequence.planned-anew", Severity::kNote, "",
+                     "planned anew: other objects are equal than in the frame before"}};
     return false;
   }
   if (fields.size() < 2) return true;
@@ -279,7 +280,8 @@ bool MorphPlan::Impl::follow(const Impl& before, Progress& progress) {
       followRegistration(before.registration, fields, inner, frames, following, progress);
   if (!next) {
     frames.notes = {
-        "planned anew: the objects are not where those of the frame before lead to, as after a cut"};
+        {"sequence.planned-anew", Severity::kNote, "",
+         "planned anew: the objects are not where those of the frame before lead to, as after a cut"}};
     return false;
   }
   registration = std::move(*next);
@@ -301,38 +303,38 @@ InBetween MorphPlan::frame(const Weights& weights) const {
   DistanceBlend blend{p.lattice->localWeights(w), {}, pose.chart.meanScale()};
   for (const Chart& chart : p.frames.charts) blend.sizes.push_back(chart.meanScale());
   InBetween result{rebuildLevelSet(nodes, p.fields, blend, *transform), nodes.foldShare};
-  result.crumbs = removeCrumbs(*result.surface, p.piecesOf(pose.mean));
+  result.smallComponents = removeSmallComponents(*result.surface, p.piecesOf(pose.mean));
   return result;
 }
 
-Carrier MorphPlan::carrier(const Weights& weights) const {
+Pullback MorphPlan::pullback(const Weights& weights) const {
   const Impl& p = *impl_;
-  auto carrier = std::make_unique<Carrier::Impl>();
-  carrier->alone = p.regions.empty() ? aloneIn(weights) : std::nullopt;
-  carrier->weights = withoutNegatives(weights);
-  carrier->shapeOf = p.shapeOf;
-  carrier->shapeWeights = p.shapeWeights(weights);
+  auto pullback = std::make_unique<Pullback::Impl>();
+  pullback->alone = p.regions.empty() ? aloneIn(weights) : std::nullopt;
+  pullback->weights = withoutNegatives(weights);
+  pullback->shapeOf = p.shapeOf;
+  pullback->shapeWeights = p.shapeWeights(weights);
   if (!p.regions.empty() && p.lattice) {
     std::vector<Region> ofObjects = p.regions;
     for (size_t r = 0; r < ofObjects.size(); ++r)
       ofObjects[r].weights = withoutNegatives(p.options.regions[r].weights);
-    carrier->regions =
+    pullback->regions =
         std::make_unique<RegionShares>(std::move(ofObjects), p.fields, p.frames.charts, p.drawn);
   }
-  for (const auto& field : p.fields) carrier->anchors.push_back(field->anchor());
-  carrier->carrying.anchor = carrier->anchors[0];
-  carrier->carrying.lattice = p.lattice.get();
-  carrier->sizes.assign(p.fields.size(), 1);
-  carrier->fields = p.fields;
-  carrier->imageSpacing = p.fields[0]->box().extents().length() / kImageNodes;
+  for (const auto& field : p.fields) pullback->anchors.push_back(field->anchor());
+  pullback->carrying.anchor = pullback->anchors[0];
+  pullback->carrying.lattice = p.lattice.get();
+  pullback->sizes.assign(p.fields.size(), 1);
+  pullback->fields = p.fields;
+  pullback->imageSpacing = p.fields[0]->box().extents().length() / kImageNodes;
   if (p.lattice) {
-    carrier->carrying.pose = p.lattice->poseAt(carrier->shapeWeights);
-    const Chart& chart = carrier->carrying.pose.chart;
+    pullback->carrying.pose = p.lattice->poseAt(pullback->shapeWeights);
+    const Chart& chart = pullback->carrying.pose.chart;
     for (size_t k = 0; k < p.fields.size(); ++k)
-      carrier->sizes[k] = chart.meanScale() / p.frames.charts[k].meanScale();
-    carrier->imageSpacing = p.registration.map.lattice.spacing * chart.meanScale() * kImageShare;
+      pullback->sizes[k] = chart.meanScale() / p.frames.charts[k].meanScale();
+    pullback->imageSpacing = p.registration.map.lattice.spacing * chart.meanScale() * kImageShare;
   }
-  return Carrier(std::move(carrier));
+  return Pullback(std::move(pullback));
 }
 
 std::vector<Vec3d> MorphPlan::correspond(const std::vector<Vec3d>& points, size_t from, size_t to) const {
@@ -416,7 +418,7 @@ MorphPlan& MorphPlan::operator=(MorphPlan&&) noexcept = default;
 size_t MorphPlan::objectCount() const { return impl_->shapeOf.size(); }
 
 std::vector<std::string> MorphPlan::notes() const {
-  std::vector<std::string> notes = impl_->frames.notes;
+  Notes notes = impl_->frames.notes;
   notes.insert(notes.end(), impl_->registration.notes.begin(), impl_->registration.notes.end());
   return notes;
 }

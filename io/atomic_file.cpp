@@ -1,6 +1,6 @@
 #include "io/atomic_file.h"
 
-#include "engine/errors.h"
+#include "slicemorph/errors.h"
 
 #include <fcntl.h>
 #include <unistd.h>

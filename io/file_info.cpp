@@ -1,13 +1,13 @@
 #include "io/file_info.h"
 
-#include "engine/errors.h"
 #include "engine/volume/image_shape.h"
 #include "engine/volume/level_set.h"
-#include "io/grid_choice.h"
 #include "io/input.h"
-#include "io/mesh_reader.h"
+#include "io/mesh/mesh_reader.h"
 #include "io/paths.h"
-#include "io/vdb_reader.h"
+#include "io/vdb/grid_choice.h"
+#include "io/vdb/vdb_reader.h"
+#include "slicemorph/errors.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,8 @@
 #pragma once
 
-#include "engine/conventions.h"
 #include "io/image/image_file.h"
+#include "slicemorph/conventions.h"
+#include "slicemorph/note.h"
 
 #include <cstdint>
 #include <string>
@@ -18,8 +19,8 @@ struct MeshInfo {
   Vec3d boxMin{0, 0, 0}, boxMax{0, 0, 0};  ///< world units
   std::string colors;       ///< what has colours: "points", "faces", "materials"; empty: nothing
   double signedVolume = 0;  ///< world units cubed, of the faces as stored; meaningful for closed meshes
-  std::vector<std::string> notes;  ///< what repair does on reading, one sentence each
-  std::string problem;             ///< why the mesh would be refused; empty: it is accepted
+  Notes notes;              ///< what repair does on reading, one sentence each
+  std::string problem;      ///< why the mesh would be refused; empty: it is accepted
 };
 
 struct GridInfo {
@@ -56,7 +57,7 @@ struct ImageInfo {
   int volumes = 1;                          ///< times or components in the file
   double minimum = 0, maximum = 0;
   size_t labels = 0;  ///< of a label map; 0: grey values
-  std::vector<std::string> notes;
+  Notes notes;
   std::string reading;  ///< how it is read as a shape
 };
 

@@ -1,15 +1,15 @@
 #include "io/input.h"
 
-#include "engine/errors.h"
 #include "engine/volume/image_shape.h"
 #include "engine/volume/level_set.h"
 #include "engine/volume/surface_colors.h"
 #include "engine/volume/voxelise.h"
-#include "io/grid_choice.h"
-#include "io/mesh_reader.h"
+#include "io/mesh/mesh_reader.h"
 #include "io/paths.h"
 #include "io/sequence.h"
-#include "io/vdb_reader.h"
+#include "io/vdb/grid_choice.h"
+#include "io/vdb/vdb_reader.h"
+#include "slicemorph/errors.h"
 
 #include <tbb/parallel_for.h>
 

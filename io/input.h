@@ -1,8 +1,9 @@
 #pragma once
 
-#include "engine/slicemorph.h"
 #include "io/image/image_file.h"
-#include "io/vdb_reader.h"
+#include "io/vdb/vdb_reader.h"
+#include "slicemorph/note.h"
+#include "slicemorph/slicemorph.h"
 
 #include <memory>
 #include <string>
@@ -34,7 +35,7 @@ LoadOptions optionsOfInput(const LoadOptions& options, size_t input);
 struct LoadedObject {
   Object object;
   bool halfFloat = false;               ///< the input grid was stored as half floats
-  std::vector<std::string> notes;       ///< what was repaired, chosen or converted, one sentence each
+  Notes notes;                          ///< what was repaired, chosen or converted, one sentence each
   bool fog = false;                     ///< the shape is that of a fog volume
   std::shared_ptr<const VdbFile> file;  ///< null for meshes
   size_t grid = 0;                      ///< in the file, that the shape is taken from

@@ -1,10 +1,10 @@
 #include "io/input_grids.h"
 
-#include "engine/errors.h"
-#include "engine/slices/object_boxes.h"
+#include "engine/sections/object_boxes.h"
 #include "engine/volume/image_grid.h"
 #include "io/output.h"
 #include "io/paths.h"
+#include "slicemorph/errors.h"
 
 #include <algorithm>
 

@@ -1,17 +1,18 @@
 #pragma once
 
-#include "io/exr_slice.h"
+#include "io/exr/exr_slice.h"
 #include "io/input.h"
+#include "slicemorph/note.h"
 
 namespace slicemorph {
 
 /// What an input holds, grid by grid.
 struct InputGrids {
-  std::vector<SliceGrid> grids;    ///< with voxels, in the file's order; a surface that was asked for last
-  FloatGrid::ConstPtr shape;       ///< its shape as a level set; null where none was needed
-  std::string units;               ///< "mm" of images, else "world units"
-  openvdb::MetaMap metadata;       ///< of a VDB file
-  std::vector<std::string> notes;  ///< what was chosen, converted, left out, one sentence each
+  std::vector<SliceGrid> grids;  ///< with voxels, in the file's order; a surface that was asked for last
+  FloatGrid::ConstPtr shape;     ///< its shape as a level set; null where none was needed
+  std::string units;             ///< "mm" of images, else "world units"
+  openvdb::MetaMap metadata;     ///< of a VDB file
+  Notes notes;                   ///< what was chosen, converted, left out, one sentence each
 };
 
 /// Reads any input of the command line as grids: all of a VDB's as they are (`file.vdb:grid` that one alone),

@@ -1,11 +1,11 @@
 #include "io/output.h"
 
-#include "engine/errors.h"
 #include "engine/volume/surface_colors.h"
 #include "engine/volume/voxelise.h"
-#include "io/mesh_writer.h"
+#include "io/mesh/mesh_writer.h"
 #include "io/paths.h"
-#include "io/vdb_writer.h"
+#include "io/vdb/vdb_writer.h"
+#include "slicemorph/errors.h"
 
 #include <unistd.h>
 

@@ -1,6 +1,6 @@
 #include "io/paths.h"
 
-#include "engine/errors.h"
+#include "slicemorph/errors.h"
 
 #include <unistd.h>
 

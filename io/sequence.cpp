@@ -1,7 +1,7 @@
 #include "io/sequence.h"
 
-#include "engine/errors.h"
 #include "io/output.h"
+#include "slicemorph/errors.h"
 
 #include <algorithm>
 #include <filesystem>

@@ -1,7 +1,7 @@
 #include "io/whole_file.h"
 
-#include "engine/errors.h"
 #include "io/paths.h"
+#include "slicemorph/errors.h"
 
 #include <fstream>
 

@@ -59,11 +59,11 @@ morph-labels      morph creature.nii.gz ring.nrrd -o mask.##.nii.gz --frames 3 -
 morph-grey        morph from_dicom.mha grey.nii.gz -o grey.##.nrrd --frames 3 --iso 300/250 --slices 48 --align none
 morph-marks       morph assets/creature.ply assets/amphora.ply -o marks.vdb --at 0.5 --landmarks a.txt,b.txt SMALL --report marks.json
 slice-axis        slice pair.0002.vdb -o cut.exr --axis 1,0.5,2 --slices 12
-slice-spine       slice pair.0002.vdb -o leaning.exr --spine --slices 6 --half --compression piz --tiles
+slice-spine       slice pair.0002.vdb -o leaning.exr --spine --slices 6 --half --compression piz --tiles 32
 slice-planes      slice smoke.0002.vdb -o planes.####.exr --plane 0,0.5,0/0,1,0 --pixel-size 0.1
 rebuild-slices    reconstruct cut.exr -o again.vdb
 rebuild-labels    reconstruct creature.nii.gz -o dense.nii.gz --between 2
-rebuild-contours  reconstruct two.csl -o contours.stl --resolution 40
+rebuild-contours  reconstruct two.csl -o contours.stl --voxel-size 0.1
 render-png        render pair.####.vdb -o picture.####.png --contact-sheet sheet.png --size 80x60
 render-fog        render smoke.0002.vdb -o fog.exr --size 80x60
 render-turn       render pair.0003.vdb -o turn.####.png --turntable 2 --ortho --size 60x60

@@ -4,7 +4,7 @@
 #   ./tools/demo.sh --real   real scans: the Stanford bunny -> the dragon (from npm, else from a Debian package)
 set -euo pipefail
 cd "$(dirname "$0")/.."
-source tools/setup.sh
+source tools/dev/setup.sh
 
 frames=9
 

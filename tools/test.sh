@@ -3,7 +3,7 @@
 # minutes. Usage: ./tools/test.sh [options of ctest, for example -R render]
 set -euo pipefail
 cd "$(dirname "$0")/.."
-source tools/setup.sh
+source tools/dev/setup.sh
 
 install_packages "${packages[@]}" "${test_packages[@]}"
 cmake_options=(-DSLICEMORPH_TESTS=ON)

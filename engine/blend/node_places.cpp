@@ -1,6 +1,6 @@
 #include "engine/blend/node_places.h"
 
-#include "engine/match/catmull_rom.h"
+#include "engine/numerics/catmull_rom.h"
 
 #include <tbb/parallel_for.h>
 

@@ -1,10 +1,10 @@
 #include "engine/follow/moving_mesh.h"
 
-#include "engine/errors.h"
 #include "engine/follow/onto_surface.h"
 #include "engine/measure/measure.h"
 #include "engine/volume/surface_colors.h"
 #include "engine/volume/voxelise.h"
+#include "slicemorph/errors.h"
 
 #include <cmath>
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "engine/slicemorph.h"
-#include "engine/volume/mesh.h"
+#include "slicemorph/mesh.h"
+#include "slicemorph/slicemorph.h"
 
 namespace slicemorph {
 

@@ -1,6 +1,6 @@
 #include "engine/follow/onto_surface.h"
 
-#include "engine/errors.h"
+#include "slicemorph/errors.h"
 
 #include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/VolumeToSpheres.h>

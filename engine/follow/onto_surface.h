@@ -1,7 +1,7 @@
 #pragma once
 
-#include "engine/conventions.h"
-#include "engine/volume/mesh.h"
+#include "slicemorph/conventions.h"
+#include "slicemorph/mesh.h"
 
 namespace slicemorph {
 

@@ -1,8 +1,8 @@
 #include "engine/frame/align.h"
 
-#include "engine/errors.h"
 #include "engine/frame/feature_turns.h"
 #include "engine/frame/moments.h"
+#include "slicemorph/errors.h"
 
 #include <tbb/parallel_for.h>
 

@@ -1,8 +1,9 @@
 #pragma once
 
-#include "engine/slicemorph.h"
 #include "engine/spine/chart.h"
 #include "engine/volume/distance_field.h"
+#include "slicemorph/note.h"
+#include "slicemorph/slicemorph.h"
 
 #include <optional>
 
@@ -11,9 +12,9 @@ namespace slicemorph {
 using Fields = std::vector<std::shared_ptr<const DistanceField>>;
 
 struct Frames {
-  std::vector<Chart> charts;       ///< one per object
-  double halfLength = 1;           ///< the common half length along the spine, chart units
-  std::vector<std::string> notes;  ///< what was decided
+  std::vector<Chart> charts;  ///< one per object
+  double halfLength = 1;      ///< the common half length along the spine, chart units
+  Notes notes;                ///< what was decided
 };
 
 /// A rotation that may carry one object's directions to another's.

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "engine/conventions.h"
-#include "engine/guidance.h"
+#include "slicemorph/conventions.h"
+#include "slicemorph/guidance.h"
 
 namespace slicemorph {
 

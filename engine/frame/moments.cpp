@@ -1,6 +1,6 @@
 #include "engine/frame/moments.h"
 
-#include "engine/errors.h"
+#include "slicemorph/errors.h"
 
 #include <Eigen/Eigenvalues>
 

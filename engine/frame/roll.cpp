@@ -169,8 +169,8 @@ Roll findRoll(const DistanceField& a, const Chart& chartA, const DistanceField& 
     trust[size_t(i)] = weight[size_t(i)] * kSlices / total * std::max(fall, 0.0);
   }
   // Round slices tell no angle of their own.
-  const double told = std::accumulate(trust.begin(), trust.end(), 0.0) / kSlices;
-  if (told < kLeastFall) {
+  const double prescribed = std::accumulate(trust.begin(), trust.end(), 0.0) / kSlices;
+  if (prescribed < kLeastFall) {
     roll.along.assign(Bend::kStations, roll.steady);
     return roll;
   }

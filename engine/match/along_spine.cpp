@@ -1,6 +1,6 @@
 #include "engine/match/along_spine.h"
 
-#include "engine/match/degree.h"
+#include "engine/numerics/smoothstep.h"
 
 #include <tbb/parallel_for.h>
 
@@ -173,7 +173,8 @@ AlongSpine matchAlongSpine(const Fields& fields, const std::vector<Chart>& chart
   for (size_t k = 1; k < objects; ++k) {
     const HalfShifts h = halfShifts(slices[0], slices[k], size_t(fine.nx) * fine.ny);
     result.before += h.before / double(objects - 1), result.after += h.after / double(objects - 1);
-    const double share = degree(h.after - h.before, kNoGain, kClearGain) * degree(h.after, kUnlike, kAlike);
+    const double share =
+        smoothstep(h.after - h.before, kNoGain, kClearGain) * smoothstep(h.after, kUnlike, kAlike);
     taken = std::max(taken, share);
     std::vector<double> a, b;
     for (int i = 0; i < kSlices; ++i) {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/contours/contours.h"
-#include "engine/match/lattice.h"
+#include "engine/numerics/lattice.h"
 
 namespace slicemorph {
 

@@ -1,9 +1,9 @@
 #include "engine/match/choose_frames.h"
 
-#include "engine/errors.h"
 #include "engine/frame/feature_turns.h"
 #include "engine/frame/spine_frames.h"
 #include "engine/match/register.h"
+#include "slicemorph/errors.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -28,16 +28,17 @@ constexpr double kFeatureSlack = 0.3;
 std::vector<Turn> turnsToTry(const Fields& pair, const std::vector<Vec3d>& from, const std::vector<Vec3d>& to,
                              const Vec3d& up) {
   std::vector<Turn> turns = proposeTurns(*pair[0], *pair[1], up);
-  const std::vector<Mat3d> told = turnsOf(from, to);
-  if (told.empty()) return turns;
-  double best = misfit(from, to, told[0]);
-  for (const Mat3d& rotation : told) best = std::min(best, misfit(from, to, rotation));
+  const std::vector<Mat3d> prescribed = turnsOf(from, to);
+  if (prescribed.empty()) return turns;
+  double best = misfit(from, to, prescribed[0]);
+  for (const Mat3d& rotation : prescribed) best = std::min(best, misfit(from, to, rotation));
   turns.erase(
       std::remove_if(turns.begin(), turns.end(),
                      [&](const Turn& t) { return misfit(from, to, t.rotation) > best + kFeatureSlack; }),
       turns.end());
   if (turns.empty())
-    for (const Mat3d& rotation : told) turns.push_back({rotation, rotationVector(rotation).length(), 0});
+    for (const Mat3d& rotation : prescribed)
+      turns.push_back({rotation, rotationVector(rotation).length(), 0});
   return turns;
 }
 
@@ -68,7 +69,7 @@ double turnPrice(const Frames& frames, const Vec3d& up) {
 Frames straightFrames(const Fields& fields, const std::vector<std::string>& names,
                       const MorphOptions& options, Progress& progress) {
   std::vector<Mat3d> rotations(fields.size(), Mat3d::identity());
-  std::vector<std::string> notes;
+  Notes notes;
   for (size_t k = 1; k < fields.size() && options.align != Align::kNone; ++k) {
     // Only two shapes are looked at here, and the features tell of all.
     MorphOptions pairOptions = options;

@@ -225,7 +225,7 @@ Vec3d placeAlong(const std::vector<Vec3d>& line, double share) {
   return evenly(line, kSteps)[size_t(std::lround(share * kSteps))];
 }
 
-bool isToldOf(const PlacedLimb& limb, const std::vector<PlacedLimb>& lines) {
+bool isPrescribedBy(const PlacedLimb& limb, const std::vector<PlacedLimb>& lines) {
   const size_t outer = limb.chart.size() / 2;
   for (const PlacedLimb& line : lines)
     for (size_t i = outer; i < limb.chart.size(); ++i)
@@ -235,7 +235,7 @@ bool isToldOf(const PlacedLimb& limb, const std::vector<PlacedLimb>& lines) {
 }
 
 std::vector<Feature> featuresInReach(const std::vector<Feature>& features, const Fields& fields,
-                                     std::vector<std::string>& notes) {
+                                     Notes& notes) {
   std::vector<Feature> result;
   for (const Feature& feature : features) {
     bool near = false;
@@ -250,10 +250,9 @@ std::vector<Feature> featuresInReach(const std::vector<Feature>& features, const
   return result;
 }
 
-std::vector<std::string> contradictions(const std::vector<Feature>& features,
-                                        const std::vector<Chart>& charts, const Displacements& map,
-                                        double size) {
-  std::vector<std::string> warnings;
+Notes contradictions(const std::vector<Feature>& features, const std::vector<Chart>& charts,
+                     const Displacements& map, double size) {
+  Notes warnings;
   if (features.empty()) return warnings;
   std::vector<MiddleGuess> guesses;
   for (const VectorField& field : map.of) guesses.emplace_back(map.lattice, field);
@@ -263,7 +262,7 @@ std::vector<std::string> contradictions(const std::vector<Feature>& features,
     places.push_back(checkedPlaces(feature, charts));
     miss.push_back(missOf(places.back(), map, guesses));
   }
-  std::set<std::pair<size_t, size_t>> told;
+  std::set<std::pair<size_t, size_t>> prescribed;
   for (size_t i = 0; i < features.size(); ++i) {
     if (!(miss[i] > kUnmet * size)) continue;
     size_t against = i;
@@ -273,12 +272,14 @@ std::vector<std::string> contradictions(const std::vector<Feature>& features,
     char off[64];
     std::snprintf(off, sizeof off, "%.3g world units", miss[i] * charts[0].meanScale());
     if (against == i || most < 1) {
-      warnings.push_back("warning: feature '" + features[i].name + "' is missed by " + off +
-                         ": no map without folds meets it");
-    } else if (told.insert(std::minmax(i, against)).second) {
-      warnings.push_back("warning: features '" + features[i].name + "' and '" + features[against].name +
-                         "' contradict each other: no map without folds meets both; '" + features[i].name +
-                         "' is missed by " + off);
+      warnings.push_back(
+          {"features.contradict", Severity::kWarning, "",
+           "feature '" + features[i].name + "' is missed by " + off + ": no map without folds meets it"});
+    } else if (prescribed.insert(std::minmax(i, against)).second) {
+      warnings.push_back({"features.contradict", Severity::kWarning, "",
+                          "features '" + features[i].name + "' and '" + features[against].name +
+                              "' contradict each other: no map without folds meets both; '" +
+                              features[i].name + "' is missed by " + off});
     }
   }
   return warnings;

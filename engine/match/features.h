@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/match/limb_groups.h"
+#include "slicemorph/note.h"
 
 namespace slicemorph {
 
@@ -19,17 +20,16 @@ FeaturePoints placeFeatures(const std::vector<Feature>& features, const Fields& 
 Vec3d placeAlong(const std::vector<Vec3d>& line, double share);
 
 /// Whether a limb lies along a line of the same object.
-bool isToldOf(const PlacedLimb& limb, const std::vector<PlacedLimb>& lines);
+bool isPrescribedBy(const PlacedLimb& limb, const std::vector<PlacedLimb>& lines);
 
 /// The features without those that lie far from every object's surface, which have nothing to hold on to;
 /// their names go into `notes`.
 std::vector<Feature> featuresInReach(const std::vector<Feature>& features, const Fields& fields,
-                                     std::vector<std::string>& notes);
+                                     Notes& notes);
 
 /// What features a map does not meet although it was asked to, and with which other ones they are at odds,
 /// one warning each.
-std::vector<std::string> contradictions(const std::vector<Feature>& features,
-                                        const std::vector<Chart>& charts, const Displacements& map,
-                                        double size);
+Notes contradictions(const std::vector<Feature>& features, const std::vector<Chart>& charts,
+                     const Displacements& map, double size);
 
 }  // namespace slicemorph

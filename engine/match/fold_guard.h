@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/match/lattice.h"
+#include "engine/numerics/lattice.h"
 
 namespace slicemorph {
 

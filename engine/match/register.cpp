@@ -1,14 +1,14 @@
 #include "engine/match/register.h"
 
-#include "engine/errors.h"
 #include "engine/match/along_spine.h"
-#include "engine/match/degree.h"
 #include "engine/match/features.h"
 #include "engine/match/fit_field.h"
 #include "engine/match/flow.h"
 #include "engine/match/fold_guard.h"
 #include "engine/match/limb_groups.h"
 #include "engine/match/soft_match.h"
+#include "engine/numerics/smoothstep.h"
+#include "slicemorph/errors.h"
 
 #include <tbb/parallel_for.h>
 
@@ -161,7 +161,7 @@ class Registrar {
     std::vector<MiddleGuess> guesses;        ///< then, per object
     double overlap = 0;
     double bonus = 0;  ///< what the overlap does not show
-    std::vector<std::string> notes;
+    Notes notes;
 
     double value() const { return overlap + bonus; }
   };
@@ -318,7 +318,7 @@ class Registrar {
     std::vector<Correspondence> matched, all;
     int matches = 0, grown = 0;
     for (const LimbGroup& group : groupLimbs(limbs, fields_, charts_, now_.map, size_)) {
-      if (isTold(group)) continue;
+      if (isPrescribed(group)) continue;
       const std::vector<Correspondence> points = limbPoints(group.limb);
       all.insert(all.end(), points.begin(), points.end());
       ++(group.grows ? grown : matches);
@@ -339,7 +339,7 @@ class Registrar {
     const std::vector<Vec3d> still = stillPoints(moving);
     double most = without + kNoDoubt;
     std::vector<State> candidates{now_};
-    std::vector<std::string> notes;
+    Notes notes;
     const auto consider = [&](const std::vector<Correspondence>& points, double bonus, const char* name) {
       State state = following(now_, points, still);
       state.bonus = bonus;
@@ -362,9 +362,9 @@ class Registrar {
   }
 
   /// Whether a user's line says where a limb goes.
-  bool isTold(const LimbGroup& group) const {
+  bool isPrescribed(const LimbGroup& group) const {
     for (size_t k = 0; k < objects_; ++k)
-      if (isToldOf(group.limb[k], features_.limbs[k])) return true;
+      if (isPrescribedBy(group.limb[k], features_.limbs[k])) return true;
     return false;
   }
 
@@ -413,7 +413,7 @@ class Registrar {
   /// do not gain more than `nothing`, wholly from a gain of `all`.
   double takeAsFarAsBetter(const Displacements& map, double nothing, double all, const char* name) {
     const double overlap = overlapOf(map);
-    const double share = degree(overlap - now_.overlap, nothing, all);
+    const double share = smoothstep(overlap - now_.overlap, nothing, all);
     char text[128];
     std::snprintf(text, sizeof text, "%s: overlap %.3f, taken to %.0f %%", name, overlap, 100 * share);
     now_.notes.push_back(text);
@@ -702,7 +702,7 @@ class Registrar {
     removeFolds(fine, 0.1);
     result_.overlapAfter = overlapOf(fine);
     if (last)
-      for (const std::string& warning : contradictions(options_.features, charts_, fine, size_))
+      for (const Note& warning : contradictions(options_.features, charts_, fine, size_))
         now_.notes.push_back(warning);
     result_.map = std::move(fine), result_.base = std::move(now_.base), result_.notes = std::move(now_.notes);
   }

@@ -2,6 +2,7 @@
 
 #include "engine/frame/align.h"
 #include "engine/match/contour_pairs.h"
+#include "slicemorph/note.h"
 
 #include <optional>
 
@@ -17,7 +18,7 @@ struct Registration {
   std::vector<ContourPair> pairs;
   double overlapBefore = 0;  ///< of the objects in chart space, intersection over union
   double overlapAfter = 0;   ///< of the warped objects in the middle space
-  std::vector<std::string> notes;
+  Notes notes;
 };
 
 /// Slices the objects, traces and matches their contours, and grows from the trusted pairs a fold-free map

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/conventions.h"
+#include "slicemorph/conventions.h"
 
 namespace slicemorph {
 

@@ -1,10 +1,10 @@
 #include "engine/mean/match_through_mean.h"
 
 #include "engine/blend/moving_lattice.h"
-#include "engine/errors.h"
 #include "engine/match/features.h"
 #include "engine/match/fold_guard.h"
 #include "engine/rebuild/rebuild.h"
+#include "slicemorph/errors.h"
 
 #include <tbb/parallel_for.h>
 

@@ -1,5 +1,5 @@
-#include "engine/errors.h"
 #include "engine/measure/measure.h"
+#include "slicemorph/errors.h"
 
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>

@@ -1,5 +1,5 @@
 #include "engine/peers/peers.h"
-#include "engine/rebuild/carrier.h"
+#include "engine/rebuild/pullback.h"
 
 namespace slicemorph {
 
@@ -10,16 +10,16 @@ constexpr double kNodeSpacing = 16;
 
 }  // namespace
 
-Carrier dissolve(const Weights& weights) {
-  auto carrier = std::make_unique<Carrier::Impl>();
-  carrier->alone = aloneIn(weights);
-  carrier->weights = withoutNegatives(weights);
-  carrier->shapeOf.assign(weights.size(), 0);
-  carrier->shapeWeights = {1};
-  carrier->anchors = {Vec3d(0.0)};
-  carrier->sizes = {1};
-  carrier->imageSpacing = kNodeSpacing;
-  return Carrier(std::move(carrier));
+Pullback dissolve(const Weights& weights) {
+  auto pullback = std::make_unique<Pullback::Impl>();
+  pullback->alone = aloneIn(weights);
+  pullback->weights = withoutNegatives(weights);
+  pullback->shapeOf.assign(weights.size(), 0);
+  pullback->shapeWeights = {1};
+  pullback->anchors = {Vec3d(0.0)};
+  pullback->sizes = {1};
+  pullback->imageSpacing = kNodeSpacing;
+  return Pullback(std::move(pullback));
 }
 
 }  // namespace slicemorph

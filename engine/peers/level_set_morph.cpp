@@ -1,8 +1,8 @@
-#include "engine/errors.h"
 #include "engine/measure/matching_grid.h"
 #include "engine/measure/measure.h"
 #include "engine/peers/peers.h"
 #include "engine/volume/voxelise.h"
+#include "slicemorph/errors.h"
 
 #include <openvdb/tools/LevelSetMorph.h>
 #include <openvdb/tree/LeafManager.h>

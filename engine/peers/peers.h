@@ -1,8 +1,8 @@
 #pragma once
 
-#include "engine/conventions.h"
-#include "engine/progress.h"
-#include "engine/slicemorph.h"
+#include "slicemorph/conventions.h"
+#include "slicemorph/progress.h"
+#include "slicemorph/slicemorph.h"
 
 /// The classic alternatives, as honest peers to measure against.
 namespace slicemorph {
@@ -22,7 +22,7 @@ class SdfBlend {
 };
 
 /// Cross-dissolve: values are blended where they are, nothing moves. Weights as MorphPlan::carrier().
-Carrier dissolve(const Weights& weights);
+Pullback dissolve(const Weights& weights);
 
 /// OpenVDB's LevelSetMorphing (Breen and Whitaker 2001, as in Museth's DB+grid) from `source` to `target`.
 struct LevelSetMorphResult {

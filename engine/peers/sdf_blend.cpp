@@ -1,7 +1,7 @@
-#include "engine/errors.h"
 #include "engine/peers/peers.h"
 #include "engine/rebuild/sweep_band.h"
 #include "engine/volume/distance_field.h"
+#include "slicemorph/errors.h"
 
 #include <openvdb/tools/SignedFloodFill.h>
 #include <tbb/parallel_for.h>

@@ -1,6 +1,6 @@
 #include "engine/rebuild/add_vectors.h"
 
-#include "engine/errors.h"
+#include "slicemorph/errors.h"
 
 #include <openvdb/tools/Interpolation.h>
 #include <openvdb/tree/LeafManager.h>

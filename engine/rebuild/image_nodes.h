@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/rebuild/warp_grid.h"
-#include "engine/volume/image.h"
+#include "slicemorph/image.h"
 
 namespace slicemorph {
 

@@ -1,6 +1,6 @@
 #include "engine/rebuild/local_block.h"
 
-#include "engine/match/catmull_rom.h"
+#include "engine/numerics/catmull_rom.h"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/conventions.h"
+#include "slicemorph/conventions.h"
 
 /// Level sets by fast sweeping (Zhao 2005, in OpenVDB), trimmed to `band` world units.
 namespace slicemorph {

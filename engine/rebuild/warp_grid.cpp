@@ -2,10 +2,10 @@
 
 #include "engine/blend/node_places.h"
 #include "engine/blend/node_stretch.h"
-#include "engine/errors.h"
 #include "engine/rebuild/active_blocks.h"
 #include "engine/rebuild/local_block.h"
 #include "engine/volume/surface_colors.h"
+#include "slicemorph/errors.h"
 
 #include <openvdb/tools/SignedFloodFill.h>
 #include <tbb/parallel_for.h>

@@ -1,6 +1,6 @@
 #include "engine/reconstruct/contour_labels.h"
 
-#include "engine/errors.h"
+#include "slicemorph/errors.h"
 
 #include <openvdb/tools/Interpolation.h>
 #include <tbb/parallel_for.h>

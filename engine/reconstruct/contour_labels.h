@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/reconstruct/contour_surface.h"
-#include "engine/volume/image.h"
+#include "slicemorph/image.h"
 
 namespace slicemorph {
 

@@ -1,6 +1,5 @@
 #include "engine/reconstruct/contour_surface.h"
 
-#include "engine/errors.h"
 #include "engine/rebuild/redistance.h"
 #include "engine/reconstruct/meet_contours.h"
 #include "engine/reconstruct/plane_profile.h"
@@ -8,6 +7,7 @@
 #include "engine/reconstruct/thin_plate.h"
 #include "engine/volume/manifold.h"
 #include "engine/volume/voxelise.h"
+#include "slicemorph/errors.h"
 
 #include <tbb/parallel_for.h>
 
@@ -610,7 +610,7 @@ class Specks {
 }  // namespace
 
 double contourVoxelSize(const ContourSet& set) {
-  std::vector<std::string> notes;
+  Notes notes;
   return defaultVoxelSize(cleanPlanes(set, notes));
 }
 

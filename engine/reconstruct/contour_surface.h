@@ -1,8 +1,9 @@
 #pragma once
 
-#include "engine/progress.h"
 #include "engine/reconstruct/contour_planes.h"
-#include "engine/volume/mesh.h"
+#include "slicemorph/mesh.h"
+#include "slicemorph/note.h"
+#include "slicemorph/progress.h"
 
 namespace slicemorph {
 
@@ -15,7 +16,7 @@ struct ContourSurface {
   double voxelSize = 0;
   double gap = 0;              ///< usual distance between neighbouring planes, world units
   double farthestContour = 0;  ///< largest distance of a given contour point to the surface (to first order)
-  std::vector<std::string> notes;
+  Notes notes;
 };
 
 /// 0.6 of the usual distance between a contour's points, at most 0.3 of the usual gap between planes, so that

@@ -1,5 +1,5 @@
-#include "engine/errors.h"
 #include "engine/reconstruct/label_slices.h"
+#include "slicemorph/errors.h"
 
 #include <algorithm>
 #include <cmath>

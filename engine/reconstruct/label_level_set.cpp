@@ -1,6 +1,6 @@
 #include "engine/reconstruct/label_level_set.h"
 
-#include "engine/errors.h"
+#include "slicemorph/errors.h"
 
 #include <openvdb/tools/Dense.h>
 #include <tbb/parallel_for.h>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "engine/conventions.h"
 #include "engine/reconstruct/slice_scores.h"
+#include "slicemorph/conventions.h"
 
 namespace slicemorph {
 

@@ -1,7 +1,7 @@
 #include "engine/reconstruct/label_slices.h"
 
-#include "engine/errors.h"
 #include "engine/reconstruct/mask_distance.h"
+#include "slicemorph/errors.h"
 
 #include <tbb/parallel_for.h>
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/reconstruct/slice_scores.h"
-#include "engine/volume/image.h"
+#include "slicemorph/image.h"
 
 namespace slicemorph {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/reconstruct/contour_planes.h"
-#include "engine/volume/mesh.h"
+#include "slicemorph/mesh.h"
 
 namespace slicemorph {
 

@@ -235,8 +235,7 @@ PlaneContours planeAt(const Vec3d& origin, const Vec3d& normal) {
   return plane;
 }
 
-PlaneSection sectionOf(const PlaneContours& plane, double tolerance, const std::string& where,
-                       std::vector<std::string>& notes) {
+PlaneSection sectionOf(const PlaneContours& plane, double tolerance, const std::string& where, Notes& notes) {
   PlaneSection section;
   section.frame = plane;
   section.frame.loops.clear();

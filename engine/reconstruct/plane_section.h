@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/reconstruct/contour_planes.h"
+#include "slicemorph/note.h"
 
 namespace slicemorph {
 
@@ -18,8 +19,7 @@ struct PlaneSection {
 /// that crosses itself encloses twice; a line that a contour runs in and out along (a keyhole) is no edge;
 /// contours that cross each other are joined; of contours given twice one is taken. `where` begins the notes
 /// that say so. `tolerance`: world units, below which two points are the same.
-PlaneSection sectionOf(const PlaneContours& plane, double tolerance, const std::string& where,
-                       std::vector<std::string>& notes);
+PlaneSection sectionOf(const PlaneContours& plane, double tolerance, const std::string& where, Notes& notes);
 
 /// Signed distance to a section's edges on a grid of pixels, negative inside (Danielsson 1980, with exact
 /// distances to the edge handed on).

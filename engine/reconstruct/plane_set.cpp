@@ -1,6 +1,6 @@
 #include "engine/reconstruct/plane_set.h"
 
-#include "engine/errors.h"
+#include "slicemorph/errors.h"
 
 #include <tbb/parallel_for.h>
 
@@ -105,7 +105,7 @@ std::string millimetres(double v) {
 }
 
 /// Of a stack of parallel planes: gaps that are not the usual one, next to contours.
-void noteGaps(const std::string& name, const PlaneSet& planes, std::vector<std::string>& notes) {
+void noteGaps(const std::string& name, const PlaneSet& planes, Notes& notes) {
   constexpr double kStack = 1 - 1e-6, kUneven = 0.1;  // cosine; share of the gap
   constexpr int kNamed = 5;
   const Vec3d normal = planes.sections[0].frame.normal;
@@ -175,7 +175,7 @@ double PlaneSet::capHeight(int plane, const Vec3d& p, int side) const {
   return 0.5 * (behind < kInfinite ? std::clamp(behind, 0.5 * gap, 1.5 * gap) : gap);
 }
 
-PlaneSet cleanPlanes(const ContourSet& set, std::vector<std::string>& notes) {
+PlaneSet cleanPlanes(const ContourSet& set, Notes& notes) {
   PlaneSet planes;
   const double tolerance = 1e-6 * std::max(extentOf(set), 1e-30);
   int filled = 0;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/reconstruct/plane_section.h"
+#include "slicemorph/note.h"
 
 namespace slicemorph {
 
@@ -40,7 +41,7 @@ struct Sampling {
 
 /// Cleans the regions; `notes` takes what had to be repaired. Throws GeometryError without contours on two
 /// planes.
-PlaneSet cleanPlanes(const ContourSet& set, std::vector<std::string>& notes);
+PlaneSet cleanPlanes(const ContourSet& set, Notes& notes);
 Sampling samplingOf(const PlaneSet& planes);
 /// Splits the edges and makes the images.
 void makeImages(PlaneSet& planes, double step);

@@ -1,6 +1,6 @@
 #include "engine/reconstruct/section_slabs.h"
 
-#include "engine/errors.h"
+#include "slicemorph/errors.h"
 
 #include <algorithm>
 #include <cmath>

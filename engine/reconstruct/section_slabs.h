@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/slices/section_plane.h"
+#include "engine/sections/section_plane.h"
 
 namespace slicemorph {
 

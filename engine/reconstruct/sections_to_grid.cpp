@@ -1,10 +1,10 @@
 #include "engine/reconstruct/sections_to_grid.h"
 
-#include "engine/errors.h"
 #include "engine/rebuild/redistance.h"
 #include "engine/rebuild/sweep_band.h"
 #include "engine/reconstruct/section_slabs.h"
-#include "engine/slices/object_boxes.h"
+#include "engine/sections/object_boxes.h"
+#include "slicemorph/errors.h"
 
 #include <tbb/parallel_for.h>
 

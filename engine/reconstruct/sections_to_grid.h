@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/slices/section.h"
+#include "engine/sections/section.h"
 
 namespace slicemorph {
 

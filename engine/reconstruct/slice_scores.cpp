@@ -1,7 +1,7 @@
 #include "engine/reconstruct/slice_scores.h"
 
-#include "engine/errors.h"
 #include "engine/reconstruct/regions.h"
+#include "slicemorph/errors.h"
 
 #include <tbb/parallel_for.h>
 

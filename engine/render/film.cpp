@@ -1,6 +1,6 @@
 #include "engine/render/film.h"
 
-#include "engine/errors.h"
+#include "slicemorph/errors.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "engine/conventions.h"
 #include "engine/render/camera.h"
 #include "engine/render/picture.h"
+#include "slicemorph/conventions.h"
 
 #include <utility>
 

@@ -1,7 +1,7 @@
 #include "engine/render/render.h"
 
-#include "engine/errors.h"
 #include "engine/volume/color_sampler.h"
+#include "slicemorph/errors.h"
 
 #include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/RayIntersector.h>

@@ -1,8 +1,8 @@
 #include "engine/render/render_fog.h"
 
-#include "engine/errors.h"
 #include "engine/render/black_body.h"
 #include "engine/render/light_field.h"
+#include "slicemorph/errors.h"
 
 #include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/RayIntersector.h>

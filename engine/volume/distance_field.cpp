@@ -1,6 +1,6 @@
 #include "engine/volume/distance_field.h"
 
-#include "engine/errors.h"
+#include "slicemorph/errors.h"
 
 #include <tbb/parallel_for.h>
 

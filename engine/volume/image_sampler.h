@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/volume/image.h"
+#include "slicemorph/image.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>

@@ -1,7 +1,7 @@
 #include "engine/volume/image_shape.h"
 
-#include "engine/errors.h"
 #include "engine/volume/image_grid.h"
+#include "slicemorph/errors.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>

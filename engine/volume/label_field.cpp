@@ -1,6 +1,6 @@
 #include "engine/volume/label_field.h"
 
-#include "engine/volume/distance_transform.h"
+#include "engine/numerics/distance_transform.h"
 #include "engine/volume/image_shape.h"
 
 #include <tbb/parallel_for.h>

@@ -1,7 +1,7 @@
 #include "engine/volume/level_set.h"
 
-#include "engine/errors.h"
 #include "engine/volume/voxelise.h"
+#include "slicemorph/errors.h"
 
 #include <openvdb/math/FiniteDifference.h>
 #include <openvdb/tree/LeafManager.h>

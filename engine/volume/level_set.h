@@ -1,6 +1,7 @@
 #pragma once
 
-#include "engine/volume/mesh.h"
+#include "slicemorph/mesh.h"
+#include "slicemorph/note.h"
 
 #include <string>
 
@@ -8,8 +9,8 @@ namespace slicemorph {
 
 struct LevelSetInput {
   FloatGrid::Ptr grid;
-  std::vector<std::string> notes;  ///< what had to be changed, one sentence each
-  bool fog = false;                ///< it was a fog volume
+  Notes notes;       ///< what had to be changed, one sentence each
+  bool fog = false;  ///< it was a fog volume
 };
 
 /// How toLevelSet reads a grid.

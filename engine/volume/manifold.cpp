@@ -1,6 +1,6 @@
 #include "engine/volume/manifold.h"
 
-#include "engine/errors.h"
+#include "slicemorph/errors.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>

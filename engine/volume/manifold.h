@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/volume/mesh.h"
+#include "slicemorph/mesh.h"
 
 namespace slicemorph {
 

@@ -1,6 +1,6 @@
 #include "engine/volume/repair_mesh.h"
 
-#include "engine/errors.h"
+#include "slicemorph/errors.h"
 
 #include <algorithm>
 #include <array>
@@ -621,7 +621,7 @@ void refuseUnusable(const Cleaned& c) {
   throw GeometryError(why.str());
 }
 
-void noteCleaning(const Cleaned& c, std::vector<std::string>& notes) {
+void noteCleaning(const Cleaned& c, Notes& notes) {
   if (c.faces.polygons) notes.push_back("triangulated " + plural(c.faces.polygons, "polygon"));
   if (c.welded.merged) notes.push_back("welded " + plural(c.welded.merged, "duplicate point"));
   if (c.welded.unused) notes.push_back("dropped " + plural(c.welded.unused, "point") + " that no face uses");
@@ -637,7 +637,7 @@ void noteCleaning(const Cleaned& c, std::vector<std::string>& notes) {
   }
 }
 
-void noteTurned(const Turned& turned, std::vector<std::string>& notes) {
+void noteTurned(const Turned& turned, Notes& notes) {
   if (turned.insideOut) {
     notes.push_back("turned " + plural(turned.insideOut, "inside-out shell") + " outwards");
   }

@@ -1,6 +1,7 @@
 #pragma once
 
-#include "engine/volume/mesh.h"
+#include "slicemorph/mesh.h"
+#include "slicemorph/note.h"
 
 #include <cstdint>
 #include <string>
@@ -39,7 +40,7 @@ struct MeshTopology {
 struct RepairedMesh {
   Mesh mesh;  ///< closed; every shell that is closed by itself wound outwards
   MeshTopology found;
-  std::vector<std::string> notes;  ///< what was changed, one sentence each with counts
+  Notes notes;  ///< what was changed, one sentence each with counts
 };
 
 /// Longest boundary loop that repairMesh fills, relative to the diagonal of the bounding box. (The largest

@@ -1,7 +1,7 @@
 #include "engine/volume/voxelise.h"
 
-#include "engine/errors.h"
 #include "engine/volume/manifold.h"
+#include "slicemorph/errors.h"
 
 #include <openvdb/tools/MeshToVolume.h>
 #include <openvdb/tools/VolumeToMesh.h>

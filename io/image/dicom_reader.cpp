@@ -1,6 +1,6 @@
 #include "io/image/dicom_reader.h"
 
-#include "io/dicom_elements.h"
+#include "io/image/dicom_elements.h"
 #include "io/image/itk_values.h"
 #include "io/image/straighten.h"
 #include "io/whole_file.h"
@@ -241,8 +241,7 @@ DicomFolder scanDicomFolder(const std::string& folder) {
   return found;
 }
 
-DicomSeries chooseDicomSeries(const std::string& path, const std::string& wanted,
-                              std::vector<std::string>& notes) {
+DicomSeries chooseDicomSeries(const std::string& path, const std::string& wanted, Notes& notes) {
   const bool folder = fs::is_directory(path);
   DicomFolder found =
       scanDicomFolder(folder                             ? path

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "io/image/image_file.h"
+#include "slicemorph/note.h"
 
 namespace slicemorph {
 
@@ -13,7 +14,7 @@ struct DicomSeries {
 /// The image series among the files of a folder, in the order of their UIDs; `notes`: what was passed over.
 struct DicomFolder {
   std::vector<DicomSeries> series;
-  std::vector<std::string> notes;
+  Notes notes;
 };
 DicomFolder scanDicomFolder(const std::string& folder);
 
@@ -25,7 +26,6 @@ ImageFile readDicomSeries(const std::string& folder, const DicomSeries& series);
 
 /// A folder, or `folder:N` with `series` N (from 1) or a UID; or one .dcm file, which stands for the series
 /// it belongs to. Throws InputError listing the series where there are several and none is chosen.
-DicomSeries chooseDicomSeries(const std::string& path, const std::string& series,
-                              std::vector<std::string>& notes);
+DicomSeries chooseDicomSeries(const std::string& path, const std::string& series, Notes& notes);
 
 }  // namespace slicemorph

@@ -1,10 +1,10 @@
 #include "io/image/image_file.h"
 
-#include "engine/errors.h"
 #include "io/image/itk_library.h"
 #include "io/image/nifti_reader.h"
 #include "io/image/stack_reader.h"
-#include "io/mesh_reader.h"
+#include "io/mesh/mesh_reader.h"
+#include "slicemorph/errors.h"
 
 #include <algorithm>
 #include <cctype>
@@ -50,7 +50,7 @@ void noteVolumes(const InputName& name, ImageFile& file) {
 std::vector<ImageFile> listSeries(const InputName& name) {
   std::error_code ignored;
   if (!name.grid.empty() || !std::filesystem::is_directory(name.path, ignored)) {
-    std::vector<std::string> notes;
+    Notes notes;
     ImageFile file =
         itkReaders().dicomSeries(name.path, itkReaders().chooseSeries(name.path, name.grid, notes));
     file.name = name.path + (name.grid.empty() ? "" : ":" + name.grid);
@@ -98,7 +98,7 @@ ImageFile readImage(const std::string& input, const ImageOptions& options) {
       file = itkReaders().metaImage(name.path, volumeOf(name));
       break;
     case Format::kDicom: {
-      std::vector<std::string> notes;
+      Notes notes;
       const DicomSeries series = itkReaders().chooseSeries(name.path, name.grid, notes);
       file = itkReaders().dicomSeries(name.path, series);
       file.notes.insert(file.notes.begin(), notes.begin(), notes.end());

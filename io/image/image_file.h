@@ -1,7 +1,8 @@
 #pragma once
 
-#include "engine/volume/image.h"
 #include "io/paths.h"
+#include "slicemorph/image.h"
+#include "slicemorph/note.h"
 
 #include <string>
 #include <vector>
@@ -15,7 +16,7 @@ struct ImageFile {
   std::string format;  ///< "NIfTI", "NRRD", "MetaImage", "DICOM series", "image stack"
   std::string about;   ///< what the file says of itself, for example modality and series; may be empty
   int volumes = 1;     ///< the file holds: times of a 4D file, or components of a voxel
-  std::vector<std::string> notes;  ///< what was repaired, chosen or assumed, one sentence each
+  Notes notes;         ///< what was repaired, chosen or assumed, one sentence each
 };
 
 struct ImageOptions {

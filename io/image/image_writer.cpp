@@ -1,9 +1,9 @@
 #include "io/image/image_writer.h"
 
-#include "engine/errors.h"
 #include "io/atomic_file.h"
 #include "io/image/raw_values.h"
 #include "io/paths.h"
+#include "slicemorph/errors.h"
 
 #include <nifti/nifti1.h>
 #include <zlib.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/volume/image.h"
+#include "slicemorph/image.h"
 
 #include <string>
 

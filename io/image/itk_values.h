@@ -1,7 +1,7 @@
 #pragma once
 
-#include "engine/errors.h"
 #include "io/image/raw_values.h"
+#include "slicemorph/errors.h"
 
 #include <itkImageIOBase.h>
 

@@ -1,6 +1,6 @@
 #include "io/image/load_library.h"
 
-#include "engine/errors.h"
+#include "slicemorph/errors.h"
 
 #include <dlfcn.h>
 
@@ -13,8 +13,8 @@ void* functionOf(const std::string& library, const char* environment, const char
                  const std::string& what) {
   std::error_code ignored;
   const auto beside = std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path() / library;
-  const char* told = std::getenv(environment);
-  void* loaded = dlopen(told ? told : beside.c_str(), RTLD_NOW | RTLD_LOCAL);
+  const char* prescribed = std::getenv(environment);
+  void* loaded = dlopen(prescribed ? prescribed : beside.c_str(), RTLD_NOW | RTLD_LOCAL);
   void* found = loaded ? dlsym(loaded, function) : nullptr;
   if (!found) throw IoError(what + " cannot be read: " + dlerror());
   return found;

@@ -1,7 +1,7 @@
 #include "io/image/nifti_reader.h"
 
-#include "engine/errors.h"
 #include "io/image/raw_values.h"
+#include "slicemorph/errors.h"
 
 #include <nifti/nifti1_io.h>
 

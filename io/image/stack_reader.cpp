@@ -1,10 +1,10 @@
 #include "io/image/stack_reader.h"
 
-#include "engine/errors.h"
 #include "io/image/load_library.h"
 #include "io/image/picture_plugin.h"
 #include "io/image/raw_values.h"
 #include "io/sequence.h"
+#include "slicemorph/errors.h"
 
 #include <tbb/parallel_for.h>
 

@@ -49,8 +49,7 @@ double usualGap(const std::vector<double>& along) {
 }
 
 /// Notes on gaps; returns whether all are alike.
-bool checkGaps(const SliceStackInput& stack, const Places& places, double gap,
-               std::vector<std::string>& notes) {
+bool checkGaps(const SliceStackInput& stack, const Places& places, double gap, Notes& notes) {
   size_t missing = 0, uneven = 0;
   std::string where;
   for (size_t i = 1; i < places.along.size(); ++i) {

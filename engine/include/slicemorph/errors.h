@@ -1,0 +1,48 @@
+#pragma once
+
+#include "slicemorph/note.h"
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace slicemorph {
+
+/// The base of all that the library throws on purpose. The note has what `what()` says, in parts.
+class Error : public std::runtime_error {
+ public:
+  explicit Error(Note note) : std::runtime_error(note.sentence()), note_(std::move(note)) {
+    note_.severity = Severity::kError;
+  }
+  explicit Error(const std::string& text) : Error(Note(text)) {}
+  explicit Error(const char* text) : Error(Note(text)) {}
+  /// `about`: the file, option or grid.
+  Error(const std::string& about, const std::string& text) : Error(Note("", Severity::kError, about, text)) {}
+
+  const Note& note() const { return note_; }
+
+ private:
+  Note note_;
+};
+
+/// An option or a call that cannot be carried out: the message names it, its value and what would be right.
+struct InputError : Error {
+  using Error::Error;
+};
+
+/// A file that cannot be read or written: the message names the file and the reason.
+struct IoError : Error {
+  using Error::Error;
+};
+
+/// Data that is readable but is no usable shape (open, empty, not orientable ...).
+struct GeometryError : Error {
+  using Error::Error;
+};
+
+/// The caller's cancel token was set.
+struct Cancelled : Error {
+  Cancelled() : Error("cancelled") {}
+};
+
+}  // namespace slicemorph

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "slicemorph/conventions.h"
+
+namespace slicemorph {
+
+/// Triangle mesh in world space.
+struct Mesh {
+  std::vector<openvdb::Vec3s> points;
+  std::vector<openvdb::Vec3I> triangles;
+  std::vector<openvdb::Vec3s> colors = {};  ///< per point, red, green, blue as the input has them; or none
+};
+
+}  // namespace slicemorph

@@ -1,0 +1,228 @@
+#include "engine/rebuild/pullback.h"
+
+#include "engine/blend/node_places.h"
+#include "engine/rebuild/warp_colors.h"
+#include "engine/rebuild/warp_image.h"
+#include "engine/rebuild/warp_labels.h"
+#include "engine/volume/resample_image.h"
+#include "engine/volume/surface_colors.h"
+#include "slicemorph/errors.h"
+
+#include <openvdb/tools/Morphology.h>
+#include <openvdb/tree/LeafManager.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace slicemorph {
+
+namespace {
+
+using openvdb::GridBase;
+using Transform = openvdb::math::Transform;
+
+/// Node maps that are kept; a file has mostly one transform.
+constexpr size_t kKeptMaps = 3;
+/// Voxels around what moves in which velocities are found.
+constexpr int kMostReach = 24;
+
+openvdb::Vec3STree::Ptr topologyOf(const GridBase& where) {
+  openvdb::Vec3STree::Ptr tree;
+  using Types = openvdb::TypeList<FloatGrid, openvdb::DoubleGrid, openvdb::Vec3SGrid, openvdb::BoolGrid,
+                                  openvdb::MaskGrid>;
+  const bool known = where.apply<Types>([&](const auto& grid) {
+    tree = std::make_shared<openvdb::Vec3STree>(grid.tree(), openvdb::Vec3s(0.f), openvdb::TopologyCopy());
+  });
+  if (!known) throw InputError("no velocities are made where a grid of " + where.valueType() + " is active");
+  tree->voxelizeActiveTiles();
+  return tree;
+}
+
+double fastest(const openvdb::Vec3SGrid& grid) {
+  double most = 0;
+  for (auto v = grid.cbeginValueOn(); v; ++v) most = std::max(most, double(v->lengthSqr()));
+  return std::sqrt(most);
+}
+
+}  // namespace
+
+Pullback::Pullback(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Pullback::~Pullback() = default;
+Pullback::Pullback(Pullback&&) noexcept = default;
+Pullback& Pullback::operator=(Pullback&&) noexcept = default;
+
+GridBase::ConstPtr Pullback::carry(const std::vector<GridBase::ConstPtr>& grids,
+                                   const PullbackOptions& options) {
+  Impl& p = *impl_;
+  if (grids.size() != p.weights.size())
+    throw InputError(std::to_string(grids.size()) + " grids were given for " +
+                     std::to_string(p.weights.size()) + " objects");
+  const auto first = std::find_if(grids.begin(), grids.end(), [](const auto& grid) { return bool(grid); });
+  if (first == grids.end()) throw InputError("none of the objects has a grid to carry");
+  const GridBase& like = **first;
+  if (!canCarry(like)) throw InputError("values of the type " + like.valueType() + " cannot be carried");
+  std::vector<CarriedGrid> carried;
+  const size_t heaviest = size_t(std::max_element(p.weights.begin(), p.weights.end()) - p.weights.begin());
+  bool half = true;
+  for (size_t k = 0; k < grids.size(); ++k) {
+    if (!grids[k]) continue;
+    half = half && grids[k]->saveFloatAsHalf();
+    if (p.alone == k && options.voxelSize == 0) return grids[k];
+    if (!p.counts(k) || !(isBlended(like) || k == heaviest)) continue;
+    const size_t shape = p.shapeOf[k];
+    carried.push_back({grids[k], shape, p.anchors[shape], p.weights[k], k});
+  }
+  const GridBase::Ptr result = warped(carried, like, options);
+  for (auto meta = like.beginMeta(); meta != like.endMeta(); ++meta)
+    if (meta->first.compare(0, 5, "file_") != 0) result->insertMeta(meta->first, *meta->second);
+  result->setSaveFloatAsHalf(half);
+  return result;
+}
+
+GridBase::Ptr Pullback::warped(const std::vector<CarriedGrid>& carried, const GridBase& like,
+                               const PullbackOptions& options) {
+  if (!carried.empty()) {
+    const Transform::Ptr transform = options.voxelSize > 0
+                                         ? Transform::createLinearTransform(options.voxelSize)
+                                         : commonTransform(carried);
+    const openvdb::CoordBBox box = boxOf(carried, impl_->carrying, *transform);
+    if (!box.empty())
+      return warpGrids(carried, impl_->nodesFor(box, *transform), impl_->local(), *transform,
+                       options.conserve);
+  }
+  GridBase::Ptr empty = like.copyGridWithNewTree();
+  empty->setTransform(like.transform().copy());
+  return empty;
+}
+
+Image Pullback::carry(const std::vector<const Image*>& images, const ImageLattice& on,
+                      const std::vector<double>& isos) const {
+  const Impl& p = *impl_;
+  if (images.size() != p.weights.size())
+    throw InputError(std::to_string(images.size()) + " images were given for " +
+                     std::to_string(p.weights.size()) + " objects");
+  p.refuseRegions();
+  std::vector<CarriedImage> carried;
+  for (size_t k = 0; k < images.size(); ++k) {
+    if (p.alone == k) return resampledTo(*images[k], on);
+    const size_t shape = p.shapeOf[k];
+    if (p.weights[k] > 0)
+      carried.push_back({images[k], shape, p.anchors[shape], p.weights[k],
+                         p.fields.empty() ? nullptr : p.fields[shape].get(), p.sizes[shape],
+                         isos.empty() ? std::nullopt : std::optional<double>(isos[k])});
+  }
+  return warpImages(carried, imageNodes(on, p.carrying, p.imageSpacing), on);
+}
+
+Image Pullback::carryLabels(const std::vector<const LabelField*>& labels, const ImageLattice& on) const {
+  const Impl& p = *impl_;
+  if (labels.size() != p.weights.size())
+    throw InputError(std::to_string(labels.size()) + " label maps were given for " +
+                     std::to_string(p.weights.size()) + " objects");
+  p.refuseRegions();
+  std::vector<CarriedLabels> carried;
+  for (size_t k = 0; k < labels.size(); ++k)
+    if (p.weights[k] > 0)
+      carried.push_back(
+          {labels[k], p.shapeOf[k], p.anchors[p.shapeOf[k]], p.weights[k] * p.sizes[p.shapeOf[k]]});
+  return warpLabels(carried, imageNodes(on, p.carrying, p.imageSpacing), on);
+}
+
+openvdb::Vec3SGrid::Ptr Pullback::colors(const FloatGrid& surface,
+                                         const std::vector<openvdb::Vec3SGrid::ConstPtr>& colors) {
+  Impl& p = *impl_;
+  if (colors.size() != p.weights.size())
+    throw InputError(std::to_string(colors.size()) + " grids of colours were given for " +
+                     std::to_string(p.weights.size()) + " objects");
+  if (p.alone && colors[*p.alone]) return colorsAround(surface, *colors[*p.alone]);
+  std::vector<CarriedColors> carried, uncounted;
+  for (size_t k = 0; k < colors.size(); ++k) {
+    if (!colors[k]) continue;
+    const size_t shape = p.shapeOf[k];
+    // Where only objects without colours count, the others lend theirs.
+    (p.counts(k) ? carried : uncounted).push_back({colors[k], p.fields[shape].get(), shape, p.weights[k], k});
+  }
+  if (carried.empty()) {
+    carried = std::move(uncounted);
+    for (CarriedColors& c : carried) c.weight = 1;
+  }
+  if (carried.empty()) throw InputError("none of the objects has colours");
+  const openvdb::CoordBBox box = surface.evalActiveVoxelBoundingBox();
+  if (box.empty()) return openvdb::Vec3SGrid::create();
+  return warpColors(surface, carried, p.nodesFor(box, surface.transform()), p.local());
+}
+
+openvdb::Vec3SGrid::Ptr Pullback::velocity(const GridBase& where, const Weights& rate, double reach) const {
+  auto result = openvdb::Vec3SGrid::create(topologyOf(where));
+  result->setTransform(where.transform().copy());
+  result->setName("vel");
+  result->setVectorType(openvdb::VEC_CONTRAVARIANT_RELATIVE);
+  if (!impl_->carrying.lattice || result->empty()) return result;
+  fillVelocities(*result, rate);
+  const Vec3d size = result->voxelSize();
+  const double far = reach * fastest(*result) / std::min({size[0], size[1], size[2]});
+  if (far == 0) return result;
+  openvdb::tools::dilateActiveValues(result->tree(), std::min(int(std::ceil(far)), kMostReach));
+  fillVelocities(*result, rate);
+  return result;
+}
+
+/// At the grid's active voxels, which are no tiles.
+void Pullback::fillVelocities(openvdb::Vec3SGrid& grid, const Weights& rate) const {
+  const Impl& p = *impl_;
+  const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
+  Weights shapeRate(p.shapeWeights.size(), 0);
+  for (size_t k = 0; k < rate.size(); ++k) shapeRate[p.shapeOf[k]] += rate[k];
+  const NodeMap nodes = p.carrying.lattice->velocitiesWithin(box, p.shapeWeights, shapeRate, p.carrying.pose,
+                                                             grid.transform(), carryingStep(box));
+  const NodePlaces velocities(nodes);
+  const int step = nodes.step;
+  openvdb::tree::LeafManager<openvdb::Vec3STree> leaves(grid.tree());
+  leaves.foreach ([&](openvdb::Vec3STree::LeafNodeType& leaf, size_t) {
+    std::vector<openvdb::Vec3s> cell(size_t(step) * step * step);
+    const openvdb::Coord o = leaf.origin();
+    for (int x = 0; x < kLeaf; x += step)
+      for (int y = 0; y < kLeaf; y += step)
+        for (int z = 0; z < kLeaf; z += step) {
+          const int i = (o[0] + x) / step, j = (o[1] + y) / step, k = (o[2] + z) / step;
+          if (!nodes.inside(i, j, k) || !nodes.inside(i + 1, j + 1, k + 1))
+            continue;  // nothing is active there
+          velocities.find(i, j, k, 0, cell);
+          for (size_t v = 0; v < cell.size(); ++v) {
+            const int a = int(v) / (step * step), b = int(v) / step % step, d = int(v) % step;
+            const auto offset = leaf.coordToOffset({x + a, y + b, z + d});
+            if (leaf.isValueOn(offset)) leaf.setValueOnly(offset, cell[v]);
+          }
+        }
+  });
+}
+
+bool Pullback::Impl::counts(size_t object) const {
+  if (weights[object] != 0) return true;
+  for (size_t r = 0; regions && r < regions->count(); ++r)
+    if (regions->region(r).weights[object] != 0) return true;
+  return false;
+}
+
+LocalWeights Pullback::Impl::local() const { return {weights, regions.get()}; }
+
+void Pullback::Impl::refuseRegions() const {
+  if (regions)
+    throw InputError("regions with weights of their own are for shapes and grids, not for in-between images");
+}
+
+const NodeMap& Pullback::Impl::nodesFor(const openvdb::CoordBBox& box, const Transform& transform) {
+  const auto same =
+      std::find_if(nodes.begin(), nodes.end(), [&](const Nodes& n) { return *n.transform == transform; });
+  openvdb::CoordBBox all = box;
+  if (same != nodes.end()) {
+    if (same->box.isInside(box)) return same->map;
+    all.expand(same->box);
+    nodes.erase(same);
+  }
+  if (nodes.size() == kKeptMaps) nodes.erase(nodes.begin());
+  nodes.push_back({transform.copy(), all, carryingNodes(all, carrying, transform, carryingStep(all))});
+  return nodes.back().map;
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,194 @@
+#include "engine/rebuild/small_components.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <numeric>
+#include <unordered_map>
+
+namespace slicemorph {
+
+namespace {
+
+/// What has fewer inside voxels and a smaller share of all is dust: tips that are thinner than a voxel leave
+/// it.
+constexpr size_t kDust = 27;
+constexpr double kDustShare = 1e-3;
+
+using Leaf = openvdb::FloatTree::LeafNodeType;
+constexpr int kSide = 8, kVoxels = 512;
+constexpr double kSmallComponent = 0.03;
+
+class DisjointSets {
+ public:
+  explicit DisjointSets(size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), size_t(0)); }
+  size_t find(size_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(size_t a, size_t b) {
+    a = find(a), b = find(b);
+    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<size_t> parent_;
+};
+
+/// One leaf's inside voxels labelled by part, -1 outside.
+struct LeafParts {
+  std::vector<short> label;
+  std::vector<int> sizes;
+};
+
+int offsetOf(int x, int y, int z) { return (x * kSide + y) * kSide + z; }
+
+LeafParts labelLeaf(const Leaf& leaf) {
+  const float* v = leaf.buffer().data();
+  DisjointSets sets(kVoxels);
+  for (int x = 0; x < kSide; ++x)
+    for (int y = 0; y < kSide; ++y)
+      for (int z = 0; z < kSide; ++z) {
+        const int i = offsetOf(x, y, z);
+        if (!(v[i] < 0)) continue;
+        if (x > 0 && v[i - 64] < 0) sets.join(size_t(i), size_t(i - 64));
+        if (y > 0 && v[i - 8] < 0) sets.join(size_t(i), size_t(i - 8));
+        if (z > 0 && v[i - 1] < 0) sets.join(size_t(i), size_t(i - 1));
+      }
+  LeafParts parts;
+  parts.label.assign(kVoxels, -1);
+  for (int i = 0; i < kVoxels; ++i) {
+    if (!(v[i] < 0)) continue;
+    const size_t root = sets.find(size_t(i));  // the smallest of its part, so labelled before
+    if (root == size_t(i))
+      parts.label[i] = short(parts.sizes.size()), parts.sizes.push_back(0);
+    else
+      parts.label[i] = parts.label[root];
+    ++parts.sizes[size_t(parts.label[i])];
+  }
+  return parts;
+}
+
+/// The parts of the whole inside; part 0 is everything connected to an inside tile.
+struct Parts {
+  std::vector<const Leaf*> leaves;
+  std::vector<LeafParts> inLeaf;
+  std::vector<size_t> first;  ///< number of each leaf's first part
+  std::vector<size_t> root;   ///< per part
+  std::vector<size_t> sizes;  ///< per root, voxels
+  bool tiles = false;         ///< whether part 0 has anything
+
+  std::vector<size_t> roots() const {
+    std::vector<size_t> result;
+    for (size_t i = 0; i < root.size(); ++i)
+      if (root[i] == i && (i > 0 || tiles)) result.push_back(i);
+    return result;
+  }
+};
+
+Parts findParts(const FloatGrid& grid) {
+  Parts parts;
+  grid.tree().getNodes(parts.leaves);
+  const size_t n = parts.leaves.size();
+  parts.inLeaf.resize(n);
+  tbb::parallel_for(size_t(0), n, [&](size_t i) { parts.inLeaf[i] = labelLeaf(*parts.leaves[i]); });
+  std::unordered_map<openvdb::Coord, size_t> index;
+  index.reserve(n);
+  size_t count = 1;
+  for (size_t i = 0; i < n; ++i) {
+    index.emplace(parts.leaves[i]->origin(), i);
+    parts.first.push_back(count);
+    count += parts.inLeaf[i].sizes.size();
+  }
+  DisjointSets sets(count);
+  auto accessor = grid.getConstAccessor();
+  const int strides[3] = {64, 8, 1};
+  for (size_t i = 0; i < n; ++i)
+    for (int axis = 0; axis < 3; ++axis)
+      for (int side : {0, kSide - 1}) {
+        openvdb::Coord next = parts.leaves[i]->origin();
+        next[axis] += side ? kSide : -kSide;
+        const auto neighbour = index.find(next);
+        const bool tile = neighbour == index.end() && accessor.getValue(next) < 0;
+        if (neighbour == index.end() ? !tile : side == 0) continue;  // leaves meet once, from below
+        for (int a = 0; a < kSide; ++a)
+          for (int b = 0; b < kSide; ++b) {
+            const int plane = a * strides[(axis + 1) % 3] + b * strides[(axis + 2) % 3];
+            const short mine = parts.inLeaf[i].label[size_t(plane + side * strides[axis])];
+            if (mine < 0) continue;
+            const size_t me = parts.first[i] + size_t(mine);
+            if (tile) {
+              sets.join(0, me);
+              parts.tiles = true;
+              continue;
+            }
+            const short other = parts.inLeaf[neighbour->second].label[size_t(plane)];
+            if (other >= 0) sets.join(me, parts.first[neighbour->second] + size_t(other));
+          }
+      }
+  parts.root.resize(count);
+  parts.sizes.assign(count, 0);
+  for (size_t i = 0; i < count; ++i) parts.root[i] = sets.find(i);
+  for (size_t i = 0; i < n; ++i)
+    for (size_t p = 0; p < parts.inLeaf[i].sizes.size(); ++p)
+      parts.sizes[parts.root[parts.first[i] + p]] += size_t(parts.inLeaf[i].sizes[p]);
+  return parts;
+}
+
+/// Turns a part's voxels to outside, and the band around it where nothing else is near.
+void remove(FloatGrid& grid, const std::vector<openvdb::Coord>& voxels) {
+  constexpr int kReach = int(kHalfWidth) + 1;
+  auto accessor = grid.getAccessor();
+  const float background = grid.background();
+  openvdb::CoordBBox box;
+  for (const openvdb::Coord& c : voxels) accessor.setValueOff(c, background), box.expand(c);
+  box.expand(kReach);
+  for (auto it = box.begin(); it; ++it) {
+    if (!accessor.isValueOn(*it)) continue;
+    bool near = false;
+    for (auto n = openvdb::CoordBBox(*it - openvdb::Coord(kReach), *it + openvdb::Coord(kReach)).begin();
+         n && !near; ++n)
+      near = accessor.getValue(*n) < 0;
+    if (!near) accessor.setValueOff(*it, background);
+  }
+}
+
+}  // namespace
+
+int countPieces(const FloatGrid& levelSet) {
+  const Parts parts = findParts(levelSet);
+  size_t total = 0;
+  for (size_t r : parts.roots()) total += parts.sizes[r];
+  int pieces = 0;
+  for (size_t r : parts.roots())
+    pieces += r == 0 || parts.sizes[r] >= kDust || double(parts.sizes[r]) > kDustShare * double(total);
+  return std::max(pieces, 1);
+}
+
+int removeSmallComponents(FloatGrid& levelSet, int allowed) {
+  const Parts parts = findParts(levelSet);
+  std::vector<size_t> roots = parts.roots();
+  if (int(roots.size()) <= allowed) return 0;
+  size_t total = 0;
+  for (size_t r : roots) total += parts.sizes[r];
+  std::stable_sort(roots.begin(), roots.end(),
+                   [&](size_t a, size_t b) { return parts.sizes[a] < parts.sizes[b]; });
+  std::unordered_map<size_t, std::vector<openvdb::Coord>> smallComponents;
+  for (size_t i = 0; i + size_t(allowed) < roots.size(); ++i)
+    if (roots[i] != 0 && double(parts.sizes[roots[i]]) < kSmallComponent * double(total))
+      smallComponents[roots[i]];
+  for (size_t i = 0; i < parts.leaves.size(); ++i)
+    for (int v = 0; v < kVoxels; ++v) {
+      const short label = parts.inLeaf[i].label[size_t(v)];
+      if (label < 0) continue;
+      const auto crumb = smallComponents.find(parts.root[parts.first[i] + size_t(label)]);
+      if (crumb != smallComponents.end())
+        crumb->second.push_back(parts.leaves[i]->offsetToGlobalCoord(openvdb::Index(v)));
+    }
+  for (size_t r : roots)
+    if (const auto crumb = smallComponents.find(r); crumb != smallComponents.end())
+      remove(levelSet, crumb->second);
+  return int(smallComponents.size());
+}
+
+}  // namespace slicemorph

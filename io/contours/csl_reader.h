@@ -1,0 +1,12 @@
+#pragma once
+
+#include "io/contours/contour_reader.h"
+
+namespace slicemorph {
+
+/// Contours in the text format CSL ("CSLC") of the cross-section reconstruction papers (Bermano, Vaxman and
+/// Gotsman 2011; Sawdayee, Vaxman and Bermano 2023): planes a x + b y + c z + d = 0, points, and components
+/// "COUNT LABEL INDEX..."; COUNT is written "NhP" for a hole in component P. Throws as readContours.
+ContourFile readCsl(const std::string& path);
+
+}  // namespace slicemorph

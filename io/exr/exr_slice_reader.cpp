@@ -1,0 +1,262 @@
+#include "io/exr/exr_slice_reader.h"
+
+#include "engine/sections/object_boxes.h"
+#include "io/exr/exr_slice.h"
+#include "io/paths.h"
+#include "io/sequence.h"
+#include "io/vdb/vdb_reader.h"
+#include "slicemorph/errors.h"
+
+#include <ImfChannelList.h>
+#include <ImfDoubleAttribute.h>
+#include <ImfFloatAttribute.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputPart.h>
+#include <ImfIntAttribute.h>
+#include <ImfMultiPartInputFile.h>
+#include <ImfStringAttribute.h>
+#include <ImfStringVectorAttribute.h>
+#include <ImfVecAttribute.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace slicemorph {
+namespace {
+
+using openvdb::GridBase;
+
+/// Runs `action`; what OpenEXR throws becomes an IoError about the file.
+template <typename Action>
+auto guarded(const std::string& path, const Action& action) {
+  try {
+    return action();
+  } catch (const Iex::BaseExc& error) {
+    throw IoError(path + " cannot be read: " + error.what());
+  } catch (const std::bad_alloc&) {
+    throw IoError(path + " cannot be read: it is damaged, or larger than the memory");
+  }
+}
+
+/// One part of a file and what its header says.
+class Part {
+ public:
+  Part(const std::string& path, int number, const Imf::Header& header)
+      : path_(path), number_(number), header_(header) {}
+
+  const Imf::Header& header() const { return header_; }
+  std::string name() const { return path_ + (number_ > 0 ? " part " + std::to_string(number_ + 1) : ""); }
+
+  [[noreturn]] void lacks(const std::string& attribute) const {
+    throw IoError(name() + " is no slice: the attribute '" + attribute +
+                  "' is missing or wrong; `slicemorph slice` writes the attributes that place it");
+  }
+
+  Vec3d vector(const std::string& attribute) const {
+    Vec3d v(NAN);
+    if (const auto* d = header_.findTypedAttribute<Imf::V3dAttribute>(attribute))
+      v = Vec3d(d->value().x, d->value().y, d->value().z);
+    else if (const auto* f = header_.findTypedAttribute<Imf::V3fAttribute>(attribute))
+      v = Vec3d(f->value().x, f->value().y, f->value().z);
+    if (!std::isfinite(v.lengthSqr())) lacks(attribute);
+    return v;
+  }
+
+  double number(const std::string& attribute) const {
+    double v = NAN;
+    if (const auto* d = header_.findTypedAttribute<Imf::DoubleAttribute>(attribute)) v = d->value();
+    if (const auto* f = header_.findTypedAttribute<Imf::FloatAttribute>(attribute)) v = double(f->value());
+    if (const auto* i = header_.findTypedAttribute<Imf::IntAttribute>(attribute)) v = i->value();
+    if (!std::isfinite(v)) lacks(attribute);
+    return v;
+  }
+
+  std::string text(const std::string& attribute) const {
+    const auto* found = header_.findTypedAttribute<Imf::StringAttribute>(attribute);
+    if (!found) lacks(attribute);
+    return found->value();
+  }
+
+  Imf::StringVector grids() const {
+    const auto* found = header_.findTypedAttribute<Imf::StringVectorAttribute>("sliceGrids");
+    if (!found || found->value().empty()) lacks("sliceGrids");
+    return found->value();
+  }
+
+  SectionPlane plane() const {
+    SectionPlane plane;
+    plane.origin = vector("sliceOrigin");
+    plane.xAxis = vector("sliceAxisX");
+    plane.yAxis = vector("sliceAxisY");
+    plane.pixelSize = number("slicePixelSize");
+    plane.index = int(number("sliceIndex"));
+    plane.count = int(number("sliceCount"));
+    plane.u = number("sliceU");
+    constexpr double kSlack = 1e-4;
+    const bool unit =
+        std::abs(plane.xAxis.length() - 1) < kSlack && std::abs(plane.yAxis.length() - 1) < kSlack;
+    if (!unit) lacks("sliceAxisX");
+    if (std::abs(plane.xAxis.dot(plane.yAxis)) > kSlack) lacks("sliceAxisY");
+    if (!(plane.pixelSize > 0)) lacks("slicePixelSize");
+    plane.normal = plane.xAxis.cross(plane.yAxis);
+    // An image that was cropped keeps its pixels' numbers.
+    const Imath::Box2i window = header_.dataWindow();
+    plane.width = window.max.x - window.min.x + 1;
+    plane.height = window.max.y - window.min.y + 1;
+    plane.origin = plane.toWorld(window.min.x, window.min.y);
+    if (double(plane.width) * plane.height > double(1 << 28))
+      throw IoError(name() + " has more than 2^28 pixels");
+    return plane;
+  }
+
+  /// A grid without voxels as the attributes describe it.
+  GridBase::Ptr like(const std::string& grid) const {
+    const std::string type = text(grid + ".type");
+    const GridBase::Ptr like = GridBase::isRegistered(type) ? GridBase::createGrid(type) : nullptr;
+    if (!like || !isSliceable(*like)) lacks(grid + ".type");
+    const Vec3d background = vector(grid + ".background");
+    like->apply<SliceableTypes>([&](auto& typed) {
+      using Value = typename std::decay_t<decltype(typed)>::ValueType;
+      if constexpr (openvdb::VecTraits<Value>::IsVec)
+        typed.tree().root().setBackground(Value(background), false);
+      else
+        typed.tree().root().setBackground(Value(background[0]), false);
+    });
+    like->setGridClass(GridBase::stringToGridClass(text(grid + ".class")));
+    like->setVectorType(GridBase::stringToVecType(text(grid + ".vectorType")));
+    like->setSaveFloatAsHalf(number(grid + ".halfFloat") != 0);
+    if (like->getGridClass() == openvdb::GRID_LEVEL_SET && !(background[0] > 0)) lacks(grid + ".background");
+    // The second of one name is `density[1]`; of a volume without a name `value`.
+    const size_t bracket = grid.rfind('[');
+    like->setName(bracket == std::string::npos || bracket == 0 ? grid : grid.substr(0, bracket));
+    return like;
+  }
+
+ private:
+  std::string path_;
+  int number_;
+  const Imf::Header& header_;
+};
+
+/// Which grids are to be read, and as what.
+struct Chosen {
+  std::vector<std::string> names;
+  std::vector<GridBase::ConstPtr> like;
+};
+
+Chosen chosenGrids(const Part& part, const std::vector<std::string>& wanted) {
+  const Imf::StringVector there = part.grids();
+  std::string list;
+  for (const std::string& name : there) list += (list.empty() ? "" : ", ") + name;
+  for (const std::string& name : wanted)
+    if (std::find(there.begin(), there.end(), name) == there.end())
+      throw InputError(part.name() + " has no grid '" + name + "'; there are " + list);
+  Chosen chosen;
+  for (const std::string& name : there) {
+    if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), name) == wanted.end()) continue;
+    chosen.names.push_back(name);
+    chosen.like.push_back(part.like(name));
+  }
+  return chosen;
+}
+
+std::vector<SectionValues> readPixels(Imf::MultiPartInputFile& file, int number, const Part& part,
+                                      const SectionPlane& plane, const Chosen& chosen) {
+  const Imath::Box2i window = part.header().dataWindow();
+  const size_t count = size_t(plane.width) * size_t(plane.height);
+  std::vector<SectionValues> layers;
+  Imf::FrameBuffer buffer;
+  for (size_t g = 0; g < chosen.names.size(); ++g) {
+    const std::vector<std::string> channels = sliceChannels(chosen.names[g], *chosen.like[g]);
+    layers.push_back({int(channels.size()), std::vector<float>(channels.size() * count)});
+    for (size_t c = 0; c < channels.size(); ++c) {
+      if (!part.header().channels().findChannel(channels[c]))
+        throw IoError(part.name() + " has no channel '" + channels[c] +
+                      "', which its attribute 'sliceGrids' names");
+      buffer.insert(channels[c], Imf::Slice::Make(Imf::FLOAT, layers[g].values.data() + c * count, window));
+    }
+  }
+  Imf::InputPart input(file, number);
+  input.setFrameBuffer(buffer);
+  input.readPixels(window.min.y, window.max.y);
+  return layers;
+}
+
+/// All slices of one file.
+struct FileSlices {
+  std::vector<SectionPlane> planes;
+  std::vector<std::vector<SectionValues>> layers;
+};
+
+FileSlices readFile(const std::string& path, const Chosen& chosen) {
+  sizeOfInput(path);
+  return guarded(path, [&] {
+    Imf::MultiPartInputFile file(path.c_str(), 0);
+    FileSlices slices;
+    slices.planes.resize(size_t(file.parts()));
+    slices.layers.resize(size_t(file.parts()));
+    for (int n = 0; n < file.parts(); ++n) {
+      const Part part(path, n, file.header(n));
+      slices.planes[size_t(n)] = part.plane();
+      const Imf::StringVector there = part.grids();
+      for (size_t g = 0; g < chosen.names.size(); ++g)
+        if (std::find(there.begin(), there.end(), chosen.names[g]) == there.end() ||
+            part.text(chosen.names[g] + ".type") != chosen.like[g]->type())
+          throw IoError(part.name() + " is of another set of slices: it has no grid '" + chosen.names[g] +
+                        "' of the type " + chosen.like[g]->type());
+      slices.layers[size_t(n)] = readPixels(file, n, part, slices.planes[size_t(n)], chosen);
+    }
+    return slices;
+  });
+}
+
+std::vector<std::string> pathsOf(const std::string& input) {
+  if (!isSequenceInput(input)) return {input};
+  std::vector<std::string> paths;
+  for (const SequenceFile& file : findSequence(input)) paths.push_back(file.path);
+  return paths;
+}
+
+}  // namespace
+
+ExrSlices readSliceExrs(const std::string& input, const std::vector<std::string>& wanted) {
+  initialiseVdb();
+  const std::vector<std::string> paths = pathsOf(input);
+  sizeOfInput(paths[0]);
+  const Chosen chosen = guarded(paths[0], [&] {
+    Imf::MultiPartInputFile file(paths[0].c_str(), 0);
+    const Part part(paths[0], 0, file.header(0));
+    part.plane();
+    return chosenGrids(part, wanted);
+  });
+  std::vector<FileSlices> files(paths.size());
+  tbb::parallel_for(size_t(0), paths.size(), [&](size_t n) { files[n] = readFile(paths[n], chosen); });
+
+  ExrSlices result;
+  std::vector<SectionPlane> planes;
+  std::vector<std::vector<SectionValues>*> layers;
+  for (FileSlices& file : files)
+    for (size_t n = 0; n < file.planes.size(); ++n)
+      planes.push_back(file.planes[n]), layers.push_back(&file.layers[n]);
+  std::set<int> seen;
+  for (const SectionPlane& plane : planes)
+    if (!seen.insert(plane.index).second)
+      throw IoError(
+          input + ": slice " + std::to_string(plane.index + 1) +
+          " is there twice: these are slices of several volumes or frames; name the file or files of one");
+  if (int(planes.size()) < planes[0].count)
+    result.notes.push_back("there are " + std::to_string(planes.size()) + " slices of " +
+                           std::to_string(planes[0].count) + "; gaps are bridged");
+  for (const auto& like : chosen.like) result.grids.push_back({like, {}});
+  for (size_t n : orderOfSections(planes)) {
+    result.planes.push_back(planes[n]);
+    for (size_t g = 0; g < result.grids.size(); ++g)
+      result.grids[g].slices.push_back(std::move((*layers[n])[g]));
+  }
+  return result;
+}
+
+}  // namespace slicemorph

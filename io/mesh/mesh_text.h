@@ -1,0 +1,83 @@
+#pragma once
+
+#include "slicemorph/errors.h"
+
+#include <charconv>
+#include <string>
+#include <string_view>
+
+/// What the checks and readers of mesh files share.
+namespace slicemorph {
+
+[[noreturn]] inline void refuse(const std::string& path, const std::string& why) {
+  throw IoError(path + " " + why);
+}
+
+[[noreturn]] inline void refuseTruncated(const std::string& path, const std::string& why) {
+  refuse(path, "is truncated: " + why);
+}
+
+inline bool isSpace(char c) {
+  return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f';
+}
+
+inline std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && isSpace(text.front())) text.remove_prefix(1);
+  while (!text.empty() && isSpace(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+/// Tokens and lines of a text, front to back.
+class Text {
+ public:
+  explicit Text(std::string_view bytes) : rest_(bytes) {}
+
+  bool done() const { return rest_.empty(); }
+  size_t lineNumber() const { return line_; }
+  std::string_view rest() const { return rest_; }
+
+  /// The next line without its end; lines joined by a backslash at the end come one by one.
+  std::string_view line() {
+    const size_t end = rest_.find('\n');
+    const std::string_view result = rest_.substr(0, end);
+    rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
+    ++line_;
+    return result;
+  }
+
+  /// The next token, over any number of lines; empty at the end.
+  std::string_view token() {
+    while (!rest_.empty() && isSpace(rest_.front())) rest_.remove_prefix(1);
+    size_t size = 0;
+    while (size < rest_.size() && !isSpace(rest_[size])) ++size;
+    const std::string_view result = rest_.substr(0, size);
+    rest_.remove_prefix(size);
+    return result;
+  }
+
+ private:
+  std::string_view rest_;
+  size_t line_ = 0;
+};
+
+/// False where a token does not begin with a number.
+template <typename Number>
+bool parse(std::string_view token, Number& value) {
+  if (!token.empty() && token.front() == '+') token.remove_prefix(1);
+  const auto result = std::from_chars(token.data(), token.data() + token.size(), value);
+  return result.ec == std::errc() || result.ec == std::errc::result_out_of_range;
+}
+
+/// A count of a header; what no file of this size can hold is refused at once.
+inline std::uint64_t parseCount(const std::string& path, std::string_view token, const char* what,
+                                size_t fileSize) {
+  std::uint64_t count = 0;
+  if (!parse(token, count)) refuse(path, "is damaged: its header gives no number of " + std::string(what));
+  if (count > fileSize) {
+    refuseTruncated(path, "the header says " + std::to_string(count) + " " + what + ", the file has only " +
+                              std::to_string(fileSize) + " bytes");
+  }
+  return count;
+}
+
+}  // namespace slicemorph

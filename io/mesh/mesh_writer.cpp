@@ -1,0 +1,134 @@
+#include "io/mesh/mesh_writer.h"
+
+#include "io/atomic_file.h"
+#include "io/mesh/glb_writer.h"
+#include "io/paths.h"
+#include "slicemorph/errors.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+
+namespace slicemorph {
+namespace {
+
+static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
+              "binary PLY and STL are written as they lie in memory");
+
+/// One line of text, used again for the next.
+class Line {
+ public:
+  Line& begin(char kind) {
+    text_.assign(1, kind);
+    return *this;
+  }
+  template <typename Number>
+  Line& add(Number value) {
+    char digits[32];
+    const char* end = std::to_chars(digits, digits + sizeof digits, value).ptr;
+    text_ += ' ';
+    text_.append(digits, size_t(end - digits));
+    return *this;
+  }
+  Line& add(const openvdb::Vec3s& v) { return add(v[0]).add(v[1]).add(v[2]); }
+  std::string_view end() { return text_ += '\n'; }
+
+ private:
+  std::string text_;
+};
+
+void writeObj(AtomicFile& file, const Mesh& mesh) {
+  Line line;
+  for (size_t i = 0; i < mesh.points.size(); ++i) {
+    line.begin('v').add(mesh.points[i]);
+    if (!mesh.colors.empty()) line.add(mesh.colors[i]);
+    file.write(line.end());
+  }
+  for (const openvdb::Vec3I& t : mesh.triangles) {
+    file.write(line.begin('f').add(t[0] + 1).add(t[1] + 1).add(t[2] + 1).end());
+  }
+}
+
+template <typename T>
+void writeRaw(AtomicFile& file, const T& value) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  file.write({reinterpret_cast<const char*>(&value), sizeof value});
+}
+
+struct __attribute__((packed)) PlyFace {
+  std::uint8_t count;
+  std::uint32_t corners[3];
+};
+
+std::uint8_t toByte(float share) { return std::uint8_t(std::lround(std::clamp(share, 0.f, 1.f) * 255)); }
+
+void writePly(AtomicFile& file, const Mesh& mesh) {
+  const bool colored = !mesh.colors.empty();
+  const std::string colors = colored ? "property uchar red\nproperty uchar green\nproperty uchar blue\n" : "";
+  file.write("ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(mesh.points.size()) +
+             "\nproperty float x\nproperty float y\nproperty float z\n" + colors + "element face " +
+             std::to_string(mesh.triangles.size()) +
+             "\nproperty list uchar uint vertex_indices\nend_header\n");
+  for (size_t i = 0; i < mesh.points.size(); ++i) {
+    file.write({reinterpret_cast<const char*>(mesh.points[i].asPointer()), 12});
+    if (!colored) continue;
+    const openvdb::Vec3s& c = mesh.colors[i];
+    writeRaw(file, std::array<std::uint8_t, 3>{toByte(c[0]), toByte(c[1]), toByte(c[2])});
+  }
+  for (const openvdb::Vec3I& t : mesh.triangles) writeRaw(file, PlyFace{3, {t[0], t[1], t[2]}});
+}
+
+struct __attribute__((packed)) StlFacet {
+  float normal[3];
+  float corners[3][3];
+  std::uint16_t attributes;
+};
+
+void writeStl(AtomicFile& file, const std::string& path, const Mesh& mesh) {
+  if (mesh.triangles.size() > std::numeric_limits<std::uint32_t>::max()) {
+    throw IoError(path + " cannot be written: STL holds at most 2^32 - 1 triangles; use .ply");
+  }
+  char header[80] = "slicemorph";
+  file.write({header, sizeof header});
+  writeRaw(file, std::uint32_t(mesh.triangles.size()));
+  for (const openvdb::Vec3I& t : mesh.triangles) {
+    StlFacet facet{};
+    const openvdb::Vec3d a(mesh.points[t[0]]), b(mesh.points[t[1]]), c(mesh.points[t[2]]);
+    openvdb::Vec3d normal = (b - a).cross(c - a);
+    if (!normal.normalize(0.0)) normal = openvdb::Vec3d(0.0);
+    for (int i = 0; i < 3; ++i) {
+      facet.normal[i] = float(normal[i]);
+      std::memcpy(facet.corners[i], mesh.points[t[i]].asPointer(), sizeof facet.corners[i]);
+    }
+    writeRaw(file, facet);
+  }
+}
+
+}  // namespace
+
+void writeMesh(const std::string& path, const Mesh& mesh) {
+  const std::string extension = extensionOf(path);
+  if (extension == ".glb") {
+    std::vector<std::vector<openvdb::Vec3s>> colors;
+    if (!mesh.colors.empty()) colors.push_back(mesh.colors);
+    return writeGlb(path, {{0, mesh.triangles, {mesh.points}, colors}});
+  }
+  AtomicFile file(path);
+  if (extension == ".obj") {
+    writeObj(file, mesh);
+  } else if (extension == ".ply") {
+    writePly(file, mesh);
+  } else if (extension == ".stl") {
+    writeStl(file, path, mesh);
+  } else {
+    throw InputError(path + ": no mesh format has the extension '" + extension +
+                     "'; use .obj, .ply, .stl or .glb");
+  }
+  file.commit();
+}
+
+}  // namespace slicemorph

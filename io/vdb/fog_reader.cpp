@@ -1,0 +1,85 @@
+#include "io/vdb/fog_reader.h"
+
+#include "engine/volume/level_set.h"
+#include "io/paths.h"
+#include "io/vdb/grid_choice.h"
+#include "io/vdb/vdb_reader.h"
+#include "slicemorph/errors.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace slicemorph {
+namespace {
+
+/// In the order in which they are looked for.
+constexpr const char* kHeatNames[] = {"flame", "flames", "fire", "heat", "temperature"};
+constexpr const char* kColourNames[] = {"color", "Cd"};
+
+/// The density, null where the grid is none.
+FloatGrid::ConstPtr readDensity(const VdbFile& file, size_t index, const std::string& path) {
+  const openvdb::GridBase::Ptr header = file.readHeader(index);
+  if (!header || header->getGridClass() == openvdb::GRID_LEVEL_SET) return nullptr;
+  const FloatGrid::ConstPtr grid = asFloatGrid(file.read(index));
+  if (grid->activeVoxelCount() == 0) {
+    const bool named = grid->getName() == "density";
+    return named || grid->getGridClass() == openvdb::GRID_FOG_VOLUME ? grid : nullptr;
+  }
+  const LevelSetReading reading = readingOf(*grid);
+  if (!reading.fog) return nullptr;
+  if (!std::isfinite(reading.minimum) || !std::isfinite(reading.maximum))
+    throw GeometryError(path + ": grid '" + file.entries()[index].name +
+                        "' holds values that are not finite");
+  return grid;
+}
+
+/// The fog of a density with what else is drawn. `find(name)`: a grid, null where there is none that can be
+/// drawn.
+template <typename Find>
+Fog withDrawn(const FloatGrid::ConstPtr& density, const Find& find) {
+  Fog fog;
+  fog.density = density;
+  for (const char* name : kHeatNames)
+    if (const openvdb::GridBase::Ptr grid = fog.heat ? nullptr : find(name); grid && isScalar(*grid))
+      fog.heat = asFloatGrid(grid);
+  for (const char* name : kColourNames)
+    if (const openvdb::GridBase::Ptr grid = fog.colour ? nullptr : find(name);
+        grid && grid->isType<openvdb::Vec3SGrid>())
+      fog.colour = openvdb::gridPtrCast<openvdb::Vec3SGrid>(grid);
+  return fog;
+}
+
+}  // namespace
+
+std::optional<Fog> readFog(const std::string& input) {
+  const InputName name = splitInput(input);
+  if (extensionOf(name.path) != ".vdb") return std::nullopt;
+  const VdbFile file(name.path);
+  const size_t index = name.grid.empty() ? gridsToTry(file, name.path).front() : findGrid(file, name);
+  const FloatGrid::ConstPtr density = readDensity(file, index, name.path);
+  if (!density) return std::nullopt;
+  return withDrawn(density, [&](const std::string& wanted) -> openvdb::GridBase::Ptr {
+    const auto& entries = file.entries();
+    for (size_t i = 0; i < entries.size(); ++i)
+      if (i != index && (entries[i].name == wanted || entries[i].name == wanted + "[0]")) return file.read(i);
+    return nullptr;
+  });
+}
+
+Fog fogOf(const openvdb::GridBase::ConstPtr& density, const openvdb::GridCPtrVec& grids) {
+  return withDrawn(asFloatGrid(openvdb::ConstPtrCast<openvdb::GridBase>(density)),
+                   [&](const std::string& wanted) -> openvdb::GridBase::Ptr {
+                     for (const openvdb::GridBase::ConstPtr& grid : grids)
+                       if (grid != density && grid->getName() == wanted)
+                         return openvdb::ConstPtrCast<openvdb::GridBase>(grid);
+                     return nullptr;
+                   });
+}
+
+bool isDrawn(const std::string& name) {
+  const auto isName = [&](const char* known) { return name == known; };
+  return std::any_of(std::begin(kHeatNames), std::end(kHeatNames), isName) ||
+         std::any_of(std::begin(kColourNames), std::end(kColourNames), isName);
+}
+
+}  // namespace slicemorph

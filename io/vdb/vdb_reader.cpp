@@ -1,0 +1,323 @@
+#include "io/vdb/vdb_reader.h"
+
+#include "io/paths.h"
+#include "io/vdb/vdb_check.h"
+#include "slicemorph/errors.h"
+
+#include <log4cplus/logger.h>
+#include <openvdb/io/Compression.h>
+#include <openvdb/io/File.h>
+#include <openvdb/io/GridDescriptor.h>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <mutex>
+#include <string_view>
+
+namespace slicemorph {
+namespace {
+
+using openvdb::GridBase;
+using openvdb::io::GridDescriptor;
+
+/// Since this version of the format a grid begins with its compression flags.
+constexpr unsigned kFirstWithGridCompression = 220;
+/// Since this version a descriptor holds the name of the grid whose tree it shares.
+constexpr unsigned kFirstWithInstances = 216;
+/// Since this version inactive values are left out; the trees of older files are not checked.
+constexpr unsigned kFirstWithMasks = 222;
+
+/// The parts of OpenVDB's reader that take any stream.
+class Reader : public openvdb::io::Archive {
+ public:
+  Reader(const std::string& path, std::uint64_t size) : stream_(path, std::ios::binary), size_(size) {
+    // A read beyond the end throws, wherever in OpenVDB it happens.
+    stream_.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
+    readHeader(stream_);
+    contents_ = stream_.tellg();
+    metadata_.reset(new openvdb::io::StreamMetadata);
+    metadata_->setSeekable(true);
+    openvdb::io::setStreamMetadataPtr(stream_, metadata_, /*transfer=*/false);
+    setFormatVersion(stream_);
+    setLibraryVersion(stream_);
+    setDataCompression(stream_);
+  }
+
+  unsigned version() const { return fileVersion(); }
+  bool hasOffsets() const { return inputHasGridOffsets(); }
+
+  /// Reads the metadata of the file; returns the number of grids.
+  std::uint32_t beginContents(openvdb::MetaMap& metadata) {
+    stream_.seekg(contents_);
+    Walker(stream_, size_).metadata();
+    stream_.seekg(contents_);
+    metadata.readMeta(stream_);
+    return Walker(stream_, size_).number<std::uint32_t>();
+  }
+
+  GridDescriptor readDescriptor() {
+    const auto begin = stream_.tellg();
+    Walker walker(stream_, size_);
+    walker.text();
+    walker.text();
+    if (version() >= kFirstWithInstances) walker.text();
+    stream_.seekg(begin);
+    GridDescriptor descriptor = readNames();
+    if (!hasOffsets()) return descriptor;
+    const std::int64_t here = stream_.tellg(), end = descriptor.getEndPos();
+    if (descriptor.getGridPos() < here || descriptor.getBlockPos() < descriptor.getGridPos() ||
+        end < descriptor.getBlockPos()) {
+      throw Damaged("its table of contents is damaged");
+    }
+    if (std::uint64_t(end) > size_) {
+      throw Damaged("it is truncated: grid '" + GridDescriptor::nameAsString(descriptor.uniqueName()) +
+                    "' ends at byte " + std::to_string(end) + ", the file has " + std::to_string(size_));
+    }
+    return descriptor;
+  }
+
+  /// OpenVDB's own reader of descriptors refuses a file with one grid of a type that it does not know.
+  GridDescriptor readNames() {
+    constexpr std::string_view kHalf = "_HalfFloat";
+    const std::string name = openvdb::readString(stream_);
+    std::string type = openvdb::readString(stream_);
+    const bool half =
+        type.size() > kHalf.size() && type.compare(type.size() - kHalf.size(), kHalf.size(), kHalf) == 0;
+    if (half) type.resize(type.size() - kHalf.size());
+    GridDescriptor descriptor(name, type, half);
+    if (version() >= kFirstWithInstances) descriptor.setInstanceParentName(openvdb::readString(stream_));
+    std::int64_t positions[3];
+    stream_.read(reinterpret_cast<char*>(positions), sizeof positions);
+    descriptor.setGridPos(positions[0]);
+    descriptor.setBlockPos(positions[1]);
+    descriptor.setEndPos(positions[2]);
+    return descriptor;
+  }
+
+  void skipGrid(const GridDescriptor& descriptor) { descriptor.seekToEnd(stream_); }
+
+  void checkGridMetadata() {
+    const auto begin = stream_.tellg();
+    Walker walker(stream_, size_);
+    if (version() >= kFirstWithGridCompression) walker.number<std::uint32_t>();
+    walker.metadata();
+    stream_.seekg(begin);
+  }
+
+  GridBase::Ptr readHeaderOf(const GridDescriptor& descriptor) {
+    GridBase::Ptr grid = begin(descriptor);
+    if (!grid) return grid;
+    readGridCompression(stream_);
+    grid->readMeta(stream_);
+    grid->readTransform(stream_);
+    return grid;
+  }
+
+  GridBase::Ptr readWhole(const GridDescriptor& descriptor) {
+    const auto start = checkGrid(descriptor);
+    stream_.seekg(start);
+    const GridBase::Ptr grid = create(descriptor);
+    readGrid(grid, descriptor, stream_);
+    return grid;
+  }
+
+  /// Returns where the grid starts. Throws where it is damaged.
+  std::istream::pos_type checkGrid(const GridDescriptor& descriptor) {
+    if (hasOffsets()) descriptor.seekToGrid(stream_);
+    const auto start = stream_.tellg();
+    const GridBase::Ptr grid = readHeaderOf(descriptor);
+    if (!grid) throw Damaged("its type " + descriptor.gridType() + " is not known to this OpenVDB");
+    if (!descriptor.isInstance()) checkTreeOf(*grid);
+    return start;
+  }
+
+  std::uint32_t compressionOf(const GridDescriptor& descriptor) {
+    readHeaderOf(descriptor);
+    return openvdb::io::getDataCompression(stream_);
+  }
+
+ private:
+  GridBase::Ptr begin(const GridDescriptor& descriptor) {
+    if (!GridBase::isRegistered(descriptor.gridType())) return nullptr;
+    if (hasOffsets()) descriptor.seekToGrid(stream_);
+    checkGridMetadata();
+    return create(descriptor);
+  }
+
+  static GridBase::Ptr create(const GridDescriptor& descriptor) {
+    GridBase::Ptr grid = GridBase::createGrid(descriptor.gridType());
+    grid->setSaveFloatAsHalf(descriptor.saveFloatAsHalf());
+    return grid;
+  }
+
+  /// How values of the types that are checked are stored; false for any other.
+  static bool storageOf(const GridBase& grid, TreeStorage& storage) {
+    using Types = openvdb::TypeList<FloatGrid, openvdb::DoubleGrid, openvdb::Vec3SGrid, openvdb::Vec3DGrid,
+                                    openvdb::Vec3IGrid, openvdb::Int32Grid, openvdb::Int64Grid>;
+    return grid.apply<Types>([&](const auto& typed) {
+      using Value = typename std::decay_t<decltype(typed)>::ValueType;
+      using Stored = typename openvdb::io::RealToHalf<Value>::HalfT;
+      storage.valueSize = sizeof(Value);
+      storage.storedSize = grid.saveFloatAsHalf() ? sizeof(Stored) : sizeof(Value);
+    });
+  }
+
+  /// The stream stands behind the grid's transform.
+  void checkTreeOf(const GridBase& grid) {
+    TreeStorage storage;
+    if (version() < kFirstWithMasks || !storageOf(grid, storage)) return;
+    storage.compression = openvdb::io::getDataCompression(stream_);
+    Walker walker(stream_, size_);
+    checkTree(walker, storage);
+  }
+
+  std::ifstream stream_;
+  std::uint64_t size_;
+  std::istream::pos_type contents_;
+  openvdb::io::StreamMetadata::Ptr metadata_;
+};
+
+/// Runs `action`; whatever OpenVDB, Boost or the library throw becomes an IoError beginning with `what`.
+template <typename Action>
+auto guarded(const std::string& what, const Action& action) {
+  try {
+    return action();
+  } catch (const IoError&) {
+    throw;
+  } catch (const std::ios_base::failure&) {
+    throw IoError(what + ": it is truncated or damaged: the file ends inside the data");
+  } catch (const std::bad_alloc&) {
+    throw IoError(what + ": it is damaged, or larger than the memory");
+  } catch (const std::exception& error) {
+    throw IoError(what + ": " + error.what());
+  } catch (...) {
+    throw IoError(what + ": it is damaged");
+  }
+}
+
+std::vector<VdbEntry> entriesOf(const std::vector<GridDescriptor>& descriptors) {
+  std::map<std::string, size_t> total, seen;
+  for (const GridDescriptor& d : descriptors) ++total[d.gridName()];
+  std::vector<VdbEntry> entries;
+  for (const GridDescriptor& d : descriptors) {
+    const std::string suffix =
+        total[d.gridName()] > 1 ? "[" + std::to_string(seen[d.gridName()]++) + "]" : "";
+    entries.push_back({d.gridName() + suffix, d.gridType(), d.saveFloatAsHalf()});
+  }
+  return entries;
+}
+
+}  // namespace
+
+void initialiseVdb() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    openvdb::initialize();
+    log4cplus::Logger::getInstance(LOG4CPLUS_TEXT("openvdb")).setLogLevel(log4cplus::OFF_LOG_LEVEL);
+  });
+}
+
+struct VdbFile::Impl {
+  std::string path;
+  std::uint64_t size = 0;
+  unsigned fileVersion = 0;
+  std::string libraryVersion;
+  openvdb::MetaMap metadata;
+  std::uint32_t compression = openvdb::io::COMPRESS_NONE;
+  std::vector<GridDescriptor> descriptors;
+  std::vector<VdbEntry> entries;
+  std::vector<GridBase::Ptr>
+      streamed;  // all grids of a file without offsets, which can only be read in order
+
+  void readContents() {
+    Reader reader(path, size);
+    fileVersion = reader.version();
+    const auto library = reader.libraryVersion();
+    libraryVersion = std::to_string(library.first) + "." + std::to_string(library.second);
+    for (auto count = reader.beginContents(metadata); count > 0; --count) {
+      descriptors.push_back(reader.readDescriptor());
+      if (reader.hasOffsets()) {
+        reader.skipGrid(descriptors.back());
+      } else {
+        streamed.push_back(reader.readWhole(descriptors.back()));
+      }
+    }
+    entries = entriesOf(descriptors);
+    for (const GridDescriptor& d : descriptors)
+      if (reader.hasOffsets() && GridBase::isRegistered(d.gridType())) {
+        compression = Reader(path, size).compressionOf(d);
+        break;
+      }
+  }
+
+  GridBase::Ptr readDelayed(size_t index) const {
+    // OpenVDB's own files, which alone read with delay, have to know all types.
+    const bool known = std::all_of(descriptors.begin(), descriptors.end(), [](const GridDescriptor& d) {
+      return GridBase::isRegistered(d.gridType());
+    });
+    if (!streamed.empty() || !known || descriptors.at(index).isInstance()) return readConnected(index);
+    Reader(path, size).checkGrid(descriptors[index]);
+    openvdb::io::File file(path);
+    file.setCopyMaxBytes(0);
+    file.open(/*delayLoad=*/true);
+    return file.readGrid(GridDescriptor::nameAsString(descriptors[index].uniqueName()));
+  }
+
+  GridBase::Ptr readOwn(size_t index) const {
+    return streamed.empty() ? Reader(path, size).readWhole(descriptors.at(index)) : streamed.at(index);
+  }
+
+  /// The tree of an instance is another grid's.
+  GridBase::Ptr readConnected(size_t index) const {
+    const GridBase::Ptr grid = readOwn(index);
+    if (!descriptors[index].isInstance()) return grid;
+    for (size_t i = 0; i < descriptors.size(); ++i) {
+      const bool parent = descriptors[i].uniqueName() == descriptors[index].instanceParentName();
+      if (!parent || descriptors[i].isInstance() ||
+          descriptors[i].gridType() != descriptors[index].gridType())
+        continue;
+      grid->setTree(readOwn(i)->baseTreePtr());
+      return grid;
+    }
+    throw Damaged("the grid whose tree it shares is missing");
+  }
+
+  std::string cannotRead(size_t index) const {
+    return path + ": grid '" + entries.at(index).name + "' cannot be read";
+  }
+};
+
+VdbFile::VdbFile(const std::string& path) : impl_(std::make_unique<Impl>()) {
+  initialiseVdb();
+  impl_->path = path;
+  impl_->size = sizeOfInput(path);
+  guarded(path + " cannot be read as a VDB file", [&] { impl_->readContents(); });
+}
+
+VdbFile::~VdbFile() = default;
+
+const std::vector<VdbEntry>& VdbFile::entries() const { return impl_->entries; }
+unsigned VdbFile::fileVersion() const { return impl_->fileVersion; }
+std::string VdbFile::libraryVersion() const { return impl_->libraryVersion; }
+
+GridBase::Ptr VdbFile::readHeader(size_t index) const {
+  return guarded(impl_->cannotRead(index), [&] {
+    return impl_->streamed.empty()
+               ? Reader(impl_->path, impl_->size).readHeaderOf(impl_->descriptors.at(index))
+               : impl_->streamed.at(index);
+  });
+}
+
+GridBase::Ptr VdbFile::read(size_t index) const {
+  return guarded(impl_->cannotRead(index), [&] { return impl_->readConnected(index); });
+}
+
+GridBase::Ptr VdbFile::readDelayed(size_t index) const {
+  return guarded(impl_->cannotRead(index), [&] { return impl_->readDelayed(index); });
+}
+
+const openvdb::MetaMap& VdbFile::metadata() const { return impl_->metadata; }
+std::uint32_t VdbFile::compression() const { return impl_->compression; }
+
+}  // namespace slicemorph

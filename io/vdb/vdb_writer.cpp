@@ -1,0 +1,92 @@
+#include "io/vdb/vdb_writer.h"
+
+#include "io/atomic_file.h"
+#include "io/vdb/vdb_reader.h"
+#include "slicemorph/errors.h"
+
+#include <openvdb/io/Archive.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <ostream>
+#include <string_view>
+
+namespace slicemorph {
+namespace {
+
+constexpr const char* kCreator = "slicemorph 0.1.0";
+
+/// In the file: magic number (8), file version (4), library version (2 x 4), grid offsets (1), then the
+/// identifier.
+constexpr size_t kIdentifierAt = 21, kIdentifierSize = 36;
+
+class Writer : public openvdb::io::Archive {
+ public:
+  explicit Writer(std::uint32_t compression) { setCompression(compression); }
+  using openvdb::io::Archive::write;
+};
+
+/// FNV-1a of all that comes in, in two runs started differently.
+class Hash {
+ public:
+  void add(std::string_view bytes) {
+    for (unsigned char byte : bytes)
+      for (std::uint64_t& half : halves_) half = (half ^ byte) * 0x100000001b3ULL;
+  }
+  /// A UUID of version 8 (RFC 9562: made by the application).
+  std::string identifier() const {
+    constexpr const char* digits = "0123456789abcdef";
+    std::string text = "xxxxxxxx-xxxx-8xxx-8xxx-xxxxxxxxxxxx";
+    size_t nibble = 0;
+    for (char& c : text) {
+      if (c != 'x') continue;
+      c = digits[halves_[nibble / 16] >> (nibble % 16 * 4) & 15];
+      ++nibble;
+    }
+    return text;
+  }
+
+ private:
+  std::array<std::uint64_t, 2> halves_{0xcbf29ce484222325ULL, 0x84222325cbf29ce4ULL};
+};
+
+/// The grid with the tree of the one given and metadata of its own.
+openvdb::GridBase::Ptr stamped(const openvdb::GridBase& grid) {
+  const openvdb::GridBase::Ptr copy = openvdb::ConstPtrCast<openvdb::GridBase>(grid.copyGrid());
+  for (const char* name :
+       {"file_bbox_min", "file_bbox_max", "file_mem_bytes", "file_voxel_count", "file_compression"})
+    copy->removeMeta(name);
+  copy->setCreator(kCreator);
+  return copy;
+}
+
+}  // namespace
+
+void writeVdb(const std::string& path, const openvdb::GridCPtrVec& grids, const VdbOutput& options) {
+  initialiseVdb();
+  AtomicFile file(path);
+  openvdb::MetaMap metadata = options.metadata;
+  metadata.insertMeta("creator", openvdb::StringMetadata(kCreator));
+  metadata.insertMeta("fps", openvdb::FloatMetadata(float(options.framesPerSecond)));
+  metadata.insertMeta("frame", openvdb::Int32Metadata(options.frame));
+  errno = 0;
+  try {
+    openvdb::GridCPtrVec stampedGrids;
+    for (const auto& grid : grids) stampedGrids.push_back(stamped(*grid));
+    std::ostream& stream = file.stream();
+    Writer(options.compression).write(stream, stampedGrids, /*seekable=*/true, metadata);
+    stream.flush();
+  } catch (const IoError&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw IoError(path + " cannot be written: " + (errno ? std::strerror(errno) : error.what()));
+  }
+  Hash hash;
+  file.read(kIdentifierAt + kIdentifierSize, [&](std::string_view bytes) { hash.add(bytes); });
+  file.overwrite(kIdentifierAt, hash.identifier());
+  file.commit();
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "slicemorph/conventions.h"
+
+namespace slicemorph {
+
+inline bool sameValues(const FloatGrid& a, const FloatGrid& b) {
+  if (a.transform() != b.transform() || !a.tree().hasSameTopology(b.tree())) return false;
+  for (auto it = a.cbeginValueOn(); it; ++it)
+    if (b.tree().getValue(it.getCoord()) != *it) return false;
+  return true;
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,240 @@
+#!/usr/bin/env python3
+"""The page of `morph --report x.html`, opened from the disk in headless Chromium without a network.
+
+usage: report_test.py PATH/TO/slicemorph SOURCE_FOLDER [NAME...]     (NAME: only the cases whose name contains it)
+       report_test.py --screenshot PAGE.html PICTURE.png [T]           (a picture of a page at a time from 0 to 1)
+
+Needs Debian's python3-openimageio; cases are skipped, with a message, where Chromium is not installed.
+"""
+import base64
+import fcntl
+import json
+import os
+import select
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+sys.path.append("/usr/lib/python3/dist-packages")
+import numpy as np
+import OpenImageIO as oiio
+
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+from cases import Skip, named_cases, run_cases
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+
+
+class Browser:
+    """Chromium by its DevTools protocol: JSON messages that end with a zero byte, through a pair of pipes."""
+
+    def __init__(self, width=1280, height=1000):
+        if not CHROMIUM:
+            raise Skip("chromium is not installed")
+        self.folder = tempfile.mkdtemp(prefix="slicemorph-chromium-")
+        to_read, self.to = os.pipe()
+        self.back, back_write = os.pipe()
+        # Out of the way of the ends that Chromium wants to find as 3 and 4.
+        ends = [fcntl.fcntl(end, fcntl.F_DUPFD, 20) for end in (to_read, back_write)]
+
+        def wire():
+            os.dup2(ends[0], 3)
+            os.dup2(ends[1], 4)
+
+        self.process = subprocess.Popen(
+            [CHROMIUM, "--headless=new", "--no-sandbox", "--remote-debugging-pipe", "--user-data-dir=" + self.folder,
+             "--window-size=%d,%d" % (width, height), "--hide-scrollbars", "--use-angle=swiftshader",
+             "--enable-unsafe-swiftshader", "--host-resolver-rules=MAP * ~NOTFOUND", "--no-first-run", "about:blank"],
+            preexec_fn=wire, close_fds=False, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        for end in (*ends, to_read, back_write):
+            os.close(end)
+        self.buffer, self.count, self.events, self.session = b"", 0, [], None
+        target = self.call("Target.createTarget", url="about:blank")["targetId"]
+        self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        for domain in ("Page", "Runtime", "Log", "Network"):
+            self.call(domain + ".enable")
+        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
+
+    def message(self, until):
+        while b"\0" not in self.buffer:
+            ready, _, _ = select.select([self.back], [], [], max(until - time.time(), 0))
+            assert ready, "Chromium does not answer"
+            data = os.read(self.back, 1 << 20)
+            assert data, "Chromium is gone"
+            self.buffer += data
+        text, self.buffer = self.buffer.split(b"\0", 1)
+        return json.loads(text)
+
+    def call(self, method, **parameters):
+        self.count += 1
+        message = {"id": self.count, "method": method, "params": parameters}
+        if self.session:
+            message["sessionId"] = self.session
+        os.write(self.to, json.dumps(message).encode() + b"\0")
+        until = time.time() + 120
+        while True:
+            answer = self.message(until)
+            if answer.get("id") == self.count:
+                assert "error" not in answer, answer["error"]
+                return answer["result"]
+            self.events.append(answer)
+
+    def run(self, script):
+        result = self.call("Runtime.evaluate", expression=script, awaitPromise=True, returnByValue=True)
+        assert "exceptionDetails" not in result, result["exceptionDetails"]
+        return result["result"].get("value")
+
+    def open(self, path):
+        self.call("Page.navigate", url="file://" + os.path.abspath(path))
+        until = time.time() + 90
+        while not self.run("document.readyState === 'complete' && "
+                           "(document.body.dataset.player === 'ready' || !!document.querySelector('#player .none'))"):
+            assert time.time() < until, "the page is not ready; " + "; ".join(self.errors())
+            time.sleep(0.1)
+
+    def picture(self, selector=None):
+        """RGB, rows x columns x 3, of what is to be seen of an element, or of the window."""
+        clip = {}
+        if selector:
+            box = self.run("(r => [r.x + scrollX, r.y + scrollY, r.width, r.height])(document.querySelector(%s).getBoundingClientRect())"
+                           % json.dumps(selector))
+            clip = {"clip": dict(zip(("x", "y", "width", "height"), box), scale=1), "captureBeyondViewport": True}
+        return unpng(self.png(**clip))
+
+    def png(self, **options):
+        self.run("new Promise(r => requestAnimationFrame(() => requestAnimationFrame(r)))")
+        return base64.b64decode(self.call("Page.captureScreenshot", format="png", **options)["data"])
+
+    def errors(self):
+        """What the console and the network complain of."""
+        found = []
+        for event in self.events:
+            name, p = event.get("method"), event.get("params", {})
+            if name == "Runtime.exceptionThrown":
+                found.append(json.dumps(p["exceptionDetails"])[:500])
+            elif name == "Runtime.consoleAPICalled" and p["type"] in ("error", "warning", "assert"):
+                found.append(p["type"] + ": " + " ".join(str(a.get("value", a.get("description"))) for a in p["args"]))
+            elif name == "Log.entryAdded" and p["entry"]["level"] in ("error", "warning"):
+                found.append("log: " + p["entry"]["text"])
+            elif name == "Network.requestWillBeSent" and not p["request"]["url"].startswith(("file:", "data:", "blob:")):
+                found.append("asks the network for " + p["request"]["url"])
+        # Headless Chromium without a graphics card says so itself when pixels are read back.
+        return [f for f in found if "GPU stall due to ReadPixels" not in f]
+
+    def close(self):
+        self.process.kill()
+        self.process.wait()
+        os.close(self.to)
+        os.close(self.back)
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+
+def unpng(data):
+    with tempfile.NamedTemporaryFile(suffix=".png") as file:
+        file.write(data)
+        file.flush()
+        source = oiio.ImageInput.open(file.name)
+        return source.read_image(0, 0, 0, 3, oiio.UINT8).astype(int)
+
+
+def morph(folder, *words):
+    page = folder + "/report.html"
+    result = subprocess.run([PROGRAM, "morph", *map(str, words), "--report", page], capture_output=True, text=True, timeout=600)
+    assert result.returncode == 0, result.stderr
+    assert os.path.getsize(page) < 20e6, os.path.getsize(page)
+    return page
+
+
+def scrub(browser, t):
+    """As a hand does it: the slider's value, and its event."""
+    browser.run("(s => { s.value = %r; s.dispatchEvent(new Event('input')); })(document.getElementById('time'))" % t)
+
+
+def case_player(folder):
+    """Opens without a complaint; scrubbing shows the shape of that time; nothing is asked of the network."""
+    page = morph(folder, ASSETS + "/blade.ply", ASSETS + "/creature.ply", "-o", folder + "/m.####.vdb", "--frames", 9,
+                 "--resolution", 64)
+    with Browser() as browser:
+        browser.open(page)
+        assert not browser.run("!!document.querySelector('#player .none')"), browser.run("document.querySelector('#player').textContent")
+        pictures = {}
+        for t in (0, 0.3, 0.5, 1):
+            scrub(browser, t)
+            pictures[t] = browser.picture("#player canvas")
+            assert pictures[t].std() > 5, "nothing is to be seen at %g" % t
+            shown = browser.run("document.getElementById('now').textContent")
+            assert "t = %.3f" % t in shown and "frame %d" % round(1 + 8 * t + 1e-9) in shown, shown
+        for a, b in ((0, 0.3), (0.3, 0.5), (0.5, 1)):
+            changed = (np.abs(pictures[a] - pictures[b]).max(axis=2) > 24).mean()
+            assert changed > 0.005, "from %g to %g only %.2f %% of the pixels change" % (a, b, 100 * changed)
+        scrub(browser, 0)
+        assert (np.abs(browser.picture("#player canvas") - pictures[0]).max(axis=2) > 24).mean() < 0.001
+        assert browser.errors() == [], browser.errors()
+
+
+def case_parts(folder):
+    """Curves, sheet, slices, notes, settings: all there, and of this job."""
+    page = morph(folder, ASSETS + "/blade.ply", ASSETS + "/ring.ply", "-o", folder + "/m.####.vdb", "--frames", 5,
+                 "--resolution", 48, "--report", folder + "/m.json")
+    report = json.load(open(folder + "/m.json"))
+    with Browser() as browser:
+        browser.open(page)
+        titles = browser.run("[...document.querySelectorAll('#curves svg text:first-of-type')].map(e => e.textContent)")
+        for word in ("Volume", "Area", "Pieces", "Genus", "Fold", "Seconds"):
+            assert any(word in title for title in titles), (word, titles)
+        # The curve of the volume: its points lie as high as the figures say.
+        y = np.array(browser.run("[...document.querySelectorAll('#curves svg')[0].querySelectorAll('circle')].map(c => +c.getAttribute('cy'))"))
+        v = np.array([f["volume"] for f in report["frames"]])
+        assert len(y) == len(v) and np.corrcoef(-y, v)[0, 1] > 0.9999
+        size = browser.run("(i => [i.naturalWidth, i.naturalHeight])(document.getElementById('sheet'))")
+        assert min(size) > 100, size
+        slices = browser.run("JSON.parse(document.getElementById('slices').textContent).length")
+        assert slices > 8 and browser.run("!!document.querySelector('#slice svg')")
+        text = browser.run("document.body.innerText")
+        for word in ("blade.ply", "ring.ply", *report["notes"]):
+            assert word in text, word
+        assert browser.errors() == [], browser.errors()
+
+
+def case_without_shapes(folder):
+    """A method without a surface, and blends without times: still a page without complaints."""
+    for words in (["-o", folder + "/m.####.vdb", "--frames", 3, "--method", "dissolve"],
+                  ["-o", folder + "/m.vdb", "--weights", "0.4,0.6"], ["-o", folder + "/m.####.png", "--frames", 2, "--size", "60x40"]):
+        page = morph(folder, ASSETS + "/blade.ply", ASSETS + "/ring.ply", "--resolution", 40, *words)
+        with Browser() as browser:
+            browser.open(page)
+            assert browser.errors() == [], browser.errors()
+            assert browser.run("!!document.querySelector('#player .none')") == ("dissolve" in words)
+
+
+def case_names_cannot_break_the_page(folder):
+    """A file's name is text, whatever is in it."""
+    name = folder + "/a<b>&'\"<!--.ply"
+    shutil.copy(ASSETS + "/blade.ply", name)
+    page = morph(folder, name, ASSETS + "/ring.ply", "-o", folder + "/m.vdb", "--at", 0.5, "--resolution", 32)
+    with Browser() as browser:
+        browser.open(page)
+        assert os.path.basename(name) in browser.run("document.title")
+        assert browser.errors() == [], browser.errors()
+
+
+if len(sys.argv) > 3 and sys.argv[1] == "--screenshot":
+    with Browser(1240, 2400) as browser:
+        browser.open(sys.argv[2])
+        scrub(browser, float(sys.argv[4]) if len(sys.argv) > 4 else 0.5)
+        open(sys.argv[3], "wb").write(browser.png())
+        for error in browser.errors():
+            print(error)
+    sys.exit(0)
+if len(sys.argv) < 3:
+    sys.exit(__doc__)
+PROGRAM, ASSETS, ONLY = os.path.abspath(sys.argv[1]), os.path.join(sys.argv[2], "assets"), sys.argv[3:]
+sys.exit(run_cases(sorted(named_cases(globals())), ONLY))

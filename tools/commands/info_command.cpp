@@ -1,0 +1,182 @@
+#include "tools/commands/info_command.h"
+
+#include "io/file_info.h"
+#include "io/input.h"
+#include "tools/commands/common_options.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cstdio>
+
+namespace slicemorph {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json toJson(const Vec3d& v) { return {v[0], v[1], v[2]}; }
+std::string toText(const Vec3d& v) {
+  return formatNumber(v[0]) + " " + formatNumber(v[1]) + " " + formatNumber(v[2]);
+}
+
+Json describeMesh(const MeshInfo& m) {
+  return {{"points", m.points},
+          {"faces", m.faces},
+          {"shells", m.shells},
+          {"closed", m.closed},
+          {"boundaryEdges", m.boundaryEdges},
+          {"boundaryLoops", m.boundaryLoops},
+          {"nonManifoldEdges", m.nonManifoldEdges},
+          {"box", {toJson(m.boxMin), toJson(m.boxMax)}},
+          {"signedVolume", m.signedVolume},
+          {"colors", m.colors},
+          {"notes", sentencesOf(m.notes)},
+          {"problem", m.problem}};
+}
+
+Json describeGrid(const GridInfo& g) {
+  Json json = {{"name", g.name},
+               {"type", g.type},
+               {"class", g.gridClass},
+               {"activeVoxels", g.activeVoxels},
+               {"voxelSize", toJson(g.voxelSize)},
+               {"rotated", g.rotated},
+               {"uniform", g.uniform},
+               {"box", {toJson(g.boxMin), toJson(g.boxMax)}},
+               {"halfFloat", g.halfFloat}};
+  if (g.scalar) {
+    json["background"] = g.background;
+    json["minimum"] = g.minimum;
+    json["maximum"] = g.maximum;
+  }
+  json["reading"] = g.reading;
+  json["problem"] = g.problem;
+  return json;
+}
+
+Json describeImage(const ImageInfo& i) {
+  return {{"name", i.name},
+          {"format", i.format},
+          {"about", i.about},
+          {"type", i.type},
+          {"size", {i.size[0], i.size[1], i.size[2]}},
+          {"spacing", toJson(i.spacing)},
+          {"origin", toJson(i.origin)},
+          {"axes", {toJson(i.axes[0]), toJson(i.axes[1]), toJson(i.axes[2])}},
+          {"volumes", i.volumes},
+          {"minimum", i.minimum},
+          {"maximum", i.maximum},
+          {"labels", i.labels},
+          {"reading", i.reading},
+          {"notes", sentencesOf(i.notes)}};
+}
+
+void printJson(const FileInfo& info) {
+  Json json = {{"file", info.path}, {"format", info.format}, {"bytes", info.bytes}};
+  if (info.kind == FileInfo::Kind::kImage) {
+    json["images"] = Json::array();
+    for (const ImageInfo& image : info.images) json["images"].push_back(describeImage(image));
+  } else if (info.kind == FileInfo::Kind::kMesh) {
+    json["mesh"] = describeMesh(info.mesh);
+  } else {
+    json["fileVersion"] = info.vdb.fileVersion;
+    json["libraryVersion"] = info.vdb.libraryVersion;
+    json["chosen"] = info.vdb.chosen;
+    json["grids"] = Json::array();
+    for (const GridInfo& grid : info.vdb.grids) json["grids"].push_back(describeGrid(grid));
+  }
+  std::printf("%s\n", json.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
+}
+
+void printLine(const char* name, const std::string& value) {
+  std::printf("  %-13s %s\n", name, value.c_str());
+}
+
+void printMesh(const MeshInfo& m) {
+  printLine("points", std::to_string(m.points));
+  printLine("faces", std::to_string(m.faces));
+  printLine("shells", std::to_string(m.shells));
+  printLine("closed", m.closed ? "yes"
+                               : "no: " + std::to_string(m.boundaryEdges) + " boundary edges in " +
+                                     std::to_string(m.boundaryLoops) + " loops, " +
+                                     std::to_string(m.nonManifoldEdges) + " non-manifold edges");
+  printLine("box", toText(m.boxMin) + " .. " + toText(m.boxMax));
+  if (m.closed) printLine("volume", formatNumber(m.signedVolume));
+  if (!m.colors.empty()) printLine("colours", "of its " + m.colors);
+  for (const Note& note : m.notes) printLine("on reading", note.sentence());
+  if (!m.problem.empty()) printLine("problem", m.problem);
+}
+
+void printGrid(const GridInfo& g, bool chosen) {
+  std::printf("grid %s%s\n", g.name.c_str(), chosen ? " (read when none is named)" : "");
+  printLine("type", g.type + ", " + g.gridClass + (g.halfFloat ? ", half float" : ""));
+  printLine("active voxels", std::to_string(g.activeVoxels));
+  printLine("voxel size",
+            toText(g.voxelSize) + (g.rotated ? ", rotated" : "") + (g.uniform ? "" : ", not uniform"));
+  printLine("box", toText(g.boxMin) + " .. " + toText(g.boxMax));
+  if (g.scalar)
+    printLine("values", formatNumber(g.minimum) + " .. " + formatNumber(g.maximum) + ", background " +
+                            formatNumber(g.background));
+  if (!g.reading.empty()) printLine("read as", g.reading);
+  if (!g.problem.empty()) printLine("problem", g.problem);
+}
+
+void printImage(const ImageInfo& i) {
+  std::printf("image %s%s%s\n", i.name.c_str(), i.about.empty() ? "" : ": ", i.about.c_str());
+  printLine("voxels", std::to_string(i.size[0]) + " x " + std::to_string(i.size[1]) + " x " +
+                          std::to_string(i.size[2]) + ", " + i.type +
+                          (i.volumes > 1 ? ", one of " + std::to_string(i.volumes) + " volumes" : ""));
+  printLine("spacing", toText(i.spacing) + " mm");
+  printLine("origin", toText(i.origin) + " (LPS)");
+  for (int d = 0; d < 3; ++d) printLine(d == 0 ? "axes" : "", toText(i.axes[d]));
+  printLine("values", formatNumber(i.minimum) + " .. " + formatNumber(i.maximum));
+  printLine("read as", i.reading);
+  for (const Note& note : i.notes) printLine("on reading", note.sentence());
+}
+
+void printText(const FileInfo& info) {
+  std::printf("%s: %s, %llu bytes", info.path.c_str(), info.format.c_str(),
+              static_cast<unsigned long long>(info.bytes));
+  if (info.kind == FileInfo::Kind::kMesh) {
+    std::printf("\n");
+    printMesh(info.mesh);
+    return;
+  }
+  if (info.kind == FileInfo::Kind::kImage) {
+    std::printf("\n");
+    for (const ImageInfo& image : info.images) printImage(image);
+    return;
+  }
+  std::printf(", file version %u, written by OpenVDB %s\n", info.vdb.fileVersion,
+              info.vdb.libraryVersion.c_str());
+  for (const GridInfo& grid : info.vdb.grids) printGrid(grid, grid.name == info.vdb.chosen);
+}
+
+}  // namespace
+
+void addInfoCommand(CLI::App& program) {
+  struct InfoSettings {
+    std::string input;
+    LoadOptions load;
+    bool json = false;
+  };
+  CLI::App* command = program.add_subcommand("info", "What a file holds, and how it will be read");
+  const auto s = std::make_shared<InfoSettings>();
+  command
+      ->add_option(
+          "INPUT", s->input,
+          "File: .vdb (file.vdb:grid for one grid) .obj .ply .stl .off .glb, or an image: .nii .nii.gz "
+          ".nrrd .nhdr .mha .mhd (file:N for one of its volumes), a DICOM folder (folder:N for a series), "
+          "name.####.tif|png|exr")
+      ->required();
+  addSpacingOption(*command, s->load.image);
+  command->add_flag("--json", s->json, "Print JSON");
+  command->callback([s] {
+    const FileInfo info = describeFile(s->input, s->load.image);
+    if (s->json)
+      printJson(info);
+    else
+      printText(info);
+  });
+}
+
+}  // namespace slicemorph

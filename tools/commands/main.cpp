@@ -1,0 +1,66 @@
+#include "slicemorph/errors.h"
+#include "tools/commands/compare_command.h"
+#include "tools/commands/convert_command.h"
+#include "tools/commands/info_command.h"
+#include "tools/commands/morph_command.h"
+#include "tools/commands/reconstruct_command.h"
+#include "tools/commands/render_command.h"
+#include "tools/commands/slice_command.h"
+
+#include <openvdb/openvdb.h>
+
+#include <cstdio>
+#include <new>
+
+namespace {
+
+constexpr int kDone = 0, kFailed = 1, kWrongUsage = 2;
+
+int fail(int code, const std::string& message) {
+  std::fprintf(stderr, "slicemorph: %s\n", message.c_str());
+  return code;
+}
+
+/// Errors of the command line name the command whose help tells more.
+int failUsage(const CLI::App& program, const CLI::ParseError& error) {
+  std::string command = "slicemorph";
+  for (const CLI::App* sub : program.get_subcommands()) command += " " + sub->get_name();
+  return fail(kWrongUsage, std::string(error.what()) + "\nRun '" + command + " --help' for the options.");
+}
+
+int run(int argc, char** argv) {
+  CLI::App program("Morphs volumes through oriented slices.\nExit code: 0 done, 1 failed, 2 wrong usage.",
+                   "slicemorph");
+  program.set_version_flag("--version", "slicemorph " SLICEMORPH_VERSION);
+  program.require_subcommand(1);
+  program.get_formatter()->column_width(34);
+  slicemorph::addMorphCommand(program);
+  slicemorph::addConvertCommand(program);
+  slicemorph::addCompareCommand(program);
+  slicemorph::addInfoCommand(program);
+  slicemorph::addReconstructCommand(program);
+  slicemorph::addRenderCommand(program);
+  slicemorph::addSliceCommand(program);
+  try {
+    program.parse(argc, argv);
+    return kDone;
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return program.exit(error);
+    return failUsage(program, error);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    openvdb::initialize();
+    return run(argc, argv);
+  } catch (const slicemorph::InputError& error) {
+    return fail(kWrongUsage, error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(kFailed, "out of memory; choose a larger --voxel-size or a smaller --resolution");
+  } catch (const std::exception& error) {
+    return fail(kFailed, error.what());
+  }
+}

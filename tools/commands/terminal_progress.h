@@ -1,0 +1,52 @@
+#pragma once
+
+#include "slicemorph/progress.h"
+
+#include <chrono>
+#include <mutex>
+#include <string>
+
+namespace slicemorph {
+
+/// From now on the first Ctrl-C asks for a clean end (TerminalProgress::cancelled); a second one ends at
+/// once.
+void cancelOnInterrupt();
+
+/// One line on stderr, redrawn in place: stage, share done, time left. Silent unless stderr is a terminal.
+class TerminalProgress : public Progress {
+ public:
+  explicit TerminalProgress(bool quiet);
+  ~TerminalProgress() override;
+
+  void report(const char* stage, double fraction) override;
+  bool cancelled() const override;
+  /// Removes the line, so that other output does not run into it.
+  void clear();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::string timeLeft(Clock::time_point now, double fraction) const;
+
+  const bool shown_;
+  std::mutex mutex_;
+  std::string stage_;
+  double stageFraction_ = 0;  ///< where the stage began
+  Clock::time_point stageStart_, lastDrawn_;
+  size_t width_ = 0;  ///< of the line on the screen
+};
+
+/// A part of a larger job: fractions 0 to 1 become `from` to `to` of the whole.
+class PartProgress : public Progress {
+ public:
+  PartProgress(Progress& whole, double from, double to) : whole_(whole), from_(from), to_(to) {}
+  void report(const char* stage, double fraction) override {
+    whole_.report(stage, from_ + (to_ - from_) * fraction);
+  }
+  bool cancelled() const override { return whole_.cancelled(); }
+
+ private:
+  Progress& whole_;
+  double from_, to_;
+};
+
+}  // namespace slicemorph

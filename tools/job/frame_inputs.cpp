@@ -1,0 +1,52 @@
+#include "tools/job/frame_inputs.h"
+
+#include "io/paths.h"
+#include "io/sequence.h"
+#include "slicemorph/errors.h"
+
+#include <algorithm>
+
+namespace slicemorph {
+
+FrameInputs::FrameInputs(const MorphSettings& settings)
+    : settings_(settings), open_(settings.inputs.size()), loaded_(settings.inputs.size()) {
+  for (const std::string& input : settings.inputs) {
+    files_.emplace_back();
+    if (isMovingInput(input)) {
+      const InputName name = splitSequenceInput(input);
+      for (const SequenceFile& file : findSequence(name.path))
+        files_.back().push_back(name.grid.empty() ? file.path : file.path + ":" + name.grid);
+    } else {
+      files_.back().push_back(input);
+    }
+  }
+}
+
+Notes FrameInputs::notes(size_t frames) const {
+  Notes notes;
+  for (size_t k = 0; k < files_.size(); ++k)
+    if (isMovingInput(settings_.inputs[k]) && files_[k].size() < frames)
+      notes.push_back(settings_.inputs[k] + " has " + std::to_string(files_[k].size()) + " files for " +
+                      std::to_string(frames) + " frames: the last one stays");
+  return notes;
+}
+
+bool FrameInputs::moveTo(size_t frame, Progress& progress) {
+  bool changed = false;
+  for (size_t k = 0; k < files_.size(); ++k) {
+    const std::string& file = files_[k][std::min(frame, files_[k].size() - 1)];
+    if (open_[k] == file) continue;
+    if (progress.cancelled()) throw Cancelled();
+    progress.report("reading", double(k) / double(files_.size()));
+    loaded_[k] = loadObject(file, optionsOfInput(settings_.load, k));
+    open_[k] = file;
+    changed = true;
+    for (Note& note : about(file, loaded_[k].notes)) notes_.push_back(std::move(note));
+  }
+  if (changed) addLabelSurfaces(loaded_);
+  return changed;
+}
+
+Notes FrameInputs::takeNotes() { return std::exchange(notes_, {}); }
+
+}  // namespace slicemorph

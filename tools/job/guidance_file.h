@@ -1,0 +1,29 @@
+#pragma once
+
+#include "slicemorph/guidance.h"
+#include "slicemorph/note.h"
+#include "tools/job/key_times.h"
+
+#include <string>
+#include <vector>
+
+/// What a job file says beyond its `key = value` lines: keys over time, features, regions. Inputs go by the
+/// names of inputNamed(). Everything throws IoError where the file cannot be read and InputError
+/// `file:line:column: ...`.
+namespace slicemorph {
+
+struct Guidance {
+  std::vector<Feature> features;  ///< of tables [[feature]]
+  std::vector<Region> regions;    ///< of tables [[region]]
+  Notes notes;
+};
+Guidance readGuidance(const std::string& path, const std::vector<std::string>& inputs);
+
+struct KeyList {
+  std::vector<WeightKey> keys;  ///< empty: the file has none
+  Notes notes;
+};
+/// `keys = "a@0 b@1"` or a list of tables {at = 0, input = "a"} or {at = 0, weights = [...]}.
+KeyList readKeys(const std::string& path, const std::vector<std::string>& inputs);
+
+}  // namespace slicemorph

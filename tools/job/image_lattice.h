@@ -1,0 +1,23 @@
+#pragma once
+
+#include "io/input.h"
+#include "slicemorph/note.h"
+
+#include <string>
+#include <vector>
+
+namespace slicemorph {
+
+/// A lattice's box with cubic voxels: of the size that was asked for, or as many as were asked for along its
+/// longest side.
+ImageLattice cubicLattice(const ImageLattice& lattice, const LoadOptions& options);
+
+/// The voxels that the in-betweens of images are put on: those of the first, and as many more around them as
+/// the other objects' shapes need. `notes`: where that is so.
+ImageLattice latticeAround(const std::vector<LoadedObject>& objects, Notes& notes);
+
+/// Throws where the folder of an output is missing or its extension is none that a surface or image can be
+/// written to.
+void checkOutput(const std::string& path);
+
+}  // namespace slicemorph

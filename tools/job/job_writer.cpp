@@ -1,0 +1,210 @@
+#include "tools/job/job_writer.h"
+
+#include "slicemorph/errors.h"
+#include "tools/commands/common_options.h"
+#include "tools/job/input_names.h"
+
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <sstream>
+
+namespace slicemorph {
+namespace {
+
+constexpr size_t kCommentWidth = 100;
+
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    char code[8];
+    std::snprintf(code, sizeof code, "\\u%04X", static_cast<unsigned char>(c));
+    const bool control = static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
+    result += control ? std::string(code) : c == '"' || c == '\\' ? std::string("\\") + c : std::string(1, c);
+  }
+  return result + "\"";
+}
+
+std::string listOf(const std::vector<std::string>& items) {
+  std::string text;
+  for (const std::string& item : items) text += (text.empty() ? "" : ", ") + item;
+  return "[" + text + "]";
+}
+
+std::string placeOf(const Vec3d& v) { return tomlOf(std::vector<double>{v[0], v[1], v[2]}); }
+
+std::vector<std::string> parted(const std::string& text, char mark) {
+  std::vector<std::string> parts;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, mark);) parts.push_back(part);
+  return parts;
+}
+
+/// Numbers parted by commas, one by itself; anything else is a text.
+std::string numbersOrText(const std::string& text) {
+  try {
+    const std::vector<double> numbers = parseNumbers("", text);
+    return numbers.size() == 1 ? formatExactly(numbers[0]) : tomlOf(numbers);
+  } catch (const InputError&) {
+    return quoted(text);
+  }
+}
+
+/// Landmarks as JobOption has them, `x,y,z=x,y,z;...`, or the names of files.
+std::string placesOrText(const std::string& text) {
+  if (text.find('=') == std::string::npos) return quoted(text);
+  std::vector<std::string> marks;
+  for (const std::string& mark : parted(text, ';')) {
+    std::vector<std::string> places;
+    for (const std::string& place : parted(mark, '=')) places.push_back(numbersOrText(place));
+    marks.push_back(listOf(places));
+  }
+  return listOf(marks);
+}
+
+std::string spelled(const std::vector<std::string>& words, JobType type) {
+  const std::string& word = words.back();
+  switch (type) {
+    case JobType::kFlag:
+      return word;
+    case JobType::kInteger:
+    case JobType::kNumber:
+    case JobType::kNumbers:
+      return numbersOrText(word);
+    case JobType::kPlaces:
+      return placesOrText(word);
+    case JobType::kTexts: {
+      std::vector<std::string> texts;
+      for (const std::string& text : words) texts.push_back(quoted(text));
+      return listOf(texts);
+    }
+    default:
+      return quoted(word);
+  }
+}
+
+/// Values of an option that was given, as TOML.
+std::string givenValue(const JobOption& option) {
+  if (option.type == JobType::kFlag) return option.option->as<bool>() ? "true" : "false";
+  if (option.type == JobType::kInteger) return std::to_string(option.option->as<long>());
+  return spelled(option.option->results(), option.type);
+}
+
+std::string comment(const std::string& text) {
+  std::string lines, line = "#";
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    if (line.size() + 1 + word.size() > kCommentWidth) lines += line + "\n", line = "#";
+    line += " " + word;
+  }
+  return lines + line + "\n";
+}
+
+std::string describe(const JobOption& option, const JobTables& tables) {
+  const std::string type = option.type == JobType::kFlag ? "" : option.option->get_type_name();
+  std::string text = comment(option.option->get_description() + (type.empty() ? "" : " [" + type + "]"));
+  const auto value = tables.values.find(option.key);
+  if (value != tables.values.end()) return text + option.key + " = " + value->second + "\n";
+  if (option.option->count()) return text + option.key + " = " + givenValue(option) + "\n";
+  const std::string fallback = option.type == JobType::kFlag ? "false"
+                               : option.fallback.empty()     ? ""
+                                                             : spelled({option.fallback}, option.type);
+  return text + "# " + option.key + " =" + (fallback.empty() ? "" : " " + fallback) + "\n";
+}
+
+std::string describe(const std::vector<WeightKey>& keys, const std::vector<std::string>& inputs) {
+  std::string text;
+  for (const WeightKey& key : keys) {
+    const auto all = std::find(key.weights.begin(), key.weights.end(), 1.0);
+    const bool one =
+        all != key.weights.end() &&
+        std::count(key.weights.begin(), key.weights.end(), 0.0) + 1 == std::ptrdiff_t(key.weights.size());
+    text += "  {at = " + formatExactly(key.at) + ", ";
+    text += one ? "input = " + quoted(nameOfInput(size_t(all - key.weights.begin()), inputs))
+                : "weights = " + tomlOf(key.weights);
+    text += "},\n";
+  }
+  return "[\n" + text + "]";
+}
+
+std::string describe(const Feature& feature) {
+  std::vector<std::string> items;
+  for (size_t k = 0; k < feature.places.size(); ++k) {
+    std::vector<std::string> places;
+    for (const Vec3d& place : feature.places[k]) places.push_back(placeOf(place));
+    if (feature.kind == Feature::Kind::kPoint)
+      items.push_back(places[0]);
+    else if (feature.kind == Feature::Kind::kLine)
+      items.push_back(listOf(places));
+    else
+      items.push_back("{center = " + places[0] + ", normal = " + placeOf(feature.normals[k]) +
+                      ", radius = " + formatExactly(feature.radii[k]) + "}");
+  }
+  const char* kind = feature.kind == Feature::Kind::kPoint  ? "point"
+                     : feature.kind == Feature::Kind::kLine ? "line"
+                                                            : "disk";
+  return "\n[[feature]]\nname = " + quoted(feature.name) + "\n" + kind + " = " + listOf(items) + "\n";
+}
+
+std::string describe(const Region& region, const std::vector<std::string>& inputs) {
+  std::string text = "\n[[region]]\nname = " + quoted(region.name) +
+                     "\non = " + quoted(nameOfInput(region.object, inputs)) + "\n";
+  if (region.kind == Region::Kind::kSphere)
+    text +=
+        "sphere = {center = " + placeOf(region.center) + ", radius = " + formatExactly(region.radius) + "}\n";
+  else if (region.kind == Region::Kind::kBox)
+    text += "box = {min = " + placeOf(region.box.min()) + ", max = " + placeOf(region.box.max()) + "}\n";
+  else
+    text += "spine = " + tomlOf(std::vector<double>{region.from, region.to}) + "\n";
+  return text + "border = " + formatExactly(region.border) + "\nweights = " + tomlOf(region.weights) + "\n";
+}
+
+constexpr const char* kNoFeature = R"(
+# Places that all inputs have, one per input: a point, a line or a disk.
+# [[feature]]
+# name = "nose"
+# point = [[x, y, z], [x, y, z]]
+# line = [[[x, y, z], [x, y, z]], [[x, y, z], [x, y, z]]]
+# disk = [{center = [x, y, z], normal = [x, y, z], radius = r}, {center = [x, y, z], normal = [x, y, z], radius = r}]
+)";
+constexpr const char* kNoRegion = R"(
+# Parts with weights of their own: a sphere, a box or a stretch of the spine on one input.
+# [[region]]
+# name = "head"
+# on = "a"
+# sphere = {center = [x, y, z], radius = r}
+# box = {min = [x, y, z], max = [x, y, z]}
+# spine = [0, 0.4]
+# border = 0.2  # world units over which weights go over; 0: a tenth of the size
+# weights = [0, 1]
+)";
+
+}  // namespace
+
+std::string tomlOf(const std::vector<double>& numbers) {
+  std::vector<std::string> items;
+  for (const double number : numbers) items.push_back(formatExactly(number));
+  return listOf(items);
+}
+
+std::string jobText(const std::vector<JobOption>& options, const JobTables& tables) {
+  std::string text = "# Job of: slicemorph morph --config FILE. What the command line says wins.\n";
+  JobTables all = tables;
+  if (!tables.keys.empty()) all.values["keys"] = describe(tables.keys, tables.inputs);
+  for (const JobOption& option : options)
+    if (option.option) text += "\n" + describe(option, all);
+  for (const Feature& feature : tables.features) text += describe(feature);
+  if (tables.features.empty()) text += kNoFeature;
+  for (const Region& region : tables.regions) text += describe(region, tables.inputs);
+  if (tables.regions.empty()) text += kNoRegion;
+  try {
+    (void)toml::parse(text);
+  } catch (const toml::parse_error& error) {
+    throw InputError("--print-config: a job file cannot hold one of these names: " +
+                     std::string(error.description()));
+  }
+  return text;
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,104 @@
+#pragma once
+
+#include "io/input.h"
+#include "io/mesh/glb_writer.h"
+#include "io/output.h"
+#include "slicemorph/slicemorph.h"
+#include "tools/job/key_times.h"
+#include "tools/job/landmarks.h"
+#include "tools/job/picture_options.h"
+#include "tools/job/slice_options.h"
+
+#include <CLI/CLI.hpp>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace slicemorph {
+
+enum class Method { kSlices, kSdf, kLevelSet, kDissolve };
+
+/// What .exr outputs hold.
+enum class ExrContent { kPicture, kSlices };
+
+/// One frame of a job.
+struct FrameJob {
+  int number = 1;           ///< 1 to N
+  std::optional<double> t;  ///< none for a blend given by weights
+  Weights weights;
+  std::string path;
+  size_t inputFrame = 0;  ///< of inputs that are sequences, from 0
+  Weights rate;           ///< change of the weights per second; empty where the job has no speed
+};
+
+/// The velocity grid of VDB outputs.
+struct VelocitySettings {
+  std::string name = "vel";  ///< "none": no velocities
+  bool perFrame = false;     ///< world units per frame, else per second
+  bool add = false;          ///< the inputs' own velocities, morphed, are added
+
+  bool wanted() const { return name != "none"; }
+};
+
+/// What `slicemorph morph` is to do, checked.
+struct MorphSettings {
+  std::vector<std::string> inputs;
+  std::string output;
+  LoadOptions load;
+  MorphOptions plan;
+  Method method = Method::kSlices;
+  std::vector<FrameJob> frames;
+  WeightCourse course;  ///< of the frames; without keys where the weights are given
+  double framesPerSecond = 24;
+  std::vector<std::string> grids;  ///< of the output; empty: all
+  bool conserve = false;
+  VelocitySettings velocity;
+  std::vector<std::string> reports;  ///< .json, .csv, .html
+  std::string sliceFolder;           ///< empty: none
+  std::string like;  ///< image whose voxels the in-betweens are put on; empty: the first input's
+  GlbSpace glb;      ///< of .glb outputs
+  ExrContent exrContent = ExrContent::kPicture;
+  PictureOptions picture;  ///< of .exr and .png outputs
+  SliceOptions exrSlices;  ///< of .exr outputs that hold slices
+  std::vector<std::pair<std::string, std::string>> pictureOptions,
+      sliceOptions;                      ///< those that were given, with values
+  std::vector<Landmark> landmarks;       ///< among the plan's features, too
+  std::vector<Landmark> checkLandmarks;  ///< only measured, not used
+  bool quiet = false, resume = false;
+  std::shared_ptr<void> threadLimit;
+
+  /// An input is another file at every frame: one plan does not serve all frames.
+  bool moving() const;
+  /// Every frame is a picture, or its slices.
+  bool toFrameImages() const;
+  bool toPictures() const { return toFrameImages() && exrContent == ExrContent::kPicture; }
+  /// The output shows all grids of a frame, not only its surface: a .vdb, slices, a picture.
+  bool holdsGrids() const { return OutputName(output).extension() == ".vdb" || toFrameImages(); }
+  /// All frames go into one .glb file.
+  bool oneGlb() const;
+  /// One of the reports is a page.
+  bool hasPage() const;
+};
+
+/// The options of `slicemorph morph` as typed.
+class MorphOptionSet {
+ public:
+  explicit MorphOptionSet(CLI::App& command);
+  /// Reads the job file, if one is given, and checks everything that can be checked without reading the
+  /// inputs. With --print-config it prints a job file instead and throws CLI::Success, as CLI11 itself does
+  /// for --help. Throws InputError, IoError.
+  MorphSettings settings();
+
+ private:
+  struct Values;
+  MorphSettings checked();
+  void setTimes(MorphSettings& settings);
+  void setWeights(MorphSettings& settings);
+  void setGuidance(MorphSettings& settings);
+  bool said(const std::string& key) const;
+  std::shared_ptr<Values> values_;
+};
+
+}  // namespace slicemorph

@@ -1,0 +1,71 @@
+#include "tools/job/render_shots.h"
+
+#include "io/paths.h"
+#include "io/sequence.h"
+#include "io/vdb/fog_reader.h"
+#include "tools/commands/common_options.h"
+
+#include <filesystem>
+
+namespace slicemorph {
+namespace {
+
+constexpr size_t kMostBytes = size_t(1) << 30;
+
+size_t bytesOf(const RenderSubject& subject) {
+  size_t bytes = subject.surface ? subject.surface->memUsage() : 0;
+  if (!subject.fog) return bytes;
+  bytes += subject.fog->density->memUsage();
+  if (subject.fog->heat) bytes += subject.fog->heat->memUsage();
+  if (subject.fog->colour) bytes += subject.fog->colour->memUsage();
+  return bytes;
+}
+
+}  // namespace
+
+std::vector<RenderInput> listRenderInputs(const std::vector<std::string>& inputs) {
+  std::vector<RenderInput> list;
+  for (const std::string& input : inputs) {
+    if (isMovingInput(input)) {
+      const InputName name = splitSequenceInput(input);
+      for (const SequenceFile& file : findSequence(name.path))
+        list.push_back({name.grid.empty() ? file.path : file.path + ":" + name.grid,
+                        std::to_string(file.number), file.number});
+    } else {
+      checkInputExists(input);
+      list.push_back({input, std::filesystem::path(input).stem().string(), 1});
+    }
+  }
+  // A single sequence keeps its own numbers.
+  if (inputs.size() > 1)
+    for (size_t i = 0; i < list.size(); ++i) list[i].number = int(i) + 1;
+  return list;
+}
+
+RenderSubjects::RenderSubjects(const std::vector<RenderInput>& inputs, const LoadOptions& load,
+                               bool asSurface)
+    : inputs_(inputs), load_(load), asSurface_(asSurface), kept_(inputs.size()) {}
+
+RenderSubject RenderSubjects::get(size_t input) {
+  if (kept_[input]) return *kept_[input];
+  const RenderSubject subject = read(input);
+  const size_t bytes = bytesOf(subject);
+  if (keptBytes_ + bytes < kMostBytes) {
+    keptBytes_ += bytes;
+    kept_[input] = subject;
+  }
+  return subject;
+}
+
+RenderSubject RenderSubjects::read(size_t input) const {
+  const std::string& path = inputs_[input].path;
+  RenderSubject subject;
+  if (!asSurface_) subject.fog = readFog(path);
+  if (subject.fog) return subject;
+  LoadedObject object = loadObject(path, load_);
+  subject.surface = object.object.levelSet;
+  subject.colors = object.colors;
+  return subject;
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,74 @@
+#include "tools/job/resume_log.h"
+
+#include "io/input.h"
+#include "tools/commands/common_options.h"
+#include "tools/report/morph_report.h"
+
+#include <filesystem>
+#include <fstream>
+
+namespace slicemorph {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+Json fileFingerprint(const std::string& path) {
+  std::error_code error;
+  const auto time = fs::last_write_time(path, error);
+  return {{"bytes", fs::file_size(path, error)}, {"time", std::int64_t(time.time_since_epoch().count())}};
+}
+
+/// Size and time of an input's file or files, without its `:grid`.
+Json fingerprint(const std::string& input) {
+  const std::vector<std::string> names = filesOfInput(input);
+  if (names.size() == 1) return fileFingerprint(names[0]);
+  Json files = Json::array();
+  for (const std::string& file : names) files.push_back(fileFingerprint(file));
+  return files;
+}
+
+}  // namespace
+
+ResumeLog::ResumeLog(const MorphSettings& settings) {
+  if (!OutputName(settings.output).isSequence()) return;
+  const fs::path output(settings.output);
+  path_ = (output.parent_path() / ("." + output.filename().string() + ".slicemorph")).string();
+  job_ = describeJob(settings);
+  job_["files"] = Json::array();
+  for (const std::string& input : settings.inputs) job_["files"].push_back(fingerprint(input));
+  if (settings.resume) read();
+}
+
+void ResumeLog::read() {
+  std::ifstream file(path_);
+  // A log that cannot be read is no log: the frames are made again.
+  const Json log = Json::parse(file, nullptr, false);
+  if (!log.is_object() || !log.contains("job") || !log.contains("frames") || log["job"] != job_) return;
+  for (const auto& [number, entry] : log["frames"].items())
+    entries_[std::stoi(number)] = {entry.value("bytes", std::uintmax_t(0)), entry.value("row", Json())};
+}
+
+bool ResumeLog::has(const FrameJob& job) const {
+  const auto entry = entries_.find(job.number);
+  std::error_code error;
+  return entry != entries_.end() && fs::file_size(job.path, error) == entry->second.bytes && !error;
+}
+
+Json ResumeLog::row(const FrameJob& job) const { return entries_.at(job.number).row; }
+
+void ResumeLog::add(const FrameJob& job, const Json& row) {
+  if (path_.empty()) return;
+  entries_[job.number] = {fs::file_size(job.path), row};
+  Json log = {{"job", job_}, {"frames", Json::object()}};
+  for (const auto& [number, entry] : entries_)
+    log["frames"][std::to_string(number)] = {{"bytes", entry.bytes}, {"row", entry.row}};
+  writeTextFile(path_, log.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+void ResumeLog::remove() {
+  std::error_code error;
+  if (!path_.empty()) fs::remove(path_, error);
+}
+
+}  // namespace slicemorph

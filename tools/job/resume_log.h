@@ -1,0 +1,41 @@
+#pragma once
+
+#include "tools/job/morph_settings.h"
+
+#include <nlohmann/json.hpp>
+
+#include <map>
+#include <string>
+
+namespace slicemorph {
+
+/// What is done of a sequence, kept beside it as the hidden file `.NAME.slicemorph` (NAME as given, with its
+/// ####) while frames are being made, and removed when all are. It lets --resume tell the frames of this very
+/// job (same settings, inputs of the same size and time) from older files of the same names. Single frames
+/// have none.
+class ResumeLog {
+ public:
+  /// Reads the log of an earlier run where `settings.resume` is set and the log is of the same job.
+  explicit ResumeLog(const MorphSettings& settings);
+
+  /// Whether the frame was made and its file is still there at its size.
+  bool has(const FrameJob& job) const;
+  /// Its row of the report; null where that run measured nothing.
+  nlohmann::ordered_json row(const FrameJob& job) const;
+  /// Throws IoError.
+  void add(const FrameJob& job, const nlohmann::ordered_json& row);
+  void remove();
+
+ private:
+  struct Entry {
+    std::uintmax_t bytes = 0;
+    nlohmann::ordered_json row;
+  };
+  void read();
+
+  std::string path_;  ///< empty: no sequence
+  nlohmann::ordered_json job_;
+  std::map<int, Entry> entries_;
+};
+
+}  // namespace slicemorph

@@ -1,0 +1,269 @@
+#include "tools/report/morph_report.h"
+
+#include "tools/commands/common_options.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace slicemorph {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const char* nameOf(Method method) {
+  if (method == Method::kDissolve) return "dissolve";
+  return method == Method::kSdf ? "sdf" : method == Method::kLevelSet ? "levelset" : "slices";
+}
+
+const char* nameOf(Timing timing) {
+  if (timing == Timing::kCatmullRom) return "catmull-rom";
+  return timing == Timing::kSmoothstep ? "smoothstep" : "linear";
+}
+
+const char* nameOf(ContourPath path) {
+  if (path == ContourPath::kHermite) return "hermite";
+  return path == ContourPath::kIntrinsic ? "intrinsic" : "linear";
+}
+
+Json describe(const Vec3d& v) { return {v[0], v[1], v[2]}; }
+
+Json describe(const Feature& feature) {
+  const char* kinds[] = {"point", "line", "disk"};
+  Json json = {{"name", feature.name}, {"kind", kinds[int(feature.kind)]}, {"places", Json::array()}};
+  for (const std::vector<Vec3d>& ofInput : feature.places) {
+    json["places"].push_back(Json::array());
+    for (const Vec3d& place : ofInput) json["places"].back().push_back(describe(place));
+  }
+  if (feature.kind != Feature::Kind::kDisk) return json;
+  json["normals"] = Json::array();
+  for (const Vec3d& normal : feature.normals) json["normals"].push_back(describe(normal));
+  json["radii"] = feature.radii;
+  return json;
+}
+
+Json describe(const Region& region) {
+  Json json = {{"name", region.name}, {"on", region.object + 1}};
+  if (region.kind == Region::Kind::kSphere)
+    json["sphere"] = {{"center", describe(region.center)}, {"radius", region.radius}};
+  else if (region.kind == Region::Kind::kBox)
+    json["box"] = {{"min", describe(region.box.min())}, {"max", describe(region.box.max())}};
+  else
+    json["spine"] = {region.from, region.to};
+  json["border"] = region.border;
+  json["weights"] = region.weights;
+  return json;
+}
+
+Json orNull(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
+Json describeShape(const ShapeMeasures& shape) {
+  return {{"volume", shape.volume}, {"area", shape.area}, {"pieces", shape.pieces}, {"genus", shape.genus}};
+}
+
+Json summarise(const std::vector<Json>& frames) {
+  double sum = 0, largest = 0, lowestRatio = INFINITY, lowestSizeLinear = INFINITY, fold = 0;
+  int steps = 0, pieces = 0, genusChanges = 0;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const Json& frame = frames[i];
+    if (frame["symmetricDifference"].is_number()) {
+      const double difference = frame["symmetricDifference"];
+      sum += difference, largest = std::max(largest, difference), ++steps;
+    }
+    if (frame["volume"].is_null()) continue;
+    lowestRatio = std::min(lowestRatio, frame["volumeRatio"].get<double>());
+    lowestSizeLinear = std::min(lowestSizeLinear, frame["volumeRatioSizeLinear"].get<double>());
+    pieces = std::max(pieces, frame["pieces"].get<int>());
+    fold = std::max(fold, frame["foldShare"].get<double>());
+    genusChanges += i && frame["genus"] != frames[i - 1]["genus"];
+  }
+  if (std::isinf(lowestRatio)) return Json::object();
+  return {{"pop", sum > 0 ? Json(largest * steps / sum) : Json(nullptr)},
+          {"lowestVolumeRatio", lowestRatio},
+          {"lowestVolumeRatioSizeLinear", lowestSizeLinear},
+          {"mostPieces", pieces},
+          {"genusChanges", genusChanges},
+          {"largestFoldShare", fold}};
+}
+
+}  // namespace
+
+Json describeJob(const MorphSettings& s) {
+  Json job = {{"inputs", s.inputs}, {"output", s.output}, {"method", nameOf(s.method)}};
+  job["frames"] = s.frames.size();
+  Json times = Json::array();
+  for (const FrameJob& frame : s.frames) times.push_back(frame.t ? Json(*frame.t) : Json(frame.weights));
+  job["times"] = times;
+  job["keys"] = Json::array();
+  for (const WeightKey& key : s.course.keys)
+    job["keys"].push_back({{"at", key.at}, {"weights", key.weights}});
+  job["timing"] = nameOf(s.course.timing);
+  job["ease"] = {s.course.easing.x1, s.course.easing.y1, s.course.easing.x2, s.course.easing.y2};
+  job["interpolation"] = nameOf(s.plan.path);
+  job["features"] = Json::array();
+  for (const Feature& feature : s.plan.features) job["features"].push_back(describe(feature));
+  job["regions"] = Json::array();
+  for (const Region& region : s.plan.regions) job["regions"].push_back(describe(region));
+  job["voxelSize"] = s.load.voxelSize;
+  job["resolution"] = s.load.resolution;
+  job["iso"] = s.load.iso;
+  job["slices"] = s.plan.slices;
+  job["samples"] = s.plan.samples;
+  job["axis"] = {s.plan.axis[0], s.plan.axis[1], s.plan.axis[2]};
+  job["spine"] = s.plan.spine == SpineKind::kStraight ? "straight"
+                 : s.plan.spine == SpineKind::kCurved ? "curved"
+                                                      : "auto";
+  job["align"] = s.plan.align == Align::kNone ? "none" : "auto";
+  job["fps"] = s.framesPerSecond;
+  job["image"] = s.load.imageKind == ImageKind::kGrey     ? "grey"
+                 : s.load.imageKind == ImageKind::kLabels ? "labels"
+                                                          : "auto";
+  job["furtherIsos"] = s.load.furtherIsos;
+  job["isosByInput"] = s.load.isosByInput;
+  job["spacing"] = {s.load.image.spacing[0], s.load.image.spacing[1], s.load.image.spacing[2]};
+  job["like"] = s.like;
+  job["glb"] = {{"metres", s.glb.metres}, {"zUp", s.glb.zUp}};
+  if (s.toFrameImages()) {
+    job["exr"] = s.exrContent == ExrContent::kSlices ? "slices" : "picture";
+    job["imageOptions"] = Json::object();
+    for (const auto* options : {&s.pictureOptions, &s.sliceOptions})
+      for (const auto& [name, value] : *options) job["imageOptions"][name] = value;
+  }
+  job["grids"] = s.grids;
+  job["conserve"] = s.conserve;
+  job["velocity"] = {
+      {"name", s.velocity.name}, {"unit", s.velocity.perFrame ? "frame" : "second"}, {"add", s.velocity.add}};
+  return job;
+}
+
+Json describeFrame(const FrameJob& job, const FrameFigures& figures,
+                   const std::vector<ShapeMeasures>& inputs) {
+  double linear = 0, size = 0;
+  for (size_t k = 0; k < inputs.size(); ++k) {
+    linear += job.weights[k] * inputs[k].volume;
+    size += job.weights[k] * std::cbrt(inputs[k].volume);
+  }
+  Json frame = {{"frame", job.number}, {"t", orNull(job.t)}, {"weights", job.weights}, {"file", job.path}};
+  frame["voxelSize"] = figures.voxelSize;
+  const auto ofShape = [&](auto value) {
+    return figures.shape ? Json(value(*figures.shape)) : Json(nullptr);
+  };
+  frame["volume"] = ofShape([](const ShapeMeasures& s) { return s.volume; });
+  frame["volumeLinear"] = linear;
+  frame["volumeRatio"] = ofShape([&](const ShapeMeasures& s) { return s.volume / linear; });
+  // Lengths are what a morph interpolates linearly, so the volume of a growing shape follows a cubic.
+  frame["volumeRatioSizeLinear"] =
+      ofShape([&](const ShapeMeasures& s) { return s.volume / (size * size * size); });
+  frame["area"] = ofShape([](const ShapeMeasures& s) { return s.area; });
+  frame["pieces"] = ofShape([](const ShapeMeasures& s) { return s.pieces; });
+  frame["genus"] = ofShape([](const ShapeMeasures& s) { return s.genus; });
+  frame["foldShare"] = figures.foldShare;
+  frame["grids"] = Json::array();
+  for (const GridFigures& g : figures.grids)
+    frame["grids"].push_back({{"name", g.name},
+                              {"activeVoxels", g.activeVoxels},
+                              {"total", orNull(g.total)},
+                              {"peak", orNull(g.peak)}});
+  if (!figures.labels.empty()) {
+    frame["labels"] = Json::array();
+    for (const LabelMeasures& m : figures.labels)
+      frame["labels"].push_back({{"label", m.label},
+                                 {"voxels", m.voxels},
+                                 {"volumeMl", m.volume / 1000},
+                                 {"areaMm2", m.area},
+                                 {"extentsMm", {m.extents[0], m.extents[1], m.extents[2]}},
+                                 {"centroidMm", {m.centroid[0], m.centroid[1], m.centroid[2]}}});
+  }
+  frame["symmetricDifference"] = orNull(figures.symmetricDifference);
+  frame["seconds"] = {{"evaluate", figures.seconds.evaluate},
+                      {"measure", figures.seconds.measure},
+                      {"write", figures.seconds.write}};
+  return frame;
+}
+
+LandmarkErrors landmarkErrors(const std::vector<Landmark>& landmarks, const MorphPlan& plan) {
+  LandmarkErrors e;
+  std::vector<Vec3d> points;
+  for (const Landmark& mark : landmarks) points.push_back(mark.front());
+  const std::vector<Vec3d> arrived = plan.correspond(points, 0, plan.objectCount() - 1);
+  std::vector<double> off;
+  e.count = landmarks.size();
+  for (size_t i = 0; i < landmarks.size(); ++i) {
+    off.push_back((arrived[i] - landmarks[i].back()).length());
+    e.before += (points[i] - landmarks[i].back()).length() / double(e.count);
+    e.mean += off.back() / double(e.count);
+  }
+  std::sort(off.begin(), off.end());
+  e.median = off[off.size() / 2], e.most = off.back();
+  return e;
+}
+
+namespace {
+
+Json describe(const LandmarkErrors& e) {
+  return {{"count", e.count},
+          {"meanDistanceBefore", e.before},
+          {"mean", e.mean},
+          {"median", e.median},
+          {"max", e.most}};
+}
+
+/// A line for every label of every frame, or for the frame's shape.
+std::string asTable(const std::vector<Json>& frames) {
+  std::string text =
+      "frame,t,file,label,voxels,volume_ml,area_mm2,extent_i_mm,extent_j_mm,extent_k_mm,x_mm,y_mm,z_mm\n";
+  const auto number = [](const Json& value) { return value.is_null() ? std::string() : value.dump(); };
+  for (const Json& frame : frames) {
+    std::string file = frame["file"];
+    for (size_t at = 0; (at = file.find('"', at)) != std::string::npos; at += 2) file.insert(at, 1, '"');
+    const std::string head = number(frame["frame"]) + "," + number(frame["t"]) + ",\"" + file + "\",";
+    if (!frame.contains("labels")) {
+      const Json& volume = frame["volume"];
+      text += head + ",," + (volume.is_null() ? "" : Json(volume.get<double>() / 1000).dump()) + "," +
+              number(frame["area"]) + ",,,,,,\n";
+      continue;
+    }
+    for (const Json& l : frame["labels"]) {
+      text += head + number(l["label"]) + "," + number(l["voxels"]) + "," + number(l["volumeMl"]) + "," +
+              number(l["areaMm2"]);
+      for (const char* key : {"extentsMm", "centroidMm"})
+        for (int d = 0; d < 3; ++d) text += "," + number(l[key][d]);
+      text += "\n";
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+void writeReports(const MorphSettings& settings, const ReportParts& parts) {
+  Json report;
+  report["settings"] = describeJob(settings);
+  report["inputs"] = Json::array();
+  for (size_t k = 0; k < settings.inputs.size(); ++k) {
+    Json input = {{"file", settings.inputs[k]}};
+    input.update(describeShape(parts.inputs[k]));
+    report["inputs"].push_back(input);
+  }
+  report["notes"] = sentencesOf(parts.notes);
+  report["frames"] = parts.frames;
+  report["summary"] = summarise(parts.frames);
+  if (parts.landmarks) report["landmarks"] = describe(*parts.landmarks);
+  if (parts.checkLandmarks) report["checkLandmarks"] = describe(*parts.checkLandmarks);
+  if (parts.restDistance) report["summary"]["restDistanceVoxels"] = *parts.restDistance;
+  rusage usage = {};
+  getrusage(RUSAGE_SELF, &usage);
+  report["seconds"] = {{"load", parts.loadSeconds}, {"plan", parts.planSeconds}};
+  report["peakMemoryBytes"] = std::int64_t(usage.ru_maxrss) * 1024;
+  // Names of files need not be UTF-8.
+  for (const std::string& path : settings.reports) {
+    const std::string extension = OutputName(path).extension();
+    writeTextFile(path, extension == ".csv" ? asTable(parts.frames)
+                        : extension == ".html"
+                            ? pageOf(report, parts.page)
+                            : report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  }
+}
+
+}  // namespace slicemorph
