@@ -417,7 +417,7 @@ MorphPlan& MorphPlan::operator=(MorphPlan&&) noexcept = default;
 
 size_t MorphPlan::objectCount() const { return impl_->shapeOf.size(); }
 
-std::vector<std::string> MorphPlan::notes() const {
+Notes MorphPlan::notes() const {
   Notes notes = impl_->frames.notes;
   notes.insert(notes.end(), impl_->registration.notes.begin(), impl_->registration.notes.end());
   return notes;

@@ -84,7 +84,7 @@ InputGrids readInputGrids(const std::string& input, const std::vector<std::strin
   if (surface && isWanted("surface", wanted)) result.grids.push_back({"surface", surfaceGrid(*result.shape)});
   if (result.grids.empty())
     throw GeometryError(name.path + ": there is nothing to slice" +
-                        (result.notes.empty() ? "" : ": " + result.notes[0]));
+                        (result.notes.empty() ? "" : ": " + result.notes[0].sentence()));
   return result;
 }
 

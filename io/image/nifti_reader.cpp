@@ -46,7 +46,7 @@ void place(const std::string& path, const nifti_image& header, ImageFile& file) 
   if (!found && header.qform_code > 0) {
     affine = affineOf(header.qto_xyz);
     found = affine.valid();
-    if (found && header.sform_code > 0) file.notes.back() += ": the qform was taken";
+    if (found && header.sform_code > 0) file.notes.back().text += ": the qform was taken";
   }
   if (!found) {
     const Vec3d spacing(std::abs(header.dx), std::abs(header.dy), std::abs(header.dz));
