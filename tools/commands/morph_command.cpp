@@ -7,6 +7,7 @@
 #include "io/vdb/vdb_writer.h"
 #include "slicemorph/errors.h"
 #include "tools/commands/common_options.h"
+#include "tools/commands/morph_options.h"
 #include "tools/commands/terminal_progress.h"
 #include "tools/job/frame_images.h"
 #include "tools/job/frame_maker.h"

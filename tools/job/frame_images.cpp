@@ -6,8 +6,8 @@
 #include "engine/volume/voxelise.h"
 #include "io/vdb/fog_reader.h"
 #include "slicemorph/errors.h"
-#include "tools/commands/common_options.h"
 #include "tools/job/frame_inputs.h"
+#include "tools/job/option_values.h"
 
 #include <algorithm>
 #include <map>

@@ -10,8 +10,8 @@
 #include "io/vdb/fog_reader.h"
 #include "io/vdb/grid_choice.h"
 #include "slicemorph/errors.h"
-#include "tools/commands/common_options.h"
 #include "tools/job/image_lattice.h"
+#include "tools/job/option_values.h"
 #include "tools/job/stopwatch.h"
 #include "tools/report/dump_slices.h"
 

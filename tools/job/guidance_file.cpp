@@ -1,8 +1,8 @@
 #include "tools/job/guidance_file.h"
 
 #include "slicemorph/errors.h"
-#include "tools/commands/common_options.h"
 #include "tools/job/input_names.h"
+#include "tools/job/option_values.h"
 #include "tools/job/toml_reader.h"
 
 namespace slicemorph {

@@ -3,7 +3,7 @@
 #include "engine/volume/image_grid.h"
 #include "io/image/image_writer.h"
 #include "io/output.h"
-#include "tools/commands/common_options.h"
+#include "tools/job/option_values.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #include "tools/job/job_file.h"
 
 #include "slicemorph/errors.h"
-#include "tools/commands/common_options.h"
+#include "tools/job/option_values.h"
 #include "tools/job/toml_reader.h"
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 #include "tools/job/job_writer.h"
 
 #include "slicemorph/errors.h"
-#include "tools/commands/common_options.h"
 #include "tools/job/input_names.h"
+#include "tools/job/option_values.h"
 
 #include <toml++/toml.h>
 

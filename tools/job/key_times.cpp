@@ -2,8 +2,8 @@
 
 #include "slicemorph/errors.h"
 #include "slicemorph/slicemorph.h"
-#include "tools/commands/common_options.h"
 #include "tools/job/input_names.h"
+#include "tools/job/option_values.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 
 #include "io/paths.h"
 #include "slicemorph/errors.h"
-#include "tools/commands/common_options.h"
+#include "tools/job/option_values.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include "io/image/png_writer.h"
 #include "io/output.h"
 #include "slicemorph/errors.h"
-#include "tools/commands/common_options.h"
+#include "tools/job/option_values.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include "io/paths.h"
 #include "io/sequence.h"
 #include "io/vdb/fog_reader.h"
-#include "tools/commands/common_options.h"
+#include "tools/job/option_values.h"
 
 #include <filesystem>
 

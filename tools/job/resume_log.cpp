@@ -1,7 +1,7 @@
 #include "tools/job/resume_log.h"
 
 #include "io/input.h"
-#include "tools/commands/common_options.h"
+#include "tools/job/option_values.h"
 #include "tools/report/morph_report.h"
 
 #include <filesystem>

@@ -1,7 +1,7 @@
 #include "tools/report/dump_slices.h"
 
 #include "slicemorph/errors.h"
-#include "tools/commands/common_options.h"
+#include "tools/job/option_values.h"
 
 #include <algorithm>
 #include <cstdio>

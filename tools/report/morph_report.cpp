@@ -1,6 +1,6 @@
 #include "tools/report/morph_report.h"
 
-#include "tools/commands/common_options.h"
+#include "tools/job/option_values.h"
 
 #include <sys/resource.h>
 

@@ -8,7 +8,7 @@
 #include "io/image/png_writer.h"
 #include "io/mesh/glb_writer.h"
 #include "slicemorph/errors.h"
-#include "tools/commands/common_options.h"
+#include "tools/job/option_values.h"
 #include "tools/report/dump_slices.h"
 
 #include <algorithm>

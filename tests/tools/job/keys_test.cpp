@@ -5,8 +5,8 @@
 #include "slicemorph/slicemorph.h"
 #include "tests/support/same_values.h"
 #include "tests/support/shapes.h"
-#include "tools/commands/common_options.h"
 #include "tools/job/input_names.h"
+#include "tools/job/option_values.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,38 @@
+#pragma once
+
+#include "slicemorph/conventions.h"
+
+#include <string>
+#include <vector>
+
+/// Values of options and paths as text: written, read and checked. The functions that check throw InputError
+/// naming the option, its value and what would be right.
+namespace slicemorph {
+
+/// A number with at most `digits` significant digits, without trailing zeros.
+std::string formatNumber(double value, int digits = 6);
+/// As short as it can be read back.
+std::string formatExactly(double value);
+
+/// Numbers separated by commas.
+std::vector<double> parseNumbers(const std::string& option, const std::string& text);
+/// Names separated by commas, one at least.
+std::vector<std::string> parseNames(const std::string& option, const std::string& text);
+/// `x`, `y`, `z` or three numbers that are not all zero.
+Vec3d parseDirection(const std::string& option, const std::string& text);
+/// A whole number within limits.
+void checkRange(const std::string& option, long value, long low, long high);
+void checkPositive(const std::string& option, double value);
+
+/// Throws IoError where an input (`file.vdb:grid` too) is missing or empty, so that a long job does not find
+/// out late.
+void checkInputExists(const std::string& input);
+/// Writes a file whole or not at all. Throws IoError.
+void writeTextFile(const std::string& path, const std::string& text);
+/// Throws IoError where the folder of an output is not there or cannot be written to, or the path is a
+/// folder.
+void checkOutputPath(const std::string& path);
+/// Throws InputError where the path's extension is none of those listed (lower case, with the dot).
+void checkExtension(const std::string& path, const std::vector<std::string>& extensions);
+
+}  // namespace slicemorph
