@@ -2,19 +2,16 @@
 
 #include "engine/blend/node_places.h"
 #include "engine/blend/node_stretch.h"
-#include "engine/rebuild/active_blocks.h"
-#include "engine/rebuild/local_block.h"
+#include "engine/rebuild/typed_grids.h"
 #include "engine/volume/surface_colors.h"
 #include "slicemorph/errors.h"
 
-#include <openvdb/tools/SignedFloodFill.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <set>
-#include <type_traits>
 
 namespace slicemorph {
 
@@ -22,9 +19,6 @@ namespace {
 
 using openvdb::GridBase;
 using Transform = openvdb::math::Transform;
-using CarriedTypes = openvdb::TypeList<FloatGrid, openvdb::DoubleGrid, openvdb::Vec3SGrid, openvdb::Vec3DGrid,
-                                       openvdb::BoolGrid, openvdb::MaskGrid, openvdb::Int32Grid,
-                                       openvdb::Int64Grid, openvdb::Vec3IGrid>;
 
 /// Frames of more voxels than this along their longest side have nodes twice as far apart.
 constexpr int kFineNodesUpTo = 400;
@@ -34,12 +28,6 @@ constexpr double kMostLocal = 64 * 64 * 64;
 /// Voxels of a grid by which the faces of staggered values lie off, at most: half a voxel stretched six
 /// times.
 constexpr double kStaggeredReach = 3;
-
-template <typename Value>
-constexpr bool kIsVector = openvdb::VecTraits<Value>::IsVec;
-/// Numbers between which there are others; the rest are labels, flags and the like.
-template <typename Value>
-constexpr bool kBlends = std::is_floating_point_v<typename openvdb::VecTraits<Value>::ElementType>;
 
 /// World space, relative to an anchor, to a grid's index space.
 class ToIndex {
@@ -127,89 +115,89 @@ struct CellPlaces {
   }
 };
 
-template <typename GridType>
-class Warper {
-  using Value = typename GridType::ValueType;
-  using Tree = typename GridType::TreeType;
-  using Leaf = typename Tree::LeafNodeType;
-  using Accessor = typename GridType::ConstAccessor;
-  using Stored = std::conditional_t<std::is_same_v<Value, bool>, char, Value>;  ///< vectors of bool are bits
-  using Element = typename openvdb::VecTraits<Value>::ElementType;
-  using Real = std::conditional_t<std::is_same_v<Element, double>, double, float>;
-  static constexpr int kChannels = openvdb::VecTraits<Value>::Size;
+/// Weights of sum 1 but for rounding leave nothing over.
+double restOf(double rest) { return std::abs(rest) < 1e-12 ? 0 : rest; }
+
+/// A narrow band, whose inside is not active.
+bool isBand(const GridBase& grid) {
+  const auto* scalars = dynamic_cast<const FloatGrid*>(&grid);
+  return scalars && grid.getGridClass() == openvdb::GRID_LEVEL_SET && scalars->background() > 0 &&
+         scalars->tree().activeTileCount() == 0;
+}
+
+/// Blends grids of numbers. `Real`: float or double, as the grids have it.
+template <typename Real>
+class Blender {
+  using Numbers = NumberGrids<Real>;
+  using Channels = typename Numbers::Channels;
 
  public:
-  Warper(const std::vector<CarriedGrid>& grids, const NodeMap& nodes, const LocalWeights& weights,
-         const Transform& transform, bool conserve)
-      : nodes_(nodes),
+  Blender(std::unique_ptr<Numbers> numbers, const std::vector<CarriedGrid>& grids, const NodeMap& nodes,
+          const LocalWeights& weights, const Transform& transform, bool conserve)
+      : numbers_(std::move(numbers)),
+        channels_(numbers_->channels()),
+        nodes_(nodes),
         places_(nodes),
         weights_(weights),
-        vary_(weights.vary() && kBlends<Value>),
-        transform_(transform),
-        like_(openvdb::gridConstPtrCast<GridType>(grids.front().grid)),
+        vary_(weights.vary()),
+        prototype_(*grids.front().grid),
         worldPerVoxel_(worldPerVoxel(transform)),
-        conserve_(conserve && kBlends<Value> && !kIsVector<Value>),
-        turn_(kIsVector<Value> && kBlends<Value> && turns(*like_)),
-        staggered_(kIsVector<Value> && like_->getGridClass() == openvdb::GRID_STAGGERED),
-        smooth_(like_->getGridClass() != openvdb::GRID_LEVEL_SET),
-        band_(isBand()),
-        color_(isColor()) {
-    if (!kBlends<Value> && grids.size() > 1)
-      throw InputError("values of the type " + like_->valueType() + " cannot be blended");
+        conserve_(conserve && channels_ == 1),
+        turn_(channels_ == 3 && turns(prototype_)),
+        staggered_(channels_ == 3 && prototype_.getGridClass() == openvdb::GRID_STAGGERED),
+        smooth_(prototype_.getGridClass() != openvdb::GRID_LEVEL_SET),
+        band_(isBand(prototype_)),
+        color_(channels_ == 3 && isColorName(prototype_.getName())) {
     const Mat3d voxelPerWorld = worldPerVoxel_.inverse();
+    const Channels first = numbers_->background(0);
     double rest = 1;
-    background_ = like_->background();
-    for (const CarriedGrid& g : grids) {
-      const auto grid = openvdb::gridConstPtrCast<GridType>(g.grid);
-      if (!grid)
-        throw InputError("grids of different types cannot be blended: " + like_->type() + " and " +
-                         g.grid->type());
+    background_ = first;
+    for (size_t s = 0; s < grids.size(); ++s) {
+      const CarriedGrid& g = grids[s];
       std::shared_ptr<const NodeStretch> stretch;
       if (conserve_ || turn_ || staggered_)
         stretch = std::make_shared<NodeStretch>(nodes, g.shape, voxelPerWorld);
-      grids_.push_back(grid);
-      sources_.push_back({g.shape, g.object, g.weight, ToIndex(grid->transform(), g.anchor),
-                          ActiveBlocks(grid->tree()), stretch});
+      sources_.push_back({g.shape, g.object, g.weight, ToIndex(g.grid->transform(), g.anchor),
+                          numbers_->activeBlocks(s), stretch});
       rest -= g.weight;
-      if constexpr (kBlends<Value>)
-        background_ += Value((grid->background() - like_->background()) * g.weight);
+      const Channels own = numbers_->background(s);
+      for (int c = 0; c < channels_; ++c) background_[c] += Real(Real(own[c] - first[c]) * g.weight);
+      zeroOutside_.push_back(!band_ && own == Channels{});
     }
-    if constexpr (kBlends<Value>) missing_ = Value(like_->background() * (std::abs(rest) < 1e-12 ? 0 : rest));
+    for (int c = 0; c < channels_; ++c) missing_[c] = Real(first[c] * restOf(rest));
   }
 
-  typename GridType::Ptr run() {
-    auto result = GridType::create(background_);
-    result->setTransform(transform_.copy());
-    result->setGridClass(like_->getGridClass());
-    result->setVectorType(like_->getVectorType());
+  GridBase::Ptr run() {
     const std::vector<openvdb::Coord> origins =
         leavesWith(nodes_, [this](int i, int j, int k) { return cellActive(nodes_, sources_, i, j, k); });
-    std::vector<Leaf*> leaves(origins.size(), nullptr);
+    numbers_->beginLeaves(origins.size(), background_);
     tbb::parallel_for(tbb::blocked_range<size_t>(0, origins.size()),
                       [&](const tbb::blocked_range<size_t>& range) {
                         Scratch scratch(*this);
-                        for (size_t i = range.begin(); i != range.end(); ++i)
-                          leaves[i] = filled(origins[i], scratch);
+                        for (size_t i = range.begin(); i != range.end(); ++i) {
+                          fillLeaf(origins[i], scratch);
+                          numbers_->setLeaf(i, scratch.leaf);
+                        }
                       });
-    for (Leaf* leaf : leaves)
-      if (leaf) result->tree().addLeaf(leaf);
-    if constexpr (std::is_same_v<GridType, FloatGrid>)
-      if (band_) openvdb::tools::signedFloodFill(result->tree());
-    result->tree().prune();
-    return result;
+    return numbers_->endLeaves(band_);
   }
 
  private:
+  static constexpr size_t kLeafVoxels = size_t(kLeaf) * kLeaf * kLeaf;
+
   /// What one thread works with.
   struct Scratch {
-    explicit Scratch(const Warper& warper) : sum(warper.cellSize()), on(sum.size()) {
+    explicit Scratch(const Blender& blender) : sum(blender.cellSize()), on(sum.size()) {
       places.world.resize(sum.size());
-      for (const auto& grid : warper.grids_) accessors.push_back(grid->getConstAccessor());
+      for (size_t s = 0; s < blender.sources_.size(); ++s) readers.push_back(blender.numbers_->reader(s));
+      leaf.values.resize(kLeafVoxels * size_t(blender.channels_));
+      leaf.states.resize(kLeafVoxels);
     }
-    std::vector<Accessor> accessors;
+    std::vector<std::unique_ptr<typename Numbers::Reader>> readers;
     CellPlaces places;
     LocalBlock<Real> block;
-    std::vector<Stored> sum;
+    LeafValues<Real> leaf;
+    std::vector<Channels> sum;
     std::vector<char> on;
     std::vector<double> mass;      ///< of colours: per voxel, the weights that are in the sum
     std::vector<Weights> weights;  ///< per voxel, where they vary
@@ -217,19 +205,6 @@ class Warper {
   };
 
   size_t cellSize() const { return size_t(nodes_.step) * size_t(nodes_.step) * size_t(nodes_.step); }
-
-  /// A narrow band, whose inside is not active.
-  bool isBand() const {
-    if constexpr (std::is_same_v<GridType, FloatGrid>)
-      return like_->getGridClass() == openvdb::GRID_LEVEL_SET && like_->background() > 0 &&
-             like_->tree().activeTileCount() == 0;
-    return false;
-  }
-
-  bool isColor() const {
-    if constexpr (kIsVector<Value> && kBlends<Value>) return isColorName(like_->getName());
-    return false;
-  }
 
   /// The objects' weights at a cell's voxels.
   void findWeights(const openvdb::Coord& node, Scratch& scratch) const {
@@ -253,19 +228,19 @@ class Warper {
   }
 
   /// What a sum lacks, where the weights of its grids do not sum to 1.
-  Value missingAt(const Scratch& scratch, size_t v) const {
-    if constexpr (kBlends<Value>) {
-      if (!vary_) return missing_;
-      double rest = 1;
-      for (const Source& s : sources_) rest -= scratch.weights[v][s.object];
-      return Value(like_->background() * (std::abs(rest) < 1e-12 ? 0 : rest));
-    }
-    return missing_;
+  Channels missingAt(const Scratch& scratch, size_t v) const {
+    if (!vary_) return missing_;
+    double rest = 1;
+    for (const Source& s : sources_) rest -= scratch.weights[v][s.object];
+    const Channels first = numbers_->background(0);
+    Channels missing{};
+    for (int c = 0; c < channels_; ++c) missing[c] = Real(first[c] * restOf(rest));
+    return missing;
   }
 
-  /// The leaf's values; null where nothing turns out to be there.
-  Leaf* filled(const openvdb::Coord& origin, Scratch& scratch) const {
-    auto leaf = std::make_unique<Leaf>(origin, background_);
+  void fillLeaf(const openvdb::Coord& origin, Scratch& scratch) const {
+    scratch.leaf.origin = origin;
+    std::fill(scratch.leaf.states.begin(), scratch.leaf.states.end(), LeafValues<Real>::kUntouched);
     const int step = nodes_.step;
     for (int x = 0; x < kLeaf; x += step)
       for (int y = 0; y < kLeaf; y += step)
@@ -274,153 +249,171 @@ class Warper {
           if (!cellActive(nodes_, sources_, node[0], node[1], node[2])) continue;
           findWeights(node, scratch);
           for (size_t v = 0; v < scratch.sum.size(); ++v)
-            scratch.sum[v] = color_ ? openvdb::zeroVal<Value>() : missingAt(scratch, v);
+            scratch.sum[v] = color_ ? Channels{} : missingAt(scratch, v);
           std::fill(scratch.on.begin(), scratch.on.end(), 0);
           scratch.mass.assign(color_ ? scratch.sum.size() : 0, 0.0);
           for (size_t s = 0; s < sources_.size(); ++s)
             color_ ? addColors(s, node, scratch) : addCell(s, node, scratch);
           finishColors(scratch);
-          put(scratch, {x, y, z}, *leaf);
+          put({x, y, z}, scratch);
         }
-    return leaf->isEmpty() ? nullptr : leaf.release();
   }
 
-  void put(const Scratch& scratch, const openvdb::Coord& at, Leaf& leaf) const {
+  void put(const openvdb::Coord& at, Scratch& scratch) const {
     size_t v = 0;
     for (int a = 0; a < nodes_.step; ++a)
       for (int b = 0; b < nodes_.step; ++b)
         for (int d = 0; d < nodes_.step; ++d, ++v) {
-          const openvdb::Index offset = Leaf::coordToOffset(at.offsetBy(a, b, d));
-          if (scratch.on[v])
-            leaf.setValueOn(offset, scratch.sum[v]);
-          else if (band_)
-            leaf.setValueOff(offset, scratch.sum[v]);
+          if (!scratch.on[v] && !band_) continue;
+          const size_t n = size_t(((at[0] + a) * kLeaf + at[1] + b) * kLeaf + at[2] + d);
+          for (int c = 0; c < channels_; ++c)
+            scratch.leaf.values[size_t(c) * kLeafVoxels + n] = scratch.sum[v][size_t(c)];
+          scratch.leaf.states[n] = scratch.on[v] ? LeafValues<Real>::kOn : LeafValues<Real>::kOff;
         }
   }
 
   /// Adds what is active, by its weight.
   void addColors(size_t s, const openvdb::Coord& node, Scratch& scratch) const {
-    if constexpr (kIsVector<Value> && kBlends<Value>) {
-      const Source& source = sources_[s];
-      scratch.places.find(places_, node, source);
-      if (scratch.places.torn()) return;
-      scratch.block.template fill<GridType>(scratch.accessors[s], scratch.places.box);
-      if (!scratch.block.anyActive()) return;
-      for (size_t v = 0; v < scratch.sum.size(); ++v) {
-        Real value[3];
-        const double share = double(scratch.block.linearAmongActive(scratch.places.index[v], value));
-        const double weight = weightOf(source, scratch, v) * share;
-        if (!(weight > 0)) continue;
-        scratch.sum[v] +=
-            Value(Element(value[0] * weight), Element(value[1] * weight), Element(value[2] * weight));
-        scratch.mass[v] += weight;
-        scratch.on[v] = 1;
-      }
+    const Source& source = sources_[s];
+    scratch.places.find(places_, node, source);
+    if (scratch.places.torn()) return;
+    scratch.readers[s]->fill(scratch.block, scratch.places.box);
+    if (!scratch.block.anyActive()) return;
+    for (size_t v = 0; v < scratch.sum.size(); ++v) {
+      Real value[3];
+      const double share = double(scratch.block.linearAmongActive(scratch.places.index[v], value));
+      const double weight = weightOf(source, scratch, v) * share;
+      if (!(weight > 0)) continue;
+      for (int c = 0; c < 3; ++c) scratch.sum[v][size_t(c)] += Real(value[c] * weight);
+      scratch.mass[v] += weight;
+      scratch.on[v] = 1;
     }
   }
 
   void finishColors(Scratch& scratch) const {
-    if constexpr (kIsVector<Value> && kBlends<Value>)
-      for (size_t v = 0; v < scratch.mass.size(); ++v)
-        if (scratch.on[v]) scratch.sum[v] = Value(scratch.sum[v] * (1 / scratch.mass[v]));
+    for (size_t v = 0; v < scratch.mass.size(); ++v)
+      if (scratch.on[v])
+        for (Real& channel : scratch.sum[v]) channel = Real(channel * (1 / scratch.mass[v]));
   }
 
   void addCell(size_t s, const openvdb::Coord& node, Scratch& scratch) const {
     const Source& source = sources_[s];
     scratch.places.find(places_, node, source);
     if (scratch.places.torn()) return;
-    if constexpr (!kBlends<Value>) {
-      for (size_t v = 0; v < scratch.sum.size(); ++v) {
-        Value value{};
-        scratch.on[v] =
-            scratch.accessors[s].probeValue(openvdb::Coord::round(scratch.places.index[v]), value);
-        scratch.sum[v] = value;
-      }
-    } else {
-      openvdb::BBoxd box = scratch.places.box;
-      if (staggered_) box.min() -= Vec3d(kStaggeredReach + 0.5), box.max() += Vec3d(kStaggeredReach + 0.5);
-      scratch.block.template fill<GridType>(scratch.accessors[s], box);
-      if (!scratch.block.anyActive() && zeroOutside(s)) return;
-      if (scratch.block.uniform() && !source.stretch && !vary_) {
-        const Value value(sampled(scratch.block, scratch.places.index[0]) * source.weight);
-        for (Stored& sum : scratch.sum) sum += value;
-        std::fill(scratch.on.begin(), scratch.on.end(), 1);
-        return;
-      }
-      for (size_t v = 0; v < scratch.sum.size(); ++v) {
-        const bool on = scratch.block.active(scratch.places.index[v]);
-        scratch.on[v] |= on;
-        if (on || !zeroOutside(s)) scratch.sum[v] += value(source, node, scratch, v);
-      }
+    openvdb::BBoxd box = scratch.places.box;
+    if (staggered_) box.min() -= Vec3d(kStaggeredReach + 0.5), box.max() += Vec3d(kStaggeredReach + 0.5);
+    scratch.readers[s]->fill(scratch.block, box);
+    if (!scratch.block.anyActive() && zeroOutside_[s]) return;
+    if (scratch.block.uniform() && !source.stretch && !vary_) {
+      const Channels value = weighted(sampled(scratch.block, scratch.places.index[0]), source.weight);
+      for (Channels& sum : scratch.sum) add(value, sum);
+      std::fill(scratch.on.begin(), scratch.on.end(), 1);
+      return;
+    }
+    for (size_t v = 0; v < scratch.sum.size(); ++v) {
+      const bool on = scratch.block.active(scratch.places.index[v]);
+      scratch.on[v] |= on;
+      if (on || !zeroOutside_[s]) add(value(source, node, scratch, v), scratch.sum[v]);
     }
   }
 
-  /// Whether there is nothing where a grid is not active.
-  bool zeroOutside(size_t s) const { return !band_ && grids_[s]->background() == openvdb::zeroVal<Value>(); }
-
-  Value value(const Source& source, const openvdb::Coord& node, const Scratch& scratch, size_t v) const {
+  Channels value(const Source& source, const openvdb::Coord& node, const Scratch& scratch, size_t v) const {
     const Vec3d& at = scratch.places.index[v];
     const double weight = weightOf(source, scratch, v);
-    if (!source.stretch) return Value(sampled(scratch.block, at) * weight);
+    if (!source.stretch) return weighted(sampled(scratch.block, at), weight);
     const int step = nodes_.step, n = int(v);
     const openvdb::Vec3s fraction(float(n / (step * step)), float(n / step % step), float(n % step));
     const NodeStretch::Local local = source.stretch->at(node[0], node[1], node[2], fraction / float(step));
-    if constexpr (!kIsVector<Value>) {
-      return Value(sampled(scratch.block, at) * (weight * double(local.volume)));
-    } else {
-      if (!staggered_) return Value(turned(local, sampled(scratch.block, at)) * weight);
-      // Each component lives on the face before the voxel in its direction, in the in-between as in the grid.
-      Value result;
-      const double size = std::cbrt(double(local.volume));
-      for (int axis = 0; axis < 3; ++axis) {
-        const Vec3d toFace(worldPerVoxel_(0, axis), worldPerVoxel_(1, axis), worldPerVoxel_(2, axis));
-        Vec3d face =
-            source.toIndex(Vec3d(scratch.places.world[v]) - 0.5 * size * (Mat3d(local.rotation) * toFace));
-        for (int c = 0; c < 3; ++c)
-          face[c] = std::clamp(face[c], scratch.places.box.min()[c] - kStaggeredReach,
-                               scratch.places.box.max()[c] + kStaggeredReach);
-        Value whole;
-        for (int c = 0; c < 3; ++c) {
-          Vec3d own = face;
-          own[c] += 0.5;
-          whole[c] = Element(scratch.block.cubic(own, c));
-        }
-        result[axis] = Element(turned(local, whole)[axis] * weight);
+    if (channels_ == 1) return weighted(sampled(scratch.block, at), weight * double(local.volume));
+    if (staggered_) return staggeredValue(source, local, scratch, v, weight);
+    return weighted(turned(local, sampled(scratch.block, at)), weight);
+  }
+
+  /// Each component lives on the face before the voxel in its direction, in the in-between as in the grid.
+  Channels staggeredValue(const Source& source, const NodeStretch::Local& local, const Scratch& scratch,
+                          size_t v, double weight) const {
+    Channels result{};
+    const double size = std::cbrt(double(local.volume));
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vec3d toFace(worldPerVoxel_(0, axis), worldPerVoxel_(1, axis), worldPerVoxel_(2, axis));
+      Vec3d face =
+          source.toIndex(Vec3d(scratch.places.world[v]) - 0.5 * size * (Mat3d(local.rotation) * toFace));
+      for (int c = 0; c < 3; ++c)
+        face[c] = std::clamp(face[c], scratch.places.box.min()[c] - kStaggeredReach,
+                             scratch.places.box.max()[c] + kStaggeredReach);
+      Channels whole{};
+      for (int c = 0; c < 3; ++c) {
+        Vec3d own = face;
+        own[c] += 0.5;
+        whole[size_t(c)] = scratch.block.cubic(own, c);
       }
-      return result;
+      result[size_t(axis)] = Real(turned(local, whole)[size_t(axis)] * weight);
     }
+    return result;
   }
 
-  Value sampled(const LocalBlock<Real>& block, const Vec3d& at) const {
-    if constexpr (kIsVector<Value>) {
-      Value value;
-      for (int c = 0; c < kChannels; ++c)
-        value[c] = Element(smooth_ ? block.cubic(at, c) : block.linear(at, c));
-      return value;
-    } else {
-      return Value(smooth_ ? block.cubic(at, 0) : block.linear(at, 0));
-    }
+  Channels sampled(const LocalBlock<Real>& block, const Vec3d& at) const {
+    Channels value{};
+    for (int c = 0; c < channels_; ++c) value[size_t(c)] = smooth_ ? block.cubic(at, c) : block.linear(at, c);
+    return value;
   }
 
-  Value turned(const NodeStretch::Local& local, const Value& v) const {
-    return turn_ ? Value(Mat3d(local.rotation).transpose() * Vec3d(v)) : v;
+  Channels turned(const NodeStretch::Local& local, const Channels& v) const {
+    if (!turn_) return v;
+    const Vec3d t = Mat3d(local.rotation).transpose() * Vec3d(v[0], v[1], v[2]);
+    return {Real(t[0]), Real(t[1]), Real(t[2])};
   }
 
+  Channels weighted(Channels value, double weight) const {
+    for (int c = 0; c < channels_; ++c) value[size_t(c)] = Real(value[size_t(c)] * weight);
+    return value;
+  }
+
+  void add(const Channels& value, Channels& sum) const {
+    for (int c = 0; c < channels_; ++c) sum[size_t(c)] += value[size_t(c)];
+  }
+
+  std::unique_ptr<Numbers> numbers_;
+  int channels_;
   const NodeMap& nodes_;
   NodePlaces places_;
   const LocalWeights& weights_;
   bool vary_;
-  const Transform& transform_;
-  typename GridType::ConstPtr like_;
+  const GridBase& prototype_;
   Mat3d worldPerVoxel_;
   bool conserve_, turn_, staggered_;
   bool smooth_;  ///< splines; jumps of dense level sets to their far values would ring
   bool band_, color_;
-  std::vector<typename GridType::ConstPtr> grids_;
   std::vector<Source> sources_;
-  Value background_;
-  Value missing_{};  ///< of what the weights lack to 1
+  std::vector<char> zeroOutside_;  ///< per source: nothing is there where it is not active
+  Channels background_{};
+  Channels missing_{};  ///< of what the weights lack to 1
 };
+
+/// Values between which there are no others: the nearest voxel's, of the only grid.
+GridBase::Ptr nearestInBetween(const CarriedGrid& carried, const NodeMap& nodes) {
+  std::unique_ptr<ActiveBlocks> blocks = nearestActiveBlocks(*carried.grid);
+  if (!blocks) throw InputError("values of the type " + carried.grid->valueType() + " cannot be carried");
+  const std::vector<Source> sources{{carried.shape, carried.object, carried.weight,
+                                     ToIndex(carried.grid->transform(), carried.anchor), std::move(*blocks),
+                                     nullptr}};
+  const NodePlaces nodePlaces(nodes);
+  const int step = nodes.step;
+  const std::vector<openvdb::Coord> origins =
+      leavesWith(nodes, [&](int i, int j, int k) { return cellActive(nodes, sources, i, j, k); });
+  return nearestValues(*carried.grid, origins, [&](const openvdb::Coord& origin, const CellVisitor& cell) {
+    CellPlaces places;
+    places.world.resize(size_t(step) * size_t(step) * size_t(step));
+    for (int x = 0; x < kLeaf; x += step)
+      for (int y = 0; y < kLeaf; y += step)
+        for (int z = 0; z < kLeaf; z += step) {
+          const openvdb::Coord node((origin[0] + x) / step, (origin[1] + y) / step, (origin[2] + z) / step);
+          if (!cellActive(nodes, sources, node[0], node[1], node[2])) continue;
+          places.find(nodePlaces, node, sources[0]);
+          if (!places.torn()) cell(places.index, {x, y, z}, step);
+        }
+  });
+}
 
 /// Whether index spaces of two transforms differ by a shift only.
 bool sameAxes(const Transform& a, const Transform& b) {
@@ -438,14 +431,11 @@ bool sameAxes(const Transform& a, const Transform& b) {
 }  // namespace
 
 bool canCarry(const GridBase& grid) {
-  return grid.apply<CarriedTypes>([](const auto&) {});
+  return isBlended(grid) || grid.apply<NearestTypes>([](const auto&) {});
 }
 
 bool isBlended(const GridBase& grid) {
-  bool blended = false;
-  grid.apply<CarriedTypes>(
-      [&](const auto& g) { blended = kBlends<typename std::decay_t<decltype(g)>::ValueType>; });
-  return blended;
+  return grid.apply<BlendedTypes>([](const auto&) {});
 }
 
 Transform::Ptr commonTransform(const std::vector<CarriedGrid>& grids) {
@@ -501,12 +491,22 @@ NodeMap carryingNodes(const openvdb::CoordBBox& box, const Carrying& carrying, c
 
 GridBase::Ptr warpGrids(const std::vector<CarriedGrid>& grids, const NodeMap& nodes,
                         const LocalWeights& weights, const Transform& transform, bool conserve) {
+  const GridBase& prototype = *grids.front().grid;
+  std::vector<GridBase::ConstPtr> own;
+  for (const CarriedGrid& g : grids) own.push_back(g.grid);
   GridBase::Ptr result;
-  const bool known = grids.front().grid->apply<CarriedTypes>([&](const auto& grid) {
-    result = Warper<std::decay_t<decltype(grid)>>(grids, nodes, weights, transform, conserve).run();
-  });
-  if (!known)
-    throw InputError("values of the type " + grids.front().grid->valueType() + " cannot be carried");
+  if (auto floats = numberGrids<float>(own)) {
+    result = Blender<float>(std::move(floats), grids, nodes, weights, transform, conserve).run();
+  } else if (auto doubles = numberGrids<double>(own)) {
+    result = Blender<double>(std::move(doubles), grids, nodes, weights, transform, conserve).run();
+  } else {
+    if (grids.size() > 1)
+      throw InputError("values of the type " + prototype.valueType() + " cannot be blended");
+    result = nearestInBetween(grids.front(), nodes);
+  }
+  result->setTransform(transform.copy());
+  result->setGridClass(prototype.getGridClass());
+  result->setVectorType(prototype.getVectorType());
   return result;
 }
 
