@@ -12,7 +12,7 @@
 ///   little below where splines through keys lead beyond the objects); a two-object morph at t has the weights
 ///   (1 - t, t).
 
-#include <openvdb/openvdb.h>
+#include "slicemorph/grids.h"
 
 #include <vector>
 
