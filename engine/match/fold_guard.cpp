@@ -1,15 +1,12 @@
 #include "engine/match/fold_guard.h"
 
+#include "engine/numerics/tetrahedra.h"
+
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 
 namespace slicemorph {
-
-// Each goes from corner 000 to 111 along one order of the axes; odd orders have two corners swapped so that
-// all six have positive volume.
-const int kKuhnTetrahedra[6][4] = {{0, 1, 3, 7}, {0, 5, 1, 7}, {0, 3, 2, 7},
-                                   {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 6, 4, 7}};
 
 namespace {
 
@@ -109,8 +106,7 @@ double smallestRatio(const Displacements& map, const VectorField& sum, const Gua
            guarded.all * Vec3d(sum[i]);
   }
   double smallest = 1e30;
-  for (const auto& t : kKuhnTetrahedra)
-    smallest = std::min(smallest, (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]).dot(p[t[3]] - p[t[0]]));
+  for (const auto& t : kKuhnTetrahedra) smallest = std::min(smallest, parallelepipedVolume(p, t));
   return smallest / (lattice.spacing * lattice.spacing * lattice.spacing);
 }
 

@@ -235,7 +235,8 @@ PlaneContours planeAt(const Vec3d& origin, const Vec3d& normal) {
   return plane;
 }
 
-PlaneSection sectionOf(const PlaneContours& plane, double tolerance, const std::string& where, Notes& notes) {
+PlaneSection sectionOf(const PlaneContours& plane, double tolerance, const std::string& subject,
+                       Notes& notes) {
   PlaneSection section;
   section.frame = plane;
   section.frame.loops.clear();
@@ -272,13 +273,13 @@ PlaneSection sectionOf(const PlaneContours& plane, double tolerance, const std::
   for (const Region& region : regions)
     section.edges.insert(section.edges.end(), region.edges.begin(), region.edges.end());
   section.edges = withoutKeyholes(section.edges, tolerance);
-  const auto say = [&](int count, const char* what) {
-    if (count > 0) notes.push_back(where + ": " + std::to_string(count) + what);
+  const auto say = [&](int count, const char* code, const char* what) {
+    if (count > 0) notes.push_back({code, Severity::kNote, subject, std::to_string(count) + what});
   };
-  say(flat, " contours of less than three different points left out");
-  say(twice, " contours given twice taken once");
-  say(crossed, " contours cross themselves: read by the even-odd rule");
-  say(overlapping, " pairs of contours overlap: joined");
+  say(flat, "contours.flat-left-out", " contours of less than three different points left out");
+  say(twice, "contours.twice", " contours given twice taken once");
+  say(crossed, "contours.crossed", " contours cross themselves: read by the even-odd rule");
+  say(overlapping, "contours.joined", " pairs of contours overlap: joined");
   return section;
 }
 

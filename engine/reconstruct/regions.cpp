@@ -1,6 +1,7 @@
 #include "engine/reconstruct/regions.h"
 
-#include "engine/reconstruct/mask_distance.h"
+#include "engine/numerics/disjoint_sets.h"
+#include "engine/numerics/mask_distance.h"
 
 #include <cmath>
 
@@ -10,7 +11,7 @@ namespace {
 
 /// How far a region may go sideways per unit along the stack before another beginning is likelier: two gaps
 /// (63 degrees).
-constexpr float kSteepest = 2;
+constexpr float kSteepestShift = 2;
 
 float radiusOf(const Region& r, const ScoreStack& stack) {
   return std::sqrt(float(r.count) * stack.pixel[0] * stack.pixel[1] / 3.14159265f);
@@ -44,23 +45,17 @@ std::vector<RegionRun> findRuns(const LabelScore& score) {
   return runs;
 }
 
-int rootOf(std::vector<RegionRun>& runs, int run) {
-  while (runs[size_t(run)].region != run)
-    run = runs[size_t(run)].region = runs[size_t(runs[size_t(run)].region)].region;
-  return run;
-}
-
 /// Makes runs that touch those of the row above one region, which is its first run.
 void joinRuns(std::vector<RegionRun>& runs) {
+  DisjointSets regions(runs.size());
   size_t above = 0;
   for (size_t i = 0; i < runs.size(); ++i) {
     while (runs[above].y < runs[i].y - 1 || (runs[above].y < runs[i].y && runs[above].x1 < runs[i].x0))
       ++above;
-    for (size_t k = above; runs[k].y < runs[i].y && runs[k].x0 <= runs[i].x1; ++k) {
-      const int p = rootOf(runs, int(k)), q = rootOf(runs, int(i));
-      runs[size_t(std::max(p, q))].region = std::min(p, q);
-    }
+    for (size_t k = above; runs[k].y < runs[i].y && runs[k].x0 <= runs[i].x1; ++k)
+      regions.join(std::uint32_t(k), std::uint32_t(i));
   }
+  for (size_t i = 0; i < runs.size(); ++i) runs[i].region = int(regions.find(std::uint32_t(i)));
 }
 
 struct Candidate {
@@ -119,7 +114,7 @@ std::vector<RegionPair> pairRegions(const LabelRegions& ra, const LabelRegions& 
       const Region &p = ra.regions[i], &q = rb.regions[j];
       const float d = std::hypot((p.x - q.x) * stack.pixel[0], (p.y - q.y) * stack.pixel[1]);
       const float rp = radiusOf(p, stack), rq = radiusOf(q, stack);
-      candidates.push_back({d + std::abs(rp - rq), int(i), int(j), d <= kSteepest * gap + rp + rq});
+      candidates.push_back({d + std::abs(rp - rq), int(i), int(j), d <= kSteepestShift * gap + rp + rq});
     }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& p, const Candidate& q) { return p.cost < q.cost; });
