@@ -30,7 +30,7 @@ class SlabNodes {
     size_t corner[8];
     Vec3d p[8], cellLow(1e30), cellHigh(-1e30);
     for (int c = 0; c < 8; ++c) {
-      corner[c] = posed.lattice.index(first[0] + (c & 1), first[1] + (c >> 1 & 1), first[2] + (c >> 2));
+      corner[c] = posed.lattice.corner(first[0], first[1], first[2], c);
       p[c] = posed.node[corner[c]];
       for (int a = 0; a < 3; ++a)
         cellLow[a] = std::min(cellLow[a], p[c][a]), cellHigh[a] = std::max(cellHigh[a], p[c][a]);

@@ -85,7 +85,7 @@ bool poseFolds(const LatticeOnObjects& on, const LatticePose& pose, const NodeWe
         size_t corner[8];
         float nearest = 1e30f;
         for (int c = 0; c < 8; ++c) {
-          corner[c] = lattice.index(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2));
+          corner[c] = lattice.corner(x, y, z, c);
           p[c] = pose.at[corner[c]], nearest = std::min(nearest, pose.distance[corner[c]]);
         }
         if (nearest > 2 * lattice.spacing || !border(corner)) continue;
@@ -105,7 +105,7 @@ Vec3d poseCentroid(const Lattice& lattice, const LatticePose& pose, const Chart&
         Vec3d p[8], middle(0.0);
         float d = 0;
         for (int c = 0; c < 8; ++c) {
-          const size_t i = lattice.index(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2));
+          const size_t i = lattice.corner(x, y, z, c);
           p[c] = world[i];
           middle += p[c] / 8.0, d += pose.distance[i] / 8;
         }

@@ -51,7 +51,7 @@ NearCells nearCells(const LatticeOnObjects& on, const PosedLattice& posed, float
         float low = 1e30f, high = -1e30f;
         size_t corner[8];
         for (int c = 0; c < 8; ++c) {
-          corner[c] = lattice.index(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2));
+          corner[c] = lattice.corner(x, y, z, c);
           low = std::min(low, pose.distance[corner[c]]), high = std::max(high, pose.distance[corner[c]]);
         }
         if (low > reach || high < -reach) continue;

@@ -48,7 +48,7 @@ std::vector<float> smoothingMask(const Lattice& lattice, const std::vector<char>
     for (int y = 0; y + 1 < lattice.size[1]; ++y)
       for (int x = 0; x + 1 < lattice.size[0]; ++x)
         if (folded[lattice.index(x, y, z)])
-          for (int c = 0; c < 8; ++c) mask[lattice.index(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2))] = 1.f;
+          for (int c = 0; c < 8; ++c) mask[lattice.corner(x, y, z, c)] = 1.f;
   const int step[3] = {1, lattice.size[0], lattice.size[0] * lattice.size[1]};
   for (int round = 0; round < 3; ++round)
     for (int axis = 0; axis < 3; ++axis) {
@@ -118,8 +118,7 @@ std::vector<char> foldedCells(const Displacements& map, const std::vector<Guarde
   std::vector<char> folded(lattice.count(), 0);
   forEachCell(lattice, [&](int x, int y, int z) {
     bool any = false;
-    for (int c = 0; c < 8 && !any; ++c)
-      any = suspect[lattice.index(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2))];
+    for (int c = 0; c < 8 && !any; ++c) any = suspect[lattice.corner(x, y, z, c)];
     if (!any) return;
     char& result = folded[lattice.index(x, y, z)];
     for (size_t w = 0; w < guarded.size() && !result; ++w)

@@ -14,6 +14,10 @@ struct Lattice {
   size_t count() const { return size_t(size[0]) * size[1] * size[2]; }
   size_t index(int x, int y, int z) const { return (size_t(z) * size[1] + y) * size[0] + x; }
   size_t index(const openvdb::Coord& c) const { return index(c[0], c[1], c[2]); }
+  /// Corner `c` (bits x, y, z) of the cell whose first node is (x, y, z).
+  size_t corner(int x, int y, int z, int c) const {
+    return index(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2));
+  }
   openvdb::Coord coordOf(size_t index) const {
     return {int(index % size[0]), int(index / size[0] % size[1]), int(index / size[0] / size[1])};
   }

@@ -1,6 +1,7 @@
 #include "engine/rebuild/small_components.h"
 
 #include "engine/numerics/disjoint_sets.h"
+#include "engine/volume/leaf.h"
 
 #include <tbb/parallel_for.h>
 
@@ -18,7 +19,6 @@ constexpr double kDustShare = 1e-3;
 
 using Leaf = openvdb::FloatTree::LeafNodeType;
 using Set = DisjointSets::Index;
-constexpr int kSide = 8, kVoxels = 512;
 constexpr double kSmallComponent = 0.03;
 
 /// One leaf's inside voxels labelled by part, -1 outside.
@@ -27,23 +27,21 @@ struct LeafParts {
   std::vector<int> sizes;
 };
 
-int offsetOf(int x, int y, int z) { return (x * kSide + y) * kSide + z; }
-
 LeafParts labelLeaf(const Leaf& leaf) {
   const float* v = leaf.buffer().data();
-  DisjointSets sets(kVoxels);
-  for (int x = 0; x < kSide; ++x)
-    for (int y = 0; y < kSide; ++y)
-      for (int z = 0; z < kSide; ++z) {
-        const int i = offsetOf(x, y, z);
+  DisjointSets sets(kLeafSize);
+  for (int x = 0; x < kLeaf; ++x)
+    for (int y = 0; y < kLeaf; ++y)
+      for (int z = 0; z < kLeaf; ++z) {
+        const int i = int(leafOffset(x, y, z));
         if (!(v[i] < 0)) continue;
         if (x > 0 && v[i - 64] < 0) sets.join(Set(i), Set(i - 64));
         if (y > 0 && v[i - 8] < 0) sets.join(Set(i), Set(i - 8));
         if (z > 0 && v[i - 1] < 0) sets.join(Set(i), Set(i - 1));
       }
   LeafParts parts;
-  parts.label.assign(kVoxels, -1);
-  for (int i = 0; i < kVoxels; ++i) {
+  parts.label.assign(kLeafSize, -1);
+  for (int i = 0; i < kLeafSize; ++i) {
     if (!(v[i] < 0)) continue;
     const size_t root = sets.find(Set(i));  // the smallest of its part, so labelled before
     if (root == size_t(i))
@@ -91,14 +89,14 @@ Parts findParts(const FloatGrid& grid) {
   const int strides[3] = {64, 8, 1};
   for (size_t i = 0; i < n; ++i)
     for (int axis = 0; axis < 3; ++axis)
-      for (int side : {0, kSide - 1}) {
+      for (int side : {0, kLeaf - 1}) {
         openvdb::Coord next = parts.leaves[i]->origin();
-        next[axis] += side ? kSide : -kSide;
+        next[axis] += side ? kLeaf : -kLeaf;
         const auto neighbour = index.find(next);
         const bool tile = neighbour == index.end() && accessor.getValue(next) < 0;
         if (neighbour == index.end() ? !tile : side == 0) continue;  // leaves meet once, from below
-        for (int a = 0; a < kSide; ++a)
-          for (int b = 0; b < kSide; ++b) {
+        for (int a = 0; a < kLeaf; ++a)
+          for (int b = 0; b < kLeaf; ++b) {
             const int plane = a * strides[(axis + 1) % 3] + b * strides[(axis + 2) % 3];
             const short mine = parts.inLeaf[i].label[size_t(plane + side * strides[axis])];
             if (mine < 0) continue;
@@ -164,7 +162,7 @@ int removeSmallComponents(FloatGrid& levelSet, int allowed) {
     if (roots[i] != 0 && double(parts.sizes[roots[i]]) < kSmallComponent * double(total))
       smallComponents[roots[i]];
   for (size_t i = 0; i < parts.leaves.size(); ++i)
-    for (int v = 0; v < kVoxels; ++v) {
+    for (int v = 0; v < kLeafSize; ++v) {
       const short label = parts.inLeaf[i].label[size_t(v)];
       if (label < 0) continue;
       const auto small = smallComponents.find(parts.root[parts.first[i] + size_t(label)]);

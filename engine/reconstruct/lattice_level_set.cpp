@@ -56,11 +56,11 @@ class LatticeLeaves {
   /// Calls `action(voxel of the leaf, node)` for the leaf's voxels that have a node.
   template <typename Action>
   void forEachNode(const Coord& origin, const Action& action) const {
-    for (int x = 0; x < 8; ++x)
-      for (int y = 0; y < 8; ++y)
-        for (int z = 0; z < 8; ++z) {
+    for (int x = 0; x < kLeaf; ++x)
+      for (int y = 0; y < kLeaf; ++y)
+        for (int z = 0; z < kLeaf; ++z) {
           const Coord c = origin - shift_ + Coord(x, y, z);
-          if (lattice_.holds(c)) action(size_t((x * 8 + y) * 8 + z), lattice_.index(c));
+          if (lattice_.holds(c)) action(leafOffset(x, y, z), lattice_.index(c));
         }
   }
 

@@ -1,6 +1,7 @@
 #include "engine/volume/image_shape.h"
 
 #include "engine/volume/image_grid.h"
+#include "engine/volume/leaf.h"
 #include "slicemorph/errors.h"
 
 #include <tbb/blocked_range.h>
@@ -18,7 +19,6 @@ namespace slicemorph {
 namespace {
 
 using Leaf = openvdb::FloatTree::LeafNodeType;
-constexpr int kLeaf = int(Leaf::DIM);
 
 /// What a block of 8 x 8 x 8 voxels becomes.
 struct Block {
