@@ -13,7 +13,7 @@ namespace {
 /// (63 degrees).
 constexpr float kSteepestShift = 2;
 
-float radiusOf(const Region& r, const ScoreStack& stack) {
+float radiusOf(const LabelRegion& r, const ScoreStack& stack) {
   return std::sqrt(float(r.count) * stack.pixel[0] * stack.pixel[1] / 3.14159265f);
 }
 
@@ -89,14 +89,14 @@ LabelRegions findRegions(const LabelScore& score) {
       run.region = result.runs[size_t(run.region)].region;  // a run further up, which has its number already
     }
     const size_t id = size_t(run.region), count = size_t(run.x1 - run.x0);
-    Region& r = result.regions[id];
+    LabelRegion& r = result.regions[id];
     r.box = hull(r.box, {run.x0, run.y, run.x1, run.y + 1}), r.count += count;
     sumX[id] += 0.5 * double(count) * (run.x0 + run.x1 - 1), sumY[id] += double(count) * run.y;
     const float* row = &score.values[score.box.index(run.x0, run.y)];
     r.depth = std::max(r.depth, *std::max_element(row, row + count));
   }
   for (size_t id = 0; id < result.regions.size(); ++id) {
-    Region& r = result.regions[id];
+    LabelRegion& r = result.regions[id];
     r.x = float(sumX[id] / double(r.count)), r.y = float(sumY[id] / double(r.count));
   }
   return result;
@@ -111,7 +111,7 @@ std::vector<RegionPair> pairRegions(const LabelRegions& ra, const LabelRegions& 
   for (size_t i = 0; i < tiedA.size(); ++i)
     for (size_t j = 0; j < tiedB.size(); ++j) {
       if (tiedA[i] || tiedB[j]) continue;
-      const Region &p = ra.regions[i], &q = rb.regions[j];
+      const LabelRegion &p = ra.regions[i], &q = rb.regions[j];
       const float d = std::hypot((p.x - q.x) * stack.pixel[0], (p.y - q.y) * stack.pixel[1]);
       const float rp = radiusOf(p, stack), rq = radiusOf(q, stack);
       candidates.push_back({d + std::abs(rp - rq), int(i), int(j), d <= kSteepestShift * gap + rp + rq});

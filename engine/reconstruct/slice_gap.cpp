@@ -28,7 +28,7 @@ void addTravellers(const ScoreStack& stack, size_t g, const PlaneRegions& region
   const LabelRegions& ra = regions[g][size_t(a - pa.labels.data())];
   const LabelRegions& rb = regions[g + 1][size_t(b - pb.labels.data())];
   for (const RegionPair& pair : pairRegions(ra, rb, gap.motion, stack, float(pb.position - pa.position))) {
-    const Region &p = ra.regions[size_t(pair.a)], &q = rb.regions[size_t(pair.b)];
+    const LabelRegion &p = ra.regions[size_t(pair.a)], &q = rb.regions[size_t(pair.b)];
     Traveller t;
     t.label = gap.labels.size(), t.x = q.x - p.x, t.y = q.y - p.y;
     t.a = regionScore(*a, ra, pair.a, stack), t.b = regionScore(*b, rb, pair.b, stack);

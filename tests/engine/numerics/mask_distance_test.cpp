@@ -1,7 +1,6 @@
-#include "engine/numerics/distance_transform.h"
+#include "engine/numerics/mask_distance.h"
 
 #include "engine/numerics/lower_envelope.h"
-#include "engine/numerics/mask_distance.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +9,6 @@
 
 namespace slicemorph {
 namespace {
-
-using openvdb::Coord;
 
 TEST(LowerEnvelope, FindsTheLowestParabola) {
   std::mt19937 random(5);
@@ -32,30 +29,6 @@ TEST(LowerEnvelope, FindsTheLowestParabola) {
       const int found = envelope.nearest(x);
       for (const auto& [apex, height] : parabolas)
         if (apex == found) EXPECT_NEAR(height + unit * (x - apex) * (x - apex), lowest, 1e-9);
-    }
-  }
-}
-
-TEST(SignedDistances, AreThoseOfBruteForce) {
-  std::mt19937 random(9);
-  for (int sample = 0; sample < 12; ++sample) {
-    const Coord size(1 + int(random() % 9), 1 + int(random() % 9), 2 + int(random() % 9));
-    const Vec3d spacing(0.5 + random() % 5, 0.25 + random() % 3, 1 + random() % 2);
-    std::vector<char> inside(size_t(size[0]) * size[1] * size[2]);
-    const int rarity = 1 + int(random() % 20);
-    for (char& v : inside) v = random() % rarity == 0;
-    inside.front() = 1, inside.back() = 0;
-    const auto at = [&](size_t n) {
-      return spacing *
-             Vec3d(double(n % size[0]), double(n / size[0] % size[1]), double(n / size[0] / size[1]));
-    };
-    const std::vector<float> found = signedDistances(inside, size, spacing);
-    for (size_t i = 0; i < inside.size(); ++i) {
-      double nearest = 1e300;
-      for (size_t j = 0; j < inside.size(); ++j)
-        if (inside[i] != inside[j]) nearest = std::min(nearest, (at(i) - at(j)).length());
-      // Squares are three sums of single precision, each off by 6e-8 at most.
-      EXPECT_NEAR(found[i], inside[i] ? nearest : -nearest, 1e-6 * nearest) << i;
     }
   }
 }
