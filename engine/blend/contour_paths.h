@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/frame/align.h"
-#include "engine/numerics/lattice.h"
+#include "engine/match/displacements.h"
 
 namespace slicemorph {
 

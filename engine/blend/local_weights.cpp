@@ -1,5 +1,7 @@
 #include "engine/blend/local_weights.h"
 
+#include "engine/numerics/smoothstep.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -83,8 +85,7 @@ bool RegionShares::holdsAnything(size_t r, const DistanceField& field) const {
 }
 
 float RegionShares::at(size_t r, const openvdb::Vec3s& place) const {
-  const double x = std::min(std::max(0.5 - distance(r, anchor_[r] + Vec3d(place)) / border_[r], 0.0), 1.0);
-  return float(x * x * (3 - 2 * x));
+  return float(smoothstep(0.5 - distance(r, anchor_[r] + Vec3d(place)) / border_[r], 0, 1));
 }
 
 LocalWeights::LocalWeights(Weights whole, const RegionShares* regions)

@@ -1,16 +1,14 @@
 #pragma once
 
-#include "engine/blend/moving_lattice.h"
+#include "engine/blend/node_map.h"
+#include "engine/volume/leaf.h"
 
 #include <array>
 #include <functional>
 
 namespace slicemorph {
 
-/// Side of OpenVDB's leaves, voxels; a multiple of every node step.
-constexpr int kLeaf = 8;
-
-/// Origins of the leaves with a cell, given by its first node, that `active(i, j, k)` says is wanted; in
+/// Origins of the leaves (whose side is a multiple of every node step) with a cell, given by its first node, that `active(i, j, k)` says is wanted; in
 /// order.
 std::vector<openvdb::Coord> leavesWith(const NodeMap& nodes,
                                        const std::function<bool(int, int, int)>& active);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/blend/moving_lattice.h"
+#include "engine/blend/node_map.h"
 
 namespace slicemorph {
 

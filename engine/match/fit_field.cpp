@@ -1,12 +1,27 @@
 #include "engine/match/fit_field.h"
 
+#include "engine/numerics/conjugate_gradients.h"
+#include "engine/numerics/lattice_cell.h"
+
 #include <tbb/parallel_for.h>
 #include <Eigen/Core>
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 
 namespace slicemorph {
+
+template <>
+struct Lanes<Eigen::Array4f> {
+  using Wide = Eigen::Array4d;
+  using Mask = Eigen::Array<bool, 4, 1>;
+  static Wide zero() { return Wide::Zero(); }
+  static Wide wide(const Eigen::Array4f& v) { return v.cast<double>(); }
+  static Eigen::Array4f narrow(const Wide& v) { return v.cast<float>(); }
+  static bool any(const Mask& mask) { return mask.any(); }
+  static Mask both(const Mask& a, const Mask& b) { return a && b; }
+  static Wide where(const Mask& mask, const Wide& v) { return mask.select(v, 0.0); }
+};
 
 namespace {
 
@@ -14,11 +29,6 @@ namespace {
 using Four = Eigen::Array4f;
 using FourDoubles = Eigen::Array4d;
 using Column = std::vector<Four>;
-
-struct Stencil {
-  size_t base;
-  float w[8];
-};
 
 /// The normal equations' operator W^T W + stiffness L^T L + a trace of the identity. Columns hold the
 /// lattice's nodes within a ring of zeros.
@@ -29,18 +39,10 @@ class NormalOperator {
     dy_ = lattice.size[0] + 2, dz_ = dy_ * (lattice.size[1] + 2);
     for (int i = 0; i < 8; ++i) offset_[i] = (i & 1 ? 1 : 0) + (i & 2 ? dy_ : 0) + (i & 4 ? dz_ : 0);
     for (const Vec3d& p : sites.position) {
-      const Vec3d q = (p - lattice.origin) / lattice.spacing;
-      int b[3];
-      float w[3];
-      for (int a = 0; a < 3; ++a) {
-        const double c = std::min(std::max(q[a], 0.0), lattice.size[a] - 1.0);
-        b[a] = std::min(int(c), lattice.size[a] - 2);
-        w[a] = float(c - b[a]);
-      }
-      Stencil s;
-      s.base = index(b[0], b[1], b[2]);
-      for (int i = 0; i < 8; ++i)
-        s.w[i] = (i & 1 ? w[0] : 1 - w[0]) * (i & 2 ? w[1] : 1 - w[1]) * (i & 4 ? w[2] : 1 - w[2]);
+      const CellPoint point = cellPoint(lattice, p);
+      const openvdb::Coord c = lattice.coordOf(point.cell);
+      Stencil s{index(c[0], c[1], c[2]), {}};
+      for (int i = 0; i < 8; ++i) s.w[i] = point.weight(i);
       stencils_.push_back(s);
     }
   }
@@ -76,6 +78,12 @@ class NormalOperator {
   }
 
  private:
+  /// A site's cell and the weights of its corners.
+  struct Stencil {
+    size_t base;
+    float w[8];
+  };
+
   /// The first node of every row, and the one after its last.
   template <typename Body>
   void forEachRow(const Body& body) const {
@@ -98,32 +106,35 @@ class NormalOperator {
   size_t offset_[8];
 };
 
-FourDoubles dot(const Column& a, const Column& b) {
-  FourDoubles s = FourDoubles::Zero();
-  for (size_t i = 0; i < a.size(); ++i) s += a[i].cast<double>() * b[i].cast<double>();
-  return s;
-}
+/// The normal equations of all nodes as conjugateGradients wants them.
+class ColumnSystem {
+ public:
+  explicit ColumnSystem(const NormalOperator& op) : op_(op), scratch_(op.zero()) {}
 
-/// Conjugate gradients, each column for itself.
+  size_t size() const { return scratch_.size(); }
+  size_t node(size_t i) const { return i; }
+  float diagonal(size_t) const { return 1; }
+  /// Fours of columns are solved beside each other, each by one task.
+  Grain grain() const { return {std::numeric_limits<size_t>::max()}; }
+  void apply(const Column& x, Column& product) { op_(x, scratch_, product); }
+
+ private:
+  const NormalOperator& op_;
+  Column scratch_;
+};
+
+/// Each column for itself, up to a thousandth of the right side.
 Column solve(const NormalOperator& op, const Column& b, Column x) {
-  Column scratch = op.zero(), q = op.zero(), r = op.zero();
-  op(x, scratch, q);
-  for (size_t i = 0; i < r.size(); ++i) r[i] = b[i] - q[i];
-  Column p = r;
-  FourDoubles rr = dot(r, r);
-  const FourDoubles enough = 1e-6 * dot(b, b).max(1e-30);
-  for (int iteration = 0; iteration < 80 && (rr > enough).any(); ++iteration) {
-    op(p, scratch, q);
-    const FourDoubles pq = dot(p, q);
-    const auto goesOn = rr > enough && pq > 0;
-    if (!goesOn.any()) break;
-    const Four alpha = goesOn.select(rr / pq, 0.0).cast<float>();
-    for (size_t i = 0; i < x.size(); ++i) x[i] += alpha * p[i], r[i] -= alpha * q[i];
-    const FourDoubles next = dot(r, r);
-    const Four beta = goesOn.select(next / rr, 0.0).cast<float>();
-    rr = next;
-    for (size_t i = 0; i < p.size(); ++i) p[i] = r[i] + beta * p[i];
+  ColumnSystem system(op);
+  Column residual = op.zero();
+  system.apply(x, residual);
+  FourDoubles scale = FourDoubles::Zero();
+  for (size_t i = 0; i < b.size(); ++i) {
+    residual[i] = b[i] - residual[i];
+    scale += b[i].cast<double>() * b[i].cast<double>();
   }
+  scale = scale.max(1e-30);
+  conjugateGradients(system, {80, 1e-6}, std::move(residual), x, &scale);
   return x;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/numerics/lattice.h"
+#include "engine/match/displacements.h"
 
 namespace slicemorph {
 

@@ -1,15 +1,12 @@
 #include "engine/match/fold_guard.h"
 
+#include "engine/numerics/tetrahedra.h"
+
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 
 namespace slicemorph {
-
-// Each goes from corner 000 to 111 along one order of the axes; odd orders have two corners swapped so that
-// all six have positive volume.
-const int kKuhnTetrahedra[6][4] = {{0, 1, 3, 7}, {0, 5, 1, 7}, {0, 3, 2, 7},
-                                   {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 6, 4, 7}};
 
 namespace {
 
@@ -51,7 +48,7 @@ std::vector<float> smoothingMask(const Lattice& lattice, const std::vector<char>
     for (int y = 0; y + 1 < lattice.size[1]; ++y)
       for (int x = 0; x + 1 < lattice.size[0]; ++x)
         if (folded[lattice.index(x, y, z)])
-          for (int c = 0; c < 8; ++c) mask[lattice.index(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2))] = 1.f;
+          for (int c = 0; c < 8; ++c) mask[lattice.corner(x, y, z, c)] = 1.f;
   const int step[3] = {1, lattice.size[0], lattice.size[0] * lattice.size[1]};
   for (int round = 0; round < 3; ++round)
     for (int axis = 0; axis < 3; ++axis) {
@@ -109,8 +106,7 @@ double smallestRatio(const Displacements& map, const VectorField& sum, const Gua
            guarded.all * Vec3d(sum[i]);
   }
   double smallest = 1e30;
-  for (const auto& t : kKuhnTetrahedra)
-    smallest = std::min(smallest, (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]).dot(p[t[3]] - p[t[0]]));
+  for (const auto& t : kKuhnTetrahedra) smallest = std::min(smallest, parallelepipedVolume(p, t));
   return smallest / (lattice.spacing * lattice.spacing * lattice.spacing);
 }
 
@@ -122,8 +118,7 @@ std::vector<char> foldedCells(const Displacements& map, const std::vector<Guarde
   std::vector<char> folded(lattice.count(), 0);
   forEachCell(lattice, [&](int x, int y, int z) {
     bool any = false;
-    for (int c = 0; c < 8 && !any; ++c)
-      any = suspect[lattice.index(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2))];
+    for (int c = 0; c < 8 && !any; ++c) any = suspect[lattice.corner(x, y, z, c)];
     if (!any) return;
     char& result = folded[lattice.index(x, y, z)];
     for (size_t w = 0; w < guarded.size() && !result; ++w)

@@ -1,12 +1,8 @@
 #pragma once
 
-#include "engine/numerics/lattice.h"
+#include "engine/match/displacements.h"
 
 namespace slicemorph {
-
-/// The corners of the six tetrahedra of a lattice cell (Kuhn's subdivision, the same across faces), as bits
-/// x, y, z.
-extern const int kKuhnTetrahedra[6][4];
 
 /// Smallest volume of a lattice tetrahedron on any object, over its volume in the middle space.
 double leastRatio(const Displacements& map);

@@ -12,9 +12,6 @@ namespace slicemorph {
 namespace {
 
 using Leaf = openvdb::FloatTree::LeafNodeType;
-constexpr int kLeaf = 8;
-
-size_t offsetOf(int x, int y, int z) { return size_t((x * kLeaf + y) * kLeaf + z); }
 
 /// One leaf's values with a border of `kBorder` voxels from its neighbours.
 class Block {
@@ -48,7 +45,7 @@ class Block {
       for (int y = y0; y < y1; ++y) {
         float* row = &v_[index(x, y, z0)];
         if (from)
-          std::copy_n(from + offsetOf(x - a * kLeaf, y - b * kLeaf, z0 - c * kLeaf), z1 - z0, row);
+          std::copy_n(from + leafOffset(x - a * kLeaf, y - b * kLeaf, z0 - c * kLeaf), z1 - z0, row);
         else
           std::fill_n(row, z1 - z0, SparseValues::kUnknown);
       }
@@ -119,7 +116,7 @@ std::unique_ptr<Leaf> distanceLeaf(const SparseValues& values, size_t i, Block& 
   const float* from = values.leaf(i);
   const float h = values.voxelSize(), background = float(kHalfWidth) * h;
   float least = SparseValues::kUnknown;
-  for (size_t n = 0; n < SparseValues::kLeafSize; ++n) least = std::min(least, std::abs(from[n]));
+  for (size_t n = 0; n < size_t(kLeafSize); ++n) least = std::min(least, std::abs(from[n]));
   if (least > 4 * background) return nullptr;
   block.gather(values, i);
   auto leaf = std::make_unique<Leaf>(values.origins()[i], background, false);
@@ -127,7 +124,7 @@ std::unique_ptr<Leaf> distanceLeaf(const SparseValues& values, size_t i, Block& 
   for (int x = 0; x < kLeaf; ++x)
     for (int y = 0; y < kLeaf; ++y)
       for (int z = 0; z < kLeaf; ++z) {
-        const size_t n = offsetOf(x, y, z);
+        const size_t n = leafOffset(x, y, z);
         if (!known(from[n]) || std::abs(from[n]) > 4 * background) {
           if (known(from[n]) && from[n] < 0) leaf->setValueOnly(openvdb::Index(n), -background);
           continue;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/volume/leaf.h"
 #include "slicemorph/conventions.h"
 
 #include <limits>
@@ -11,13 +12,12 @@ namespace slicemorph {
 class SparseValues {
  public:
   static constexpr float kUnknown = std::numeric_limits<float>::max();
-  static constexpr size_t kLeafSize = 512;
 
   /// `origins`: of the leaves (multiples of 8), in the order in which they are to be built.
   SparseValues(std::vector<openvdb::Coord> origins, float voxelSize);
 
-  float* leaf(size_t i) { return &values_[i * kLeafSize]; }
-  const float* leaf(size_t i) const { return &values_[i * kLeafSize]; }
+  float* leaf(size_t i) { return &values_[i * size_t(kLeafSize)]; }
+  const float* leaf(size_t i) const { return &values_[i * size_t(kLeafSize)]; }
   const std::vector<openvdb::Coord>& origins() const { return origins_; }
   float voxelSize() const { return voxelSize_; }
   /// The leaf that starts at `origin`; null where there is none.

@@ -1,9 +1,11 @@
 #include "engine/rebuild/small_components.h"
 
+#include "engine/numerics/disjoint_sets.h"
+#include "engine/volume/leaf.h"
+
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <numeric>
 #include <unordered_map>
 
 namespace slicemorph {
@@ -16,24 +18,8 @@ constexpr size_t kDust = 27;
 constexpr double kDustShare = 1e-3;
 
 using Leaf = openvdb::FloatTree::LeafNodeType;
-constexpr int kSide = 8, kVoxels = 512;
+using Set = DisjointSets::Index;
 constexpr double kSmallComponent = 0.03;
-
-class DisjointSets {
- public:
-  explicit DisjointSets(size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), size_t(0)); }
-  size_t find(size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(size_t a, size_t b) {
-    a = find(a), b = find(b);
-    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<size_t> parent_;
-};
 
 /// One leaf's inside voxels labelled by part, -1 outside.
 struct LeafParts {
@@ -41,25 +27,23 @@ struct LeafParts {
   std::vector<int> sizes;
 };
 
-int offsetOf(int x, int y, int z) { return (x * kSide + y) * kSide + z; }
-
 LeafParts labelLeaf(const Leaf& leaf) {
   const float* v = leaf.buffer().data();
-  DisjointSets sets(kVoxels);
-  for (int x = 0; x < kSide; ++x)
-    for (int y = 0; y < kSide; ++y)
-      for (int z = 0; z < kSide; ++z) {
-        const int i = offsetOf(x, y, z);
+  DisjointSets sets(kLeafSize);
+  for (int x = 0; x < kLeaf; ++x)
+    for (int y = 0; y < kLeaf; ++y)
+      for (int z = 0; z < kLeaf; ++z) {
+        const int i = int(leafOffset(x, y, z));
         if (!(v[i] < 0)) continue;
-        if (x > 0 && v[i - 64] < 0) sets.join(size_t(i), size_t(i - 64));
-        if (y > 0 && v[i - 8] < 0) sets.join(size_t(i), size_t(i - 8));
-        if (z > 0 && v[i - 1] < 0) sets.join(size_t(i), size_t(i - 1));
+        if (x > 0 && v[i - 64] < 0) sets.join(Set(i), Set(i - 64));
+        if (y > 0 && v[i - 8] < 0) sets.join(Set(i), Set(i - 8));
+        if (z > 0 && v[i - 1] < 0) sets.join(Set(i), Set(i - 1));
       }
   LeafParts parts;
-  parts.label.assign(kVoxels, -1);
-  for (int i = 0; i < kVoxels; ++i) {
+  parts.label.assign(kLeafSize, -1);
+  for (int i = 0; i < kLeafSize; ++i) {
     if (!(v[i] < 0)) continue;
-    const size_t root = sets.find(size_t(i));  // the smallest of its part, so labelled before
+    const size_t root = sets.find(Set(i));  // the smallest of its part, so labelled before
     if (root == size_t(i))
       parts.label[i] = short(parts.sizes.size()), parts.sizes.push_back(0);
     else
@@ -105,30 +89,30 @@ Parts findParts(const FloatGrid& grid) {
   const int strides[3] = {64, 8, 1};
   for (size_t i = 0; i < n; ++i)
     for (int axis = 0; axis < 3; ++axis)
-      for (int side : {0, kSide - 1}) {
+      for (int side : {0, kLeaf - 1}) {
         openvdb::Coord next = parts.leaves[i]->origin();
-        next[axis] += side ? kSide : -kSide;
+        next[axis] += side ? kLeaf : -kLeaf;
         const auto neighbour = index.find(next);
         const bool tile = neighbour == index.end() && accessor.getValue(next) < 0;
         if (neighbour == index.end() ? !tile : side == 0) continue;  // leaves meet once, from below
-        for (int a = 0; a < kSide; ++a)
-          for (int b = 0; b < kSide; ++b) {
+        for (int a = 0; a < kLeaf; ++a)
+          for (int b = 0; b < kLeaf; ++b) {
             const int plane = a * strides[(axis + 1) % 3] + b * strides[(axis + 2) % 3];
             const short mine = parts.inLeaf[i].label[size_t(plane + side * strides[axis])];
             if (mine < 0) continue;
             const size_t me = parts.first[i] + size_t(mine);
             if (tile) {
-              sets.join(0, me);
+              sets.join(0, Set(me));
               parts.tiles = true;
               continue;
             }
             const short other = parts.inLeaf[neighbour->second].label[size_t(plane)];
-            if (other >= 0) sets.join(me, parts.first[neighbour->second] + size_t(other));
+            if (other >= 0) sets.join(Set(me), Set(parts.first[neighbour->second] + size_t(other)));
           }
       }
   parts.root.resize(count);
   parts.sizes.assign(count, 0);
-  for (size_t i = 0; i < count; ++i) parts.root[i] = sets.find(i);
+  for (size_t i = 0; i < count; ++i) parts.root[i] = sets.find(Set(i));
   for (size_t i = 0; i < n; ++i)
     for (size_t p = 0; p < parts.inLeaf[i].sizes.size(); ++p)
       parts.sizes[parts.root[parts.first[i] + p]] += size_t(parts.inLeaf[i].sizes[p]);
@@ -178,16 +162,16 @@ int removeSmallComponents(FloatGrid& levelSet, int allowed) {
     if (roots[i] != 0 && double(parts.sizes[roots[i]]) < kSmallComponent * double(total))
       smallComponents[roots[i]];
   for (size_t i = 0; i < parts.leaves.size(); ++i)
-    for (int v = 0; v < kVoxels; ++v) {
+    for (int v = 0; v < kLeafSize; ++v) {
       const short label = parts.inLeaf[i].label[size_t(v)];
       if (label < 0) continue;
-      const auto crumb = smallComponents.find(parts.root[parts.first[i] + size_t(label)]);
-      if (crumb != smallComponents.end())
-        crumb->second.push_back(parts.leaves[i]->offsetToGlobalCoord(openvdb::Index(v)));
+      const auto small = smallComponents.find(parts.root[parts.first[i] + size_t(label)]);
+      if (small != smallComponents.end())
+        small->second.push_back(parts.leaves[i]->offsetToGlobalCoord(openvdb::Index(v)));
     }
   for (size_t r : roots)
-    if (const auto crumb = smallComponents.find(r); crumb != smallComponents.end())
-      remove(levelSet, crumb->second);
+    if (const auto small = smallComponents.find(r); small != smallComponents.end())
+      remove(levelSet, small->second);
   return int(smallComponents.size());
 }
 

@@ -30,88 +30,134 @@ openvdb::CoordBBox boxOf(const ImageNodes& nodes, size_t shape, const PlaceToVox
   return {openvdb::Coord::floor(low), openvdb::Coord::ceil(high)};
 }
 
+/// What all objects' labels are, and each object's part in them.
+struct SharedLabels {
+  std::vector<std::int64_t> all;  ///< ascending
+  std::vector<std::vector<const LabelField::Label*>>
+      fieldOf;                                ///< per object and label; null: it lacks the label
+  std::vector<std::vector<int>> sharedIndex;  ///< per object: its own labels' index into `all`
+  std::vector<float> absent;                  ///< per label: depth in an object that lacks it
+};
+
+SharedLabels sharedLabels(const std::vector<CarriedLabels>& labels) {
+  SharedLabels s;
+  for (const CarriedLabels& c : labels)
+    for (const LabelField::Label& l : c.labels->labels()) s.all.push_back(l.value);
+  std::sort(s.all.begin(), s.all.end());
+  s.all.erase(std::unique(s.all.begin(), s.all.end()), s.all.end());
+  s.fieldOf.resize(labels.size()), s.sharedIndex.resize(labels.size());
+  for (size_t c = 0; c < labels.size(); ++c) {
+    for (std::int64_t value : s.all) s.fieldOf[c].push_back(labels[c].labels->find(value));
+    for (const LabelField::Label& l : labels[c].labels->labels())
+      s.sharedIndex[c].push_back(int(std::lower_bound(s.all.begin(), s.all.end(), l.value) - s.all.begin()));
+  }
+  // A label that an object lacks shrinks to nothing as that object takes over.
+  for (size_t l = 0; l < s.all.size(); ++l) {
+    float deepest = 0, have = 0;
+    for (size_t c = 0; c < labels.size(); ++c)
+      if (s.fieldOf[c][l])
+        deepest = std::max(deepest, s.fieldOf[c][l]->deepest), have += float(labels[c].weight);
+    s.absent.push_back(-deepest * have);
+  }
+  return s;
+}
+
+/// Labels the voxels of one block after the other.
+class BlockLabeller {
+ public:
+  BlockLabeller(const std::vector<CarriedLabels>& labels, const SharedLabels& shared,
+                const std::vector<PlaceToVoxel>& toVoxel, const ImageNodes& nodes)
+      : labels_(labels), shared_(shared), toVoxel_(toVoxel), nodes_(nodes) {
+    for (const CarriedLabels& c : labels) rows_.emplace_back(nodes, c.shape);
+  }
+
+  /// Calls `write(voxel, index into all labels)` for the voxels of a box that have a label.
+  template <typename Write>
+  void label(const openvdb::CoordBBox& block, const Write& write) {
+    findCandidates(block);
+    if (candidates_.empty()) return;  // 0 as it is
+    const openvdb::Coord first = block.min(), last = block.max();
+    for (int k = first[2]; k <= last[2]; ++k)
+      for (int j = first[1]; j <= last[1]; ++j) {
+        for (PlaceRow& row : rows_) row.begin(first[0], last[0], j, k);
+        for (int i = first[0]; i <= last[0]; ++i)
+          if (const int best = bestAt(i); best >= 0) write(openvdb::Coord(i, j, k), size_t(best));
+      }
+  }
+
+ private:
+  /// The labels that any object has near where the block lies on it.
+  void findCandidates(const openvdb::CoordBBox& block) {
+    candidates_.clear();
+    for (size_t c = 0; c < labels_.size(); ++c) {
+      near_.clear();
+      openvdb::CoordBBox box = boxOf(nodes_, labels_[c].shape, toVoxel_[c], block);
+      box.expand(1);
+      labels_[c].labels->labelsNear(box, near_);
+      for (int l : near_) candidates_.push_back(shared_.sharedIndex[c][size_t(l)]);
+    }
+    std::sort(candidates_.begin(), candidates_.end());
+    candidates_.erase(std::unique(candidates_.begin(), candidates_.end()), candidates_.end());
+    blended_.resize(candidates_.size());
+  }
+
+  /// Of voxel i of the row; -1: none.
+  int bestAt(int i) {
+    std::fill(blended_.begin(), blended_.end(), 0.f);
+    float without = 0;
+    for (size_t c = 0; c < labels_.size(); ++c) {
+      const LabelField& field = *labels_[c].labels;
+      const Vec3s p = toVoxel_[c](rows_[c].from(i).at);
+      const float weight = float(labels_[c].weight);
+      float most = field.depth(field.all(), p);
+      for (size_t l = 0; l < candidates_.size(); ++l) {
+        const size_t candidate = size_t(candidates_[l]);
+        const LabelField::Label* own = shared_.fieldOf[c][candidate];
+        const float depth = own ? field.depth(*own, p) : shared_.absent[candidate];
+        if (!own) most = std::max(most, depth);
+        blended_[l] += weight * depth;
+      }
+      without -= weight * most;
+    }
+    int best = -1;
+    float least = without;
+    for (size_t l = 0; l < candidates_.size(); ++l)
+      if (blended_[l] > least) least = blended_[l], best = candidates_[l];
+    return best;
+  }
+
+  const std::vector<CarriedLabels>& labels_;
+  const SharedLabels& shared_;
+  const std::vector<PlaceToVoxel>& toVoxel_;
+  const ImageNodes& nodes_;
+  std::vector<PlaceRow> rows_;  ///< per object
+  std::vector<int> near_, candidates_;
+  std::vector<float> blended_;  ///< per candidate
+};
+
 }  // namespace
 
 Image warpLabels(const std::vector<CarriedLabels>& labels, const ImageNodes& nodes, const ImageLattice& on) {
+  const SharedLabels shared = sharedLabels(labels);
   std::vector<PlaceToVoxel> toVoxel;
-  std::vector<std::int64_t> all;
-  for (const CarriedLabels& c : labels) {
-    toVoxel.emplace_back(c.labels->lattice(), c.anchor);
-    for (const LabelField::Label& l : c.labels->labels()) all.push_back(l.value);
-  }
-  std::sort(all.begin(), all.end());
-  all.erase(std::unique(all.begin(), all.end()), all.end());
-  // Each label's field in every object; null where it lacks the label.
-  std::vector<std::vector<const LabelField::Label*>> fieldOf(labels.size());
-  std::vector<std::vector<int>> placeOf(labels.size());  // index into `all` of the object's own labels
-  for (size_t c = 0; c < labels.size(); ++c) {
-    for (std::int64_t value : all) fieldOf[c].push_back(labels[c].labels->find(value));
-    for (const LabelField::Label& l : labels[c].labels->labels())
-      placeOf[c].push_back(int(std::lower_bound(all.begin(), all.end(), l.value) - all.begin()));
-  }
-  // A label that an object lacks shrinks to nothing as that object takes over.
-  std::vector<float> absent(all.size(), 0);
-  for (size_t l = 0; l < all.size(); ++l) {
-    float deepest = 0, have = 0;
-    for (size_t c = 0; c < labels.size(); ++c)
-      if (fieldOf[c][l]) deepest = std::max(deepest, fieldOf[c][l]->deepest), have += float(labels[c].weight);
-    absent[l] = -deepest * have;
-  }
-  Image result{on, labelValues(all.empty() ? 0 : all.back(), on.count())};
+  for (const CarriedLabels& c : labels) toVoxel.emplace_back(c.labels->lattice(), c.anchor);
+  Image result{on, labelValues(shared.all.empty() ? 0 : shared.all.back(), on.count())};
+  const auto write = [&](const openvdb::Coord& voxel, size_t label) {
+    std::visit(
+        [&](auto& values) {
+          using T = typename std::decay_t<decltype(values)>::value_type;
+          values[on.index(voxel[0], voxel[1], voxel[2])] = T(shared.all[label]);
+        },
+        result.values);
+  };
   constexpr int kBlock = 8;
   const openvdb::Coord blocks = (on.size + openvdb::Coord(kBlock - 1)) >> 3;
   tbb::parallel_for(0, blocks[2] * blocks[1], [&](int b) {
-    std::vector<int> near, candidates;
-    std::vector<float> blended;
-    std::vector<PlaceRow> rows;
-    for (const CarriedLabels& c : labels) rows.emplace_back(nodes, c.shape);
-    for (int bi = 0; bi < blocks[0]; ++bi) {
-      const openvdb::Coord first(bi * kBlock, b % blocks[1] * kBlock, b / blocks[1] * kBlock);
+    BlockLabeller labeller(labels, shared, toVoxel, nodes);
+    for (int i = 0; i < blocks[0]; ++i) {
+      const openvdb::Coord first(i * kBlock, b % blocks[1] * kBlock, b / blocks[1] * kBlock);
       const openvdb::Coord end = openvdb::Coord::minComponent(first + openvdb::Coord(kBlock), on.size);
-      candidates.clear();
-      for (size_t c = 0; c < labels.size(); ++c) {
-        near.clear();
-        openvdb::CoordBBox box = boxOf(nodes, labels[c].shape, toVoxel[c], {first, end - openvdb::Coord(1)});
-        box.expand(1);
-        labels[c].labels->labelsNear(box, near);
-        for (int l : near) candidates.push_back(placeOf[c][size_t(l)]);
-      }
-      if (candidates.empty()) continue;  // 0 as it is
-      std::sort(candidates.begin(), candidates.end());
-      candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
-      blended.resize(candidates.size());
-      for (int k = first[2]; k < end[2]; ++k)
-        for (int j = first[1]; j < end[1]; ++j) {
-          for (PlaceRow& row : rows) row.begin(first[0], end[0] - 1, j, k);
-          for (int i = first[0]; i < end[0]; ++i) {
-            std::fill(blended.begin(), blended.end(), 0.f);
-            float without = 0;
-            for (size_t c = 0; c < labels.size(); ++c) {
-              const openvdb::Vec3s p = toVoxel[c](rows[c].from(i).at);
-              const float weight = float(labels[c].weight);
-              float most = labels[c].labels->depth(labels[c].labels->all(), p);
-              for (size_t l = 0; l < candidates.size(); ++l) {
-                const LabelField::Label* field = fieldOf[c][size_t(candidates[l])];
-                const float depth =
-                    field ? labels[c].labels->depth(*field, p) : absent[size_t(candidates[l])];
-                if (!field) most = std::max(most, depth);
-                blended[l] += weight * depth;
-              }
-              without -= weight * most;
-            }
-            int best = -1;
-            float least = without;
-            for (size_t l = 0; l < candidates.size(); ++l)
-              if (blended[l] > least) least = blended[l], best = candidates[l];
-            if (best >= 0)
-              std::visit(
-                  [&](auto& values) {
-                    using T = typename std::decay_t<decltype(values)>::value_type;
-                    values[on.index(i, j, k)] = T(all[size_t(best)]);
-                  },
-                  result.values);
-          }
-        }
+      labeller.label({first, end - openvdb::Coord(1)}, write);
     }
   });
   return result;

@@ -13,8 +13,8 @@ namespace slicemorph {
 
 namespace {
 
-constexpr double kParallel = 1 - 1e-6;  // cosine
-constexpr double kOnPlane = 0.02;       // gaps
+constexpr double kParallelPlanes = 1 - 1e-6;  // cosine
+constexpr double kOnPlane = 0.02;             // gaps
 constexpr double kMostVoxels = 2e9;
 
 struct Solid {
@@ -91,7 +91,7 @@ std::vector<double> heightsOf(const std::vector<ContourSet>& sets, const Vec3d& 
   for (const ContourSet& set : sets)
     for (const PlaneContours& plane : set.planes) {
       if (plane.loops.empty()) continue;
-      if (std::abs(plane.normal.dot(normal)) < kParallel) return {};
+      if (std::abs(plane.normal.dot(normal)) < kParallelPlanes) return {};
       heights.push_back(plane.origin.dot(normal));
     }
   std::sort(heights.begin(), heights.end());

@@ -1,6 +1,6 @@
 #include "engine/reconstruct/label_slices.h"
 
-#include "engine/reconstruct/mask_distance.h"
+#include "engine/numerics/mask_distance.h"
 #include "slicemorph/errors.h"
 
 #include <tbb/parallel_for.h>

@@ -78,13 +78,13 @@ std::vector<Edge> withoutKeyholes(const std::vector<Edge>& edges, double toleran
   return out;
 }
 
-struct Region {
+struct SectionRegion {
   std::vector<Edge> edges;
   Vec2d low{0, 0}, high{0, 0};
 };
 
-Region regionOf(const Loop& loop, double tolerance) {
-  Region region;
+SectionRegion regionOf(const Loop& loop, double tolerance) {
+  SectionRegion region;
   region.low = region.high = loop[0];
   for (size_t i = 0; i < loop.size(); ++i) {
     region.edges.push_back({loop[i], loop[(i + 1) % loop.size()]});
@@ -97,7 +97,7 @@ Region regionOf(const Loop& loop, double tolerance) {
   return region;
 }
 
-bool cross(const Region& a, const Region& b) {
+bool cross(const SectionRegion& a, const SectionRegion& b) {
   for (int k = 0; k < 2; ++k)
     if (a.high[k] < b.low[k] || b.high[k] < a.low[k]) return false;
   for (const Edge& e : a.edges)
@@ -107,7 +107,7 @@ bool cross(const Region& a, const Region& b) {
 }
 
 /// The parts of a's edges that lie outside b.
-std::vector<Edge> outsideOf(const Region& a, const Region& b) {
+std::vector<Edge> outsideOf(const SectionRegion& a, const SectionRegion& b) {
   std::vector<Edge> out;
   for (const Edge& e : a.edges) {
     std::vector<double> cuts{0, 1};
@@ -123,8 +123,8 @@ std::vector<Edge> outsideOf(const Region& a, const Region& b) {
   return out;
 }
 
-Region joined(const Region& a, const Region& b) {
-  Region out;
+SectionRegion joined(const SectionRegion& a, const SectionRegion& b) {
+  SectionRegion out;
   out.edges = outsideOf(a, b);
   const std::vector<Edge> rest = outsideOf(b, a);
   out.edges.insert(out.edges.end(), rest.begin(), rest.end());
@@ -135,7 +135,7 @@ Region joined(const Region& a, const Region& b) {
   return out;
 }
 
-int selfCrossings(const Region& region) {
+int selfCrossings(const SectionRegion& region) {
   int count = 0;
   for (size_t i = 0; i < region.edges.size(); ++i)
     for (size_t j = i + 1; j < region.edges.size(); ++j)
@@ -235,11 +235,12 @@ PlaneContours planeAt(const Vec3d& origin, const Vec3d& normal) {
   return plane;
 }
 
-PlaneSection sectionOf(const PlaneContours& plane, double tolerance, const std::string& where, Notes& notes) {
+PlaneSection sectionOf(const PlaneContours& plane, double tolerance, const std::string& subject,
+                       Notes& notes) {
   PlaneSection section;
   section.frame = plane;
   section.frame.loops.clear();
-  std::vector<Region> regions;
+  std::vector<SectionRegion> regions;
   std::vector<std::vector<Key>> seen;
   int twice = 0, flat = 0, crossed = 0, overlapping = 0;
   for (const Loop& given : plane.loops) {
@@ -254,7 +255,7 @@ PlaneSection sectionOf(const PlaneContours& plane, double tolerance, const std::
       continue;
     }
     seen.push_back(std::move(keys));
-    Region region = regionOf(loop, tolerance);
+    SectionRegion region = regionOf(loop, tolerance);
     crossed += selfCrossings(region) > 0;
     regions.push_back(std::move(region));
   }
@@ -269,16 +270,16 @@ PlaneSection sectionOf(const PlaneContours& plane, double tolerance, const std::
       ++overlapping;
       j = i + 1;
     }
-  for (const Region& region : regions)
+  for (const SectionRegion& region : regions)
     section.edges.insert(section.edges.end(), region.edges.begin(), region.edges.end());
   section.edges = withoutKeyholes(section.edges, tolerance);
-  const auto say = [&](int count, const char* what) {
-    if (count > 0) notes.push_back(where + ": " + std::to_string(count) + what);
+  const auto say = [&](int count, const char* code, const char* what) {
+    if (count > 0) notes.push_back({code, Severity::kNote, subject, std::to_string(count) + what});
   };
-  say(flat, " contours of less than three different points left out");
-  say(twice, " contours given twice taken once");
-  say(crossed, " contours cross themselves: read by the even-odd rule");
-  say(overlapping, " pairs of contours overlap: joined");
+  say(flat, "contours.flat-left-out", " contours of less than three different points left out");
+  say(twice, "contours.twice", " contours given twice taken once");
+  say(crossed, "contours.crossed", " contours cross themselves: read by the even-odd rule");
+  say(overlapping, "contours.joined", " pairs of contours overlap: joined");
   return section;
 }
 

@@ -17,9 +17,10 @@ struct PlaneSection {
 
 /// The region of a plane's contours. Nested contours are holes by the even-odd rule, as is what a contour
 /// that crosses itself encloses twice; a line that a contour runs in and out along (a keyhole) is no edge;
-/// contours that cross each other are joined; of contours given twice one is taken. `where` begins the notes
-/// that say so. `tolerance`: world units, below which two points are the same.
-PlaneSection sectionOf(const PlaneContours& plane, double tolerance, const std::string& where, Notes& notes);
+/// contours that cross each other are joined; of contours given twice one is taken. The notes that say so are
+/// about `subject`. `tolerance`: world units, below which two points are the same.
+PlaneSection sectionOf(const PlaneContours& plane, double tolerance, const std::string& subject,
+                       Notes& notes);
 
 /// Signed distance to a section's edges on a grid of pixels, negative inside (Danielsson 1980, with exact
 /// distances to the edge handed on).

@@ -105,7 +105,7 @@ std::string millimetres(double v) {
 }
 
 /// Of a stack of parallel planes: gaps that are not the usual one, next to contours.
-void noteGaps(const std::string& name, const PlaneSet& planes, Notes& notes) {
+void noteGaps(const PlaneSet& planes, Notes& notes) {
   constexpr double kStack = 1 - 1e-6, kUneven = 0.1;  // cosine; share of the gap
   constexpr int kNamed = 5;
   const Vec3d normal = planes.sections[0].frame.normal;
@@ -116,12 +116,15 @@ void noteGaps(const std::string& name, const PlaneSet& planes, Notes& notes) {
   }
   std::sort(heights.begin(), heights.end());
   struct Kind {
+    const char* code;
+    Severity severity;
     const char* what;
-    int count, missing;
-    std::string where;
-  } kinds[3] = {{"bridged", 0, 0, ""},
-                {"too wide to bridge, the object is closed on both sides", 0, 0, ""},
-                {"uneven", 0, 0, ""}};
+    int count = 0, missing = 0;
+    std::string where = {};
+  } kinds[3] = {{"contours.gaps-bridged", Severity::kNote, "bridged"},
+                {"contours.gaps-left-open", Severity::kWarning,
+                 "too wide to bridge, the object is closed on both sides"},
+                {"contours.gaps-uneven", Severity::kNote, "uneven"}};
   for (size_t i = 1; i < heights.size(); ++i) {
     const double low = heights[i - 1].first, high = heights[i].first, gaps = (high - low) / planes.gap;
     if (gaps < 1e-3 || (!heights[i - 1].second && !heights[i].second) || std::abs(gaps - 1) <= kUneven)
@@ -134,11 +137,11 @@ void noteGaps(const std::string& name, const PlaneSet& planes, Notes& notes) {
   }
   for (const Kind& kind : kinds) {
     if (kind.count == 0) continue;
-    std::string note = name + ": " + std::to_string(kind.count) + " gaps between planes " + kind.what;
+    std::string note = std::to_string(kind.count) + " gaps between planes " + kind.what;
     if (kind.missing > 0) note += " (" + std::to_string(kind.missing) + " planes missing)";
     note += ", usual gap " + millimetres(planes.gap) + ": " + kind.where;
     if (kind.count > kNamed) note += " and " + std::to_string(kind.count - kNamed) + " more";
-    notes.push_back(note);
+    notes.push_back({kind.code, kind.severity, "", note});
   }
 }
 
@@ -180,8 +183,8 @@ PlaneSet cleanPlanes(const ContourSet& set, Notes& notes) {
   const double tolerance = 1e-6 * std::max(extentOf(set), 1e-30);
   int filled = 0;
   for (size_t i = 0; i < set.planes.size(); ++i) {
-    const std::string where = set.name + ", plane " + std::to_string(i + 1);
-    planes.sections.push_back(sectionOf(set.planes[i], tolerance, where, notes));
+    const std::string plane = "plane " + std::to_string(i + 1);
+    planes.sections.push_back(sectionOf(set.planes[i], tolerance, plane, notes));
     filled += !planes.sections.back().edges.empty();
     for (const PlaneSection::Edge& e : planes.sections.back().edges)
       planes.box.expand(planes.world(int(i), e.a));
@@ -191,7 +194,7 @@ PlaneSet cleanPlanes(const ContourSet& set, Notes& notes) {
   planes.gap = gapOf(planes);
   if (planes.gap <= 0) planes.gap = planes.box.extents().length() / 4;
   findOutermost(planes);
-  noteGaps(set.name, planes, notes);
+  noteGaps(planes, notes);
   return planes;
 }
 

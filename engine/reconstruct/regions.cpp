@@ -1,6 +1,7 @@
 #include "engine/reconstruct/regions.h"
 
-#include "engine/reconstruct/mask_distance.h"
+#include "engine/numerics/disjoint_sets.h"
+#include "engine/numerics/mask_distance.h"
 
 #include <cmath>
 
@@ -10,9 +11,9 @@ namespace {
 
 /// How far a region may go sideways per unit along the stack before another beginning is likelier: two gaps
 /// (63 degrees).
-constexpr float kSteepest = 2;
+constexpr float kSteepestShift = 2;
 
-float radiusOf(const Region& r, const ScoreStack& stack) {
+float radiusOf(const LabelRegion& r, const ScoreStack& stack) {
   return std::sqrt(float(r.count) * stack.pixel[0] * stack.pixel[1] / 3.14159265f);
 }
 
@@ -44,23 +45,17 @@ std::vector<RegionRun> findRuns(const LabelScore& score) {
   return runs;
 }
 
-int rootOf(std::vector<RegionRun>& runs, int run) {
-  while (runs[size_t(run)].region != run)
-    run = runs[size_t(run)].region = runs[size_t(runs[size_t(run)].region)].region;
-  return run;
-}
-
 /// Makes runs that touch those of the row above one region, which is its first run.
 void joinRuns(std::vector<RegionRun>& runs) {
+  DisjointSets regions(runs.size());
   size_t above = 0;
   for (size_t i = 0; i < runs.size(); ++i) {
     while (runs[above].y < runs[i].y - 1 || (runs[above].y < runs[i].y && runs[above].x1 < runs[i].x0))
       ++above;
-    for (size_t k = above; runs[k].y < runs[i].y && runs[k].x0 <= runs[i].x1; ++k) {
-      const int p = rootOf(runs, int(k)), q = rootOf(runs, int(i));
-      runs[size_t(std::max(p, q))].region = std::min(p, q);
-    }
+    for (size_t k = above; runs[k].y < runs[i].y && runs[k].x0 <= runs[i].x1; ++k)
+      regions.join(std::uint32_t(k), std::uint32_t(i));
   }
+  for (size_t i = 0; i < runs.size(); ++i) runs[i].region = int(regions.find(std::uint32_t(i)));
 }
 
 struct Candidate {
@@ -94,14 +89,14 @@ LabelRegions findRegions(const LabelScore& score) {
       run.region = result.runs[size_t(run.region)].region;  // a run further up, which has its number already
     }
     const size_t id = size_t(run.region), count = size_t(run.x1 - run.x0);
-    Region& r = result.regions[id];
+    LabelRegion& r = result.regions[id];
     r.box = hull(r.box, {run.x0, run.y, run.x1, run.y + 1}), r.count += count;
     sumX[id] += 0.5 * double(count) * (run.x0 + run.x1 - 1), sumY[id] += double(count) * run.y;
     const float* row = &score.values[score.box.index(run.x0, run.y)];
     r.depth = std::max(r.depth, *std::max_element(row, row + count));
   }
   for (size_t id = 0; id < result.regions.size(); ++id) {
-    Region& r = result.regions[id];
+    LabelRegion& r = result.regions[id];
     r.x = float(sumX[id] / double(r.count)), r.y = float(sumY[id] / double(r.count));
   }
   return result;
@@ -116,10 +111,10 @@ std::vector<RegionPair> pairRegions(const LabelRegions& ra, const LabelRegions& 
   for (size_t i = 0; i < tiedA.size(); ++i)
     for (size_t j = 0; j < tiedB.size(); ++j) {
       if (tiedA[i] || tiedB[j]) continue;
-      const Region &p = ra.regions[i], &q = rb.regions[j];
+      const LabelRegion &p = ra.regions[i], &q = rb.regions[j];
       const float d = std::hypot((p.x - q.x) * stack.pixel[0], (p.y - q.y) * stack.pixel[1]);
       const float rp = radiusOf(p, stack), rq = radiusOf(q, stack);
-      candidates.push_back({d + std::abs(rp - rq), int(i), int(j), d <= kSteepest * gap + rp + rq});
+      candidates.push_back({d + std::abs(rp - rq), int(i), int(j), d <= kSteepestShift * gap + rp + rq});
     }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& p, const Candidate& q) { return p.cost < q.cost; });

@@ -5,7 +5,7 @@
 namespace slicemorph {
 
 /// One connected piece (8 neighbours) of a label on a plane.
-struct Region {
+struct LabelRegion {
   PixelBox box;
   size_t count = 0;    ///< pixels
   float x = 0, y = 0;  ///< centroid, pixels
@@ -18,7 +18,7 @@ struct RegionRun {
 };
 
 struct LabelRegions {
-  std::vector<Region> regions;
+  std::vector<LabelRegion> regions;
   std::vector<RegionRun> runs;  ///< row by row, from left to right
 
   /// The region that holds a pixel; -1: none.

@@ -22,7 +22,6 @@ namespace {
 using openvdb::Coord;
 using openvdb::GridBase;
 
-constexpr int kLeaf = 8, kLeafSize = kLeaf * kLeaf * kLeaf;
 constexpr double kMostLeaves = double(1 << 24);
 /// The outermost voxel of a band is half clamped where it was sampled: the share of the band that still holds
 /// distances.

@@ -16,7 +16,7 @@ constexpr int kLevels = 3, kRounds = 3;
 /// one label has, or that fits badly, moves little, and blending the distances does the rest.
 constexpr float kRest = 4;
 /// ... and against borders known to a pixel only, where the gap is but a few: times (pixel / gap)^2.
-constexpr float kRough = 20;
+constexpr float kRoughBorder = 20;
 /// A node this many times out of a window's reach of a contour is none of its own any more: later reaches are
 /// less.
 constexpr float kAside = 1.5f;
@@ -83,67 +83,88 @@ void findNodes(Pair& pair, const SliceMotion& motion, int margin) {
     for (int i = i0; i < i1; ++i) pair.nodes.push_back(j * motion.nx + i);
 }
 
-}  // namespace
-
-SliceMotion findMotion(const ScoreStack& stack, size_t a) {
-  const ScorePlane &pa = stack.planes[a], &pb = stack.planes[a + 1];
+/// The labels that both planes have.
+std::vector<Pair> commonLabels(const ScoreStack& stack, const ScorePlane& a, const ScorePlane& b) {
   std::vector<Pair> pairs;
-  PixelBox busy;
-  for (size_t i = 0, j = 0; i < pa.labels.size() && j < pb.labels.size();) {
-    if (pa.labels[i].label < pb.labels[j].label)
+  for (size_t i = 0, j = 0; i < a.labels.size() && j < b.labels.size();) {
+    if (a.labels[i].label < b.labels[j].label)
       ++i;
-    else if (pb.labels[j].label < pa.labels[i].label)
+    else if (b.labels[j].label < a.labels[i].label)
       ++j;
-    else {
-      const PixelBox both = hull(pa.labels[i].box, pb.labels[j].box);
-      pairs.push_back({ScoreField(pa.labels[i], stack), ScoreField(pb.labels[j], stack), {}});
-      busy = hull(busy, both), ++i, ++j;
-    }
+    else
+      pairs.push_back({ScoreField(a.labels[i++], stack), ScoreField(b.labels[j++], stack), {}});
   }
-  SliceMotion motion;
-  if (pairs.empty()) return motion;
-  const float gap = float(pb.position - pa.position);
-  const float step = kNodePixels * std::max(stack.pixel[0], stack.pixel[1]);
+  return pairs;
+}
+
+/// Nodes `step` world units apart where any label is, at rest.
+SliceMotion motionOver(const std::vector<Pair>& pairs, const ScoreStack& stack, float step) {
+  PixelBox busy;
+  for (const Pair& pair : pairs) busy = hull(busy, hull(pair.a.box, pair.b.box));
   busy = busy.grown(1);
+  SliceMotion motion;
   for (int d = 0; d < 2; ++d) motion.spacing[d] = std::max(1.0f, step / stack.pixel[d]);
   motion.origin[0] = float(busy.x0), motion.origin[1] = float(busy.y0);
   motion.nx = std::max(2, int(float(busy.width()) / motion.spacing[0]) + 2);
   motion.ny = std::max(2, int(float(busy.height()) / motion.spacing[1]) + 2);
   const size_t nodes = size_t(motion.nx) * size_t(motion.ny);
   motion.x.assign(nodes, 0), motion.y.assign(nodes, 0);
-  std::vector<Normal> normal(nodes);
-  float sigma = std::min(gap, kWidest * step);
-  for (Pair& pair : pairs) findNodes(pair, motion, int(sigma / step) + 1);
+  return motion;
+}
+
+/// What all labels say about every node within `reach` of their contours; nodes that are far from them are not asked
+/// again.
+void addLabels(std::vector<Pair>& pairs, const ScoreStack& stack, const SliceMotion& motion, float reach,
+               std::vector<Normal>& normal) {
+  std::fill(normal.begin(), normal.end(), Normal{});
+  for (Pair& pair : pairs) {
+    size_t kept = 0;
+    for (const int node : pair.nodes) {
+      const size_t k = size_t(node);
+      const float px = motion.origin[0] + float(node % motion.nx) * motion.spacing[0];
+      const float py = motion.origin[1] + float(node / motion.nx) * motion.spacing[1];
+      const float vx = .5f * motion.x[k], vy = .5f * motion.y[k];
+      if (addLabel(pair, stack.pixel, px - vx, py - vy, px + vx, py + vy, reach, normal[k]) <= kAside * reach)
+        pair.nodes[kept++] = node;
+    }
+    pair.nodes.resize(kept);
+  }
+}
+
+/// One step of least squares, no longer than `limit` world units; `rest`: weight of staying.
+void stepMotion(const std::vector<Normal>& normal, const ScoreStack& stack, float rest, float limit,
+                SliceMotion& motion) {
+  for (size_t k = 0; k < normal.size(); ++k) {
+    const Normal& n = normal[k];
+    const float xx = n[0] + rest, yy = n[2] + rest, det = xx * yy - n[1] * n[1];
+    float dx = (yy * n[3] - n[1] * n[4]) / det, dy = (xx * n[4] - n[1] * n[3]) / det;
+    const float l = std::sqrt(dx * dx + dy * dy);
+    if (l > limit) dx *= limit / l, dy *= limit / l;
+    motion.x[k] += dx / stack.pixel[0], motion.y[k] += dy / stack.pixel[1];
+  }
+}
+
+}  // namespace
+
+SliceMotion findMotion(const ScoreStack& stack, size_t a) {
+  const ScorePlane &pa = stack.planes[a], &pb = stack.planes[a + 1];
+  std::vector<Pair> pairs = commonLabels(stack, pa, pb);
+  if (pairs.empty()) return {};
+  const float gap = float(pb.position - pa.position), pixel = std::max(stack.pixel[0], stack.pixel[1]);
+  const float spacing = kNodePixels * pixel, rough = pixel / gap;
+  SliceMotion motion = motionOver(pairs, stack, spacing);
+  std::vector<Normal> normal(motion.x.size());
+  float sigma = std::min(gap, kWidest * spacing);
+  for (Pair& pair : pairs) findNodes(pair, motion, int(sigma / spacing) + 1);
   for (int level = 0; level < kLevels; ++level, sigma *= 0.5f) {
-    const int r = std::max(1, int(sigma / step + .5f));
-    const float reach = sigma, rough = std::max(stack.pixel[0], stack.pixel[1]) / gap;
+    const int r = std::max(1, int(sigma / spacing + .5f));
     // Fine windows hold little evidence, and what they add to the coarse ones' is mostly noise.
-    const float rest = kRest * (level < 2 ? 1 : 2) + kRough * rough * rough;
-    for (int it = 0; it < kRounds; ++it) {
-      std::fill(normal.begin(), normal.end(), Normal{});
-      for (Pair& pair : pairs) {
-        size_t kept = 0;
-        for (const int node : pair.nodes) {
-          const size_t k = size_t(node);
-          const float px = motion.origin[0] + float(node % motion.nx) * motion.spacing[0];
-          const float py = motion.origin[1] + float(node / motion.nx) * motion.spacing[1];
-          const float vx = .5f * motion.x[k], vy = .5f * motion.y[k];
-          if (addLabel(pair, stack.pixel, px - vx, py - vy, px + vx, py + vy, reach, normal[k]) <=
-              kAside * reach)
-            pair.nodes[kept++] = node;
-        }
-        pair.nodes.resize(kept);
-      }
+    const float rest = kRest * (level < 2 ? 1 : 2) + kRoughBorder * rough * rough;
+    for (int round = 0; round < kRounds; ++round) {
+      addLabels(pairs, stack, motion, sigma, normal);
       for (int pass = 0; pass < 2; ++pass)
         for (bool alongX : {true, false}) boxBlur(normal, motion.nx, motion.ny, r, alongX);
-      for (size_t k = 0; k < nodes; ++k) {
-        const Normal& n = normal[k];
-        const float xx = n[0] + rest, yy = n[2] + rest, det = xx * yy - n[1] * n[1];
-        float dx = (yy * n[3] - n[1] * n[4]) / det, dy = (xx * n[4] - n[1] * n[3]) / det;
-        const float l = std::sqrt(dx * dx + dy * dy), limit = reach;
-        if (l > limit) dx *= limit / l, dy *= limit / l;
-        motion.x[k] += dx / stack.pixel[0], motion.y[k] += dy / stack.pixel[1];
-      }
+      stepMotion(normal, stack, rest, sigma, motion);
     }
   }
   return motion;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/reconstruct/pixel_box.h"
+#include "engine/numerics/pixel_box.h"
 
 #include <memory>
 #include <vector>
@@ -29,6 +29,8 @@ struct ScoreStack {
   std::vector<ScorePlane> planes;
 };
 
+struct SlicePlan;
+
 /// A stack of given planes made ready to be asked what lies between them: the labels are carried along a
 /// smooth planar motion from plane to plane and their scores blended there by a limited cubic through four
 /// planes. A score read between planes is a distance near the contour and levels off beyond a gap's length.
@@ -54,8 +56,7 @@ class SliceScores {
   std::vector<int> labelsBetween(const std::vector<double>& positions) const;
 
  private:
-  struct Plan;
-  std::unique_ptr<Plan> plan_;
+  std::unique_ptr<SlicePlan> plan_;
 };
 
 }  // namespace slicemorph

@@ -22,7 +22,7 @@ namespace {
 
 // Two refinements of the crossing: with none, the silhouette of one voxel shows as terraces.
 using Search = openvdb::tools::LinearSearchImpl<FloatGrid, 2, double>;
-using Intersector =
+using SurfaceIntersector =
     openvdb::tools::LevelSetRayIntersector<FloatGrid, Search,
                                            FloatGrid::TreeType::RootNodeType::ChildNodeType::LEVEL, ViewRay>;
 
@@ -44,7 +44,7 @@ constexpr double kSpread = 0.33;
 /// Everything a task needs to colour a hit; its caches are not shared.
 class Shader {
  public:
-  Shader(const FloatGrid& grid, const ViewBasis& basis, const Intersector& intersector,
+  Shader(const FloatGrid& grid, const ViewBasis& basis, const SurfaceIntersector& intersector,
          const RenderOptions& options, const openvdb::Vec3SGrid* colors)
       : grid_(grid),
         basis_(basis),
@@ -158,7 +158,7 @@ class Shader {
 
   const FloatGrid& grid_;
   const ViewBasis& basis_;
-  Intersector intersector_;
+  SurfaceIntersector intersector_;
   FloatGrid::ConstAccessor accessor_;
   Vec3d key_;
   Across acrossKey_;
@@ -167,7 +167,7 @@ class Shader {
   std::optional<ColorSampler> colors_;
 };
 
-void check(const FloatGrid& levelSet, const Camera& camera) {
+void requireRenderable(const FloatGrid& levelSet, const Camera& camera) {
   if (levelSet.getGridClass() != openvdb::GRID_LEVEL_SET || !levelSet.hasUniformVoxels()) {
     throw InputError("grid \"" + levelSet.getName() +
                      "\": only level sets with cubic voxels can be drawn; convert it first");
@@ -200,7 +200,7 @@ class Part {
   static constexpr int kSize = 64;
 
   Part(int column, int row, Film& film, const CameraRays& rays, const RenderOptions& options,
-       const Intersector& intersector, const Shader& shader)
+       const SurfaceIntersector& intersector, const Shader& shader)
       : film_(film),
         rays_(rays),
         options_(options),
@@ -308,7 +308,7 @@ class Part {
   Film& film_;
   const CameraRays& rays_;
   const RenderOptions& options_;
-  const Intersector& intersector_;
+  const SurfaceIntersector& intersector_;
   const Shader& shader_;
   int left_, top_, right_, bottom_;
   std::vector<Hit> hits_;
@@ -342,7 +342,7 @@ openvdb::BBoxd surfaceBox(const FloatGrid& levelSet) {
 Picture renderSurface(const FloatGrid& levelSet, const Camera& camera, const RenderOptions& options,
                       const openvdb::Vec3SGrid* colors) {
   Film film(options);
-  check(levelSet, camera);
+  requireRenderable(levelSet, camera);
   const openvdb::CoordBBox active = levelSet.evalActiveVoxelBoundingBox();
   const openvdb::BBoxd box = levelSet.empty() ? openvdb::BBoxd() : levelSet.transform().indexToWorld(active);
   const CameraRays rays(camera, double(options.width) / options.height, box);
@@ -351,13 +351,13 @@ Picture renderSurface(const FloatGrid& levelSet, const Camera& camera, const Ren
       for (int column = 0; column < options.width; ++column) film.set(column, row, Pixel());
     return film.take();
   }
-  const Intersector original(levelSet);
+  const SurfaceIntersector original(levelSet);
   const int across = (options.width + Part::kSize - 1) / Part::kSize,
             down = (options.height + Part::kSize - 1) / Part::kSize;
   tbb::parallel_for(
       tbb::blocked_range<int>(0, across * down, 1),
       [&](const tbb::blocked_range<int>& range) {
-        const Intersector intersector(original);
+        const SurfaceIntersector intersector(original);
         const Shader shader(levelSet, rays.basis(), original, options, colors);
         for (int n = range.begin(); n < range.end(); ++n)
           Part(n % across * Part::kSize, n / across * Part::kSize, film, rays, options, intersector, shader)

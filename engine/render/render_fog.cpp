@@ -20,7 +20,7 @@ namespace {
 
 using openvdb::BoolGrid;
 using openvdb::tools::BoxSampler;
-using Intersector =
+using FogIntersector =
     openvdb::tools::VolumeRayIntersector<BoolGrid, BoolGrid::TreeType::RootNodeType::ChildNodeType::LEVEL,
                                          ViewRay>;
 
@@ -37,7 +37,7 @@ void checkLinear(const openvdb::GridBase::ConstPtr& grid) {
     throw InputError("grid \"" + grid->getName() + "\": its transform is no linear one; resample it first");
 }
 
-void check(const Fog& fog) {
+void requireFog(const Fog& fog) {
   checkLinear(fog.density);
   checkLinear(fog.heat);
   checkLinear(fog.colour);
@@ -108,7 +108,7 @@ struct Scene {
   const Fog& fog;
   const FogLook& look;
   CameraRays rays;
-  Intersector intersector;
+  FogIntersector intersector;
   std::optional<LightField> key, sky;  // none where nothing can be lit
   GlowTable glow;
   Colour keyColour, skyColour, groundColour;
@@ -167,7 +167,7 @@ class Walker {
   }
 
   const Scene& scene_;
-  Intersector intersector_;
+  FogIntersector intersector_;
   FloatGrid::ConstAccessor density_;
   std::optional<FloatGrid::ConstAccessor> heat_;
   std::optional<openvdb::Vec3SGrid::ConstAccessor> colour_;
@@ -190,7 +190,7 @@ Pixel pixelAt(int column, int row, const Film& film, const Scene& scene, int sam
 }  // namespace
 
 FogMeasure measureFog(const Fog& fog) {
-  check(fog);
+  requireFog(fog);
   FogMeasure measure;
   for (const FloatGrid::ConstPtr& grid : {fog.density, fog.heat}) {
     if (!grid || grid->activeVoxelCount() == 0) continue;
@@ -223,7 +223,7 @@ FogLook lookOf(const std::vector<FogMeasure>& measures) {
 
 Picture renderFog(const Fog& fog, const FogLook& look, const Camera& camera, const RenderOptions& options) {
   Film film(options);
-  check(fog);
+  requireFog(fog);
   const BoolGrid::Ptr places = placesOf(fog);
   if (places->empty()) {
     for (int row = 0; row < options.height; ++row)
@@ -232,7 +232,7 @@ Picture renderFog(const Fog& fog, const FogLook& look, const Camera& camera, con
   }
   const CameraRays rays(camera, double(options.width) / options.height,
                         fog.density->transform().indexToWorld(places->evalActiveVoxelBoundingBox()));
-  Scene scene{fog, look, rays, Intersector(*places, /*dilate=*/0), {}, {}, {}, {}, {}, {}};
+  Scene scene{fog, look, rays, FogIntersector(*places, /*dilate=*/0), {}, {}, {}, {}, {}, {}};
   if (fog.density->activeVoxelCount() > 0) {
     scene.key.emplace(*fog.density, towardsLight(options, rays.basis()), look.extinction);
     scene.sky.emplace(*fog.density, camera.up.unit(), look.extinction);

@@ -65,11 +65,11 @@ DistanceField::DistanceField(FloatGrid::ConstPtr levelSet, int nodes)
   anchor_ = box_.getCenter();
   const Vec3d extent = box_.extents();
   const double longest = std::max({extent[0], extent[1], extent[2], 4 * voxelSize_});
-  spacing_ = std::max(voxelSize_, longest / nodes);
+  nodes_.spacing = std::max(voxelSize_, longest / nodes);
   constexpr int kMargin = 6;
-  origin_ = box_.min() - Vec3d(kMargin * spacing_);
-  for (int a = 0; a < 3; ++a) size_[a] = int(std::ceil(extent[a] / spacing_)) + 2 * kMargin + 1;
-  const size_t count = size_t(size_[0]) * size_[1] * size_[2];
+  nodes_.origin = box_.min() - Vec3d(kMargin * nodes_.spacing);
+  for (int a = 0; a < 3; ++a) nodes_.size[a] = int(std::ceil(extent[a] / nodes_.spacing)) + 2 * kMargin + 1;
+  const size_t count = nodes_.count();
   distance_.assign(count, std::numeric_limits<float>::max());
   closest_.assign(count, openvdb::Vec3s(0.f));
   seedFromBand();
@@ -80,14 +80,14 @@ DistanceField::DistanceField(FloatGrid::ConstPtr levelSet, int nodes)
 
 void DistanceField::seedFromBand() {
   visitSurfacePoints(*levelSet_, [&](const Vec3d& p, const Vec3d&, double) {
-    const Vec3d q = (p - origin_) / spacing_;
+    const Vec3d q = (p - nodes_.origin) / nodes_.spacing;
     const openvdb::Coord base = openvdb::Coord::floor(q);
     for (int dz = 0; dz < 2; ++dz)
       for (int dy = 0; dy < 2; ++dy)
         for (int dx = 0; dx < 2; ++dx) {
           const int x = base[0] + dx, y = base[1] + dy, z = base[2] + dz;
           const float d = float((nodePosition(x, y, z) - p).length());
-          const size_t i = index(x, y, z);
+          const size_t i = nodes_.index(x, y, z);
           if (d < distance_[i]) distance_[i] = d, closest_[i] = openvdb::Vec3s(p);
         }
   });
@@ -98,22 +98,22 @@ void DistanceField::seedFromBand() {
 void DistanceField::sweep() {
   for (int pass = 0; pass < 8; ++pass) {
     const int sx = pass & 1 ? -1 : 1, sy = pass & 2 ? -1 : 1, sz = pass & 4 ? -1 : 1;
-    for (int k = 0; k < size_[2]; ++k) {
-      const int z = sz > 0 ? k : size_[2] - 1 - k;
-      for (int j = 0; j < size_[1]; ++j) {
-        const int y = sy > 0 ? j : size_[1] - 1 - j;
-        for (int i = 0; i < size_[0]; ++i) {
-          const int x = sx > 0 ? i : size_[0] - 1 - i;
-          const size_t here = index(x, y, z);
+    for (int k = 0; k < nodes_.size[2]; ++k) {
+      const int z = sz > 0 ? k : nodes_.size[2] - 1 - k;
+      for (int j = 0; j < nodes_.size[1]; ++j) {
+        const int y = sy > 0 ? j : nodes_.size[1] - 1 - j;
+        for (int i = 0; i < nodes_.size[0]; ++i) {
+          const int x = sx > 0 ? i : nodes_.size[0] - 1 - i;
+          const size_t here = nodes_.index(x, y, z);
           const openvdb::Vec3s p(nodePosition(x, y, z));
           const auto take = [&](size_t from) {
             if (distance_[from] == std::numeric_limits<float>::max()) return;
             const float d = (p - closest_[from]).length();
             if (d < distance_[here]) distance_[here] = d, closest_[here] = closest_[from];
           };
-          if (i > 0) take(index(x - sx, y, z));
-          if (j > 0) take(index(x, y - sy, z));
-          if (k > 0) take(index(x, y, z - sz));
+          if (i > 0) take(nodes_.index(x - sx, y, z));
+          if (j > 0) take(nodes_.index(x, y - sy, z));
+          if (k > 0) take(nodes_.index(x, y, z - sz));
         }
       }
     }
@@ -122,17 +122,17 @@ void DistanceField::sweep() {
 
 /// The fine grid knows the side everywhere, and the distance itself inside its band.
 void DistanceField::signDistances() {
-  const Vec3d first = levelSet_->transform().worldToIndex(origin_) - band_.origin().asVec3d();
-  const double step = spacing_ / voxelSize_;
-  tbb::parallel_for(0, int(size_[2]), [&](int z) {
+  const Vec3d first = levelSet_->transform().worldToIndex(nodes_.origin) - band_.origin().asVec3d();
+  const double step = nodes_.spacing / voxelSize_;
+  tbb::parallel_for(0, int(nodes_.size[2]), [&](int z) {
     auto accessor = levelSet_->getConstAccessor();
-    for (int y = 0; y < size_[1]; ++y)
-      for (int x = 0; x < size_[0]; ++x) {
+    for (int y = 0; y < nodes_.size[1]; ++y)
+      for (int x = 0; x < nodes_.size[0]; ++x) {
         const Vec3d p = first + step * Vec3d(x, y, z);
         float f = band_(openvdb::Vec3s(p), std::numeric_limits<float>::max());
         if (f == std::numeric_limits<float>::max())
           f = accessor.getValue(band_.origin() + openvdb::Coord::floor(p));
-        float& d = distance_[index(x, y, z)];
+        float& d = distance_[nodes_.index(x, y, z)];
         d = std::abs(f) < 1.8 * voxelSize_ ? f : std::copysign(d, f);
       }
   });
@@ -143,31 +143,32 @@ float DistanceField::coarseAt(const openvdb::Vec3s& q) const {
   int base[3];
   float w[3];
   for (int a = 0; a < 3; ++a) {
-    const float c = std::min(std::max(q[a], 0.f), float(size_[a] - 1));
+    const float c = std::min(std::max(q[a], 0.f), float(nodes_.size[a] - 1));
     outside2 += (q[a] - c) * (q[a] - c);
-    base[a] = std::min(int(c), size_[a] - 2);
+    base[a] = std::min(int(c), nodes_.size[a] - 2);
     w[a] = c - float(base[a]);
   }
-  const float* v = &distance_[index(base[0], base[1], base[2])];
-  const size_t dy = size_[0], dz = size_t(size_[0]) * size_[1];
+  const float* v = &distance_[nodes_.index(base[0], base[1], base[2])];
+  const size_t dy = nodes_.size[0], dz = size_t(nodes_.size[0]) * nodes_.size[1];
   const auto row = [&](size_t o) { return v[o] + w[0] * (v[o + 1] - v[o]); };
   const float n0 = row(0), f0 = row(dz);
   const float near = n0 + w[1] * (row(dy) - n0);
   const float far = f0 + w[1] * (row(dz + dy) - f0);
   const float inside = near + w[2] * (far - near);
-  return outside2 > 0 ? inside + std::sqrt(outside2) * float(spacing_) : inside;
+  return outside2 > 0 ? inside + std::sqrt(outside2) * float(nodes_.spacing) : inside;
 }
 
 Vec3d DistanceField::closest(const Vec3d& world) const {
-  const Vec3d q = (world - origin_) / spacing_;
+  const Vec3d q = (world - nodes_.origin) / nodes_.spacing;
   int base[3];
-  for (int a = 0; a < 3; ++a) base[a] = std::min(int(clampTo(q[a], 0.0, size_[a] - 1.0)), size_[a] - 2);
+  for (int a = 0; a < 3; ++a)
+    base[a] = std::min(int(clampTo(q[a], 0.0, nodes_.size[a] - 1.0)), nodes_.size[a] - 2);
   Vec3d best;
   double bestDistance = std::numeric_limits<double>::max();
   for (int dz = 0; dz < 2; ++dz)
     for (int dy = 0; dy < 2; ++dy)
       for (int dx = 0; dx < 2; ++dx) {
-        const Vec3d p(closest_[index(base[0] + dx, base[1] + dy, base[2] + dz)]);
+        const Vec3d p(closest_[nodes_.index(base[0] + dx, base[1] + dy, base[2] + dz)]);
         const double d = (world - p).lengthSqr();
         if (d < bestDistance) bestDistance = d, best = p;
       }
@@ -178,7 +179,7 @@ Vec3d DistanceField::gradient(const Vec3d& world) const {
   Vec3d g;
   for (int a = 0; a < 3; ++a) {
     Vec3d step(0.0);
-    step[a] = 0.5 * spacing_;
+    step[a] = 0.5 * nodes_.spacing;
     g[a] = coarse(world + step) - coarse(world - step);
   }
   const double length = g.length();
@@ -222,9 +223,9 @@ inline openvdb::Vec3s BandBlocks::gradient(const openvdb::Vec3s& p) const {
 DistanceField::Sampler::Sampler(const DistanceField& field)
     : field_(&field),
       voxelSize_(float(field.voxelSize_)),
-      coarseScale_(float(1 / field.spacing_)),
+      coarseScale_(float(1 / field.nodes_.spacing)),
       fineScale_(float(1 / field.voxelSize_)),
-      coarseOrigin_((field.anchor_ - field.origin_) / field.spacing_),
+      coarseOrigin_((field.anchor_ - field.nodes_.origin) / field.nodes_.spacing),
       fineOrigin_(field.levelSet_->transform().worldToIndex(field.anchor_) - field.band_.origin().asVec3d()) {
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "slicemorph/conventions.h"
+#include "engine/numerics/lattice.h"
 
 #include <array>
 
@@ -59,7 +59,9 @@ class DistanceField {
   openvdb::Vec3s relative(const Vec3d& world) const { return openvdb::Vec3s(world - anchor_); }
 
   /// Distance from the coarse grid alone (exact to a few hundredths of a coarse cell), world units.
-  float coarse(const Vec3d& world) const { return coarseAt(openvdb::Vec3s((world - origin_) / spacing_)); }
+  float coarse(const Vec3d& world) const {
+    return coarseAt(openvdb::Vec3s((world - nodes_.origin) / nodes_.spacing));
+  }
   /// Surface point closest to a world point, exact to about one fine voxel.
   Vec3d closest(const Vec3d& world) const;
   /// Unit gradient of the coarse distance.
@@ -69,10 +71,11 @@ class DistanceField {
   const std::vector<SurfaceSample>& samples() const { return samples_; }
 
   /// Coarse nodes: for passes over the whole object.
-  const openvdb::Coord& size() const { return size_; }
-  double spacing() const { return spacing_; }
-  Vec3d nodePosition(int x, int y, int z) const { return origin_ + spacing_ * Vec3d(x, y, z); }
-  float nodeDistance(int x, int y, int z) const { return distance_[index(x, y, z)]; }
+  const Lattice& nodes() const { return nodes_; }
+  const openvdb::Coord& size() const { return nodes_.size; }
+  double spacing() const { return nodes_.spacing; }
+  Vec3d nodePosition(int x, int y, int z) const { return nodes_.position(x, y, z); }
+  float nodeDistance(int x, int y, int z) const { return distance_[nodes_.index(x, y, z)]; }
 
   /// Sampling at points relative to the anchor, in single precision.
   class Sampler {
@@ -93,7 +96,6 @@ class DistanceField {
 
  private:
   float coarseAt(const openvdb::Vec3s& index) const;
-  size_t index(int x, int y, int z) const { return (size_t(z) * size_[1] + y) * size_[0] + x; }
   void seedFromBand();
   void sweep();
   void signDistances();
@@ -104,9 +106,7 @@ class DistanceField {
   BandBlocks band_;
   openvdb::BBoxd box_;
   Vec3d anchor_;
-  openvdb::Coord size_;
-  double spacing_ = 0;
-  Vec3d origin_;
+  Lattice nodes_;  ///< of the coarse grid, in the world
   std::vector<float> distance_;
   std::vector<openvdb::Vec3s> closest_;
   std::vector<SurfaceSample> samples_;

@@ -1,5 +1,6 @@
 #include "engine/volume/image_grid.h"
 
+#include "engine/volume/leaf.h"
 #include "slicemorph/errors.h"
 
 #include <tbb/parallel_for.h>
@@ -39,7 +40,6 @@ GridBase::Ptr filled(const ImageLattice& lattice, const std::vector<T>& values) 
   using Leaf = typename GridType::TreeType::LeafNodeType;
   const V background = V(commonest(lattice, values));
   auto grid = GridType::create(background);
-  constexpr int kLeaf = int(Leaf::DIM);
   const openvdb::Coord n = lattice.size, blocks = (n + openvdb::Coord(kLeaf - 1)) >> Leaf::LOG2DIM;
   std::vector<std::unique_ptr<Leaf>> row(size_t(blocks[0]) * blocks[1]);
   for (int bk = 0; bk < blocks[2]; ++bk) {

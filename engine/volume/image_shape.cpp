@@ -1,6 +1,7 @@
 #include "engine/volume/image_shape.h"
 
 #include "engine/volume/image_grid.h"
+#include "engine/volume/leaf.h"
 #include "slicemorph/errors.h"
 
 #include <tbb/blocked_range.h>
@@ -17,12 +18,11 @@
 namespace slicemorph {
 namespace {
 
-using Leaf = openvdb::FloatTree::LeafNodeType;
-constexpr int kLeaf = int(Leaf::DIM);
+using FloatLeaf = openvdb::FloatTree::LeafNodeType;
 
 /// What a block of 8 x 8 x 8 voxels becomes.
 struct Block {
-  std::unique_ptr<Leaf> leaf;
+  std::unique_ptr<FloatLeaf> leaf;
   bool inside = false;
 };
 
@@ -33,7 +33,7 @@ FloatGrid::Ptr shapeOf(const ImageLattice& lattice, float iso, float outside, fl
   auto grid = FloatGrid::create(outside);
   grid->setTransform(transformOf(lattice));
   grid->setGridClass(openvdb::GRID_FOG_VOLUME);
-  const openvdb::Coord n = lattice.size, blocks = (n + openvdb::Coord(kLeaf - 1)) >> Leaf::LOG2DIM;
+  const openvdb::Coord n = lattice.size, blocks = (n + openvdb::Coord(kLeaf - 1)) >> FloatLeaf::LOG2DIM;
   std::vector<Block> layer(size_t(blocks[0]) * blocks[1]);
   for (int bk = 0; bk < blocks[2]; ++bk) {
     tbb::parallel_for(size_t(0), layer.size(), [&](size_t b) {
@@ -49,11 +49,11 @@ FloatGrid::Ptr shapeOf(const ImageLattice& lattice, float iso, float outside, fl
             (value(lattice.index(i, j, k)) > iso ? above : below) = true;
       layer[b] = {nullptr, above && !below};
       if (!above || !below) return;
-      layer[b].leaf = std::make_unique<Leaf>(origin, outside);
+      layer[b].leaf = std::make_unique<FloatLeaf>(origin, outside);
       for (int k = origin[2]; k < std::min(high[2], n[2]); ++k)
         for (int j = origin[1]; j < std::min(high[1], n[1]); ++j)
           for (int i = origin[0]; i < std::min(high[0], n[0]); ++i)
-            layer[b].leaf->setValueOn(Leaf::coordToOffset({i, j, k}), value(lattice.index(i, j, k)));
+            layer[b].leaf->setValueOn(FloatLeaf::coordToOffset({i, j, k}), value(lattice.index(i, j, k)));
     });
     for (size_t b = 0; b < layer.size(); ++b) {
       const openvdb::Coord origin(int(b % size_t(blocks[0])) * kLeaf, int(b / size_t(blocks[0])) * kLeaf,

@@ -13,7 +13,7 @@ namespace slicemorph {
 namespace {
 
 /// Voxels around a label that hold distances: beyond, the way to the box is told.
-constexpr int kMargin = 3;
+constexpr int kLabelMargin = 3;
 constexpr int kBlock = 8;
 
 template <typename T>
@@ -51,7 +51,7 @@ LabelField::LabelField(const Image& image) : lattice_(image.lattice), spacing_(i
         const std::vector<openvdb::CoordBBox> boxes = boxesOf(lattice_, values, labels_);
         const auto measure = [&](Label& label, const openvdb::CoordBBox& box, const auto& isInside) {
           label.box = box;
-          label.box.expand(kMargin);
+          label.box.expand(kLabelMargin);
           const openvdb::Coord size = label.box.dim(), first = label.box.min();
           std::vector<char> inside(size_t(size[0]) * size[1] * size[2], 0);
           for (int k = box.min()[2]; k <= box.max()[2]; ++k)

@@ -230,7 +230,7 @@ LevelSetInput toLevelSet(const FloatGrid::ConstPtr& grid, double voxelSize, doub
   note << "rebuilt as a level set from its surface at " << reading.iso
        << (reading.fog && iso == 0 ? " (found from the density; --iso sets another)" : "") << ": "
        << reading.rebuilt;
-  result.notes.push_back(note.str());
+  result.notes.push_back({"volume.rebuilt", Severity::kNote, "", note.str()});
   return result;
 }
 

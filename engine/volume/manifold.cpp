@@ -121,45 +121,45 @@ std::vector<size_t> pointsWith(Fault fault, const Mesh& mesh, const Corners& cor
 }
 
 /// A triangle at an edge a-b, with the angle of its third point about a -> b.
-struct Leaf {
+struct EdgeFace {
   Index triangle, apex;
   bool forward;  // the triangle runs from a to b
   double angle;
 };
 
-std::vector<Leaf> leavesOf(const Mesh& mesh, const Corners& corners, Index a, Index b) {
+std::vector<EdgeFace> facesAtEdge(const Mesh& mesh, const Corners& corners, Index a, Index b) {
   const Vec3d origin(mesh.points[a]);
   Vec3d axis = Vec3d(mesh.points[b]) - origin;
   if (!axis.normalize(0.0)) axis = Vec3d(0, 0, 1);
   Vec3d e1 = std::abs(axis.x()) < 0.6 ? Vec3d(1, 0, 0) : Vec3d(0, 1, 0);
   e1 = (e1 - axis * e1.dot(axis)).unit();
   const Vec3d e2 = axis.cross(e1);
-  std::vector<Leaf> leaves;
+  std::vector<EdgeFace> faces;
   for (const Side& side : sidesAround(mesh, corners, a)) {
     if (side.from != b && side.to != b) continue;
     const bool forward = side.from == b;
     const Index apex = forward ? side.to : side.from;
     const Vec3d p = Vec3d(mesh.points[apex]) - origin;
-    leaves.push_back({side.corner / 3, apex, forward, std::atan2(p.dot(e2), p.dot(e1))});
+    faces.push_back({side.corner / 3, apex, forward, std::atan2(p.dot(e2), p.dot(e1))});
   }
-  std::sort(leaves.begin(), leaves.end(), [](const Leaf& l, const Leaf& r) {
+  std::sort(faces.begin(), faces.end(), [](const EdgeFace& l, const EdgeFace& r) {
     return l.angle != r.angle ? l.angle < r.angle : l.triangle < r.triangle;
   });
-  return leaves;
+  return faces;
 }
 
-/// Pairs of leaves that bound the same solid wedge: turning about a -> b, a wedge of the inside begins at a
+/// Pairs of faces that bound the same solid wedge: turning about a -> b, a wedge of the inside begins at a
 /// triangle running b -> a and ends at one running a -> b.
-std::vector<std::pair<Leaf, Leaf>> pairWedges(const std::vector<Leaf>& leaves) {
-  std::vector<std::pair<Leaf, Leaf>> pairs;
-  std::vector<bool> used(leaves.size(), false);
-  for (size_t i = 0; i < leaves.size(); ++i) {
-    if (leaves[i].forward) continue;
-    for (size_t j = 1; j < leaves.size(); ++j) {
-      const size_t k = (i + j) % leaves.size();
-      if (!leaves[k].forward || used[k]) continue;
+std::vector<std::pair<EdgeFace, EdgeFace>> pairWedges(const std::vector<EdgeFace>& faces) {
+  std::vector<std::pair<EdgeFace, EdgeFace>> pairs;
+  std::vector<bool> used(faces.size(), false);
+  for (size_t i = 0; i < faces.size(); ++i) {
+    if (faces[i].forward) continue;
+    for (size_t j = 1; j < faces.size(); ++j) {
+      const size_t k = (i + j) % faces.size();
+      if (!faces[k].forward || used[k]) continue;
       used[k] = true;
-      pairs.emplace_back(leaves[i], leaves[k]);
+      pairs.emplace_back(faces[i], faces[k]);
       break;
     }
   }
@@ -177,9 +177,9 @@ void splitTriangle(Mesh& mesh, Index triangle, Index a, Index b, Index middle) {
 }
 
 /// Gives each pair of triangles at the edge a-b its own middle point.
-void splitEdge(Mesh& mesh, const std::vector<Leaf>& leaves, Index a, Index b) {
+void splitEdge(Mesh& mesh, const std::vector<EdgeFace>& faces, Index a, Index b) {
   const Vec3d middle = 0.5 * (Vec3d(mesh.points[a]) + Vec3d(mesh.points[b]));
-  for (const auto& [left, right] : pairWedges(leaves)) {
+  for (const auto& [left, right] : pairWedges(faces)) {
     const Vec3d own = 0.5 * (Vec3d(mesh.points[left.apex]) + Vec3d(mesh.points[right.apex]));
     const Index point = Index(mesh.points.size());
     mesh.points.emplace_back(Vec3s(middle + kApart * (own - middle)));
@@ -211,11 +211,11 @@ bool splitEdges(Mesh& mesh) {
   const Mesh before = mesh;
   std::vector<bool> touched(mesh.triangles.size(), false);
   for (const auto& [a, b] : edges) {
-    const std::vector<Leaf> leaves = leavesOf(before, corners, a, b);
-    const auto isTouched = [&](const Leaf& leaf) { return touched[leaf.triangle]; };
-    if (std::any_of(leaves.begin(), leaves.end(), isTouched)) continue;
-    for (const Leaf& leaf : leaves) touched[leaf.triangle] = true;
-    splitEdge(mesh, leaves, a, b);
+    const std::vector<EdgeFace> faces = facesAtEdge(before, corners, a, b);
+    const auto isTouched = [&](const EdgeFace& face) { return touched[face.triangle]; };
+    if (std::any_of(faces.begin(), faces.end(), isTouched)) continue;
+    for (const EdgeFace& face : faces) touched[face.triangle] = true;
+    splitEdge(mesh, faces, a, b);
   }
   return true;
 }

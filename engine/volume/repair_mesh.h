@@ -1,27 +1,10 @@
 #pragma once
 
+#include "engine/volume/polygon_mesh.h"
 #include "slicemorph/mesh.h"
 #include "slicemorph/note.h"
 
-#include <cstdint>
-#include <string>
-#include <vector>
-
 namespace slicemorph {
-
-/// Faces of any number of corners, as files hold them. World space.
-struct PolygonMesh {
-  std::vector<openvdb::Vec3s> points;
-  std::vector<std::uint32_t> corners;        ///< indices into `points`, face after face
-  std::vector<std::uint32_t> faceStarts{0};  ///< faces + 1 offsets into `corners`
-  std::vector<openvdb::Vec3s> colors = {};   ///< per corner of a face, as the file has them; or none
-
-  size_t importCopies =
-      0;  ///< points that the importer copied from others (one a corner): welded without a word
-  size_t importDropped = 0;  ///< points of the file that no face uses and the importer left out
-
-  size_t faceCount() const { return faceStarts.size() - 1; }
-};
 
 /// Connections of a mesh after exact duplicate points and faces are gone and winding agrees, before holes are
 /// filled.
@@ -40,7 +23,7 @@ struct MeshTopology {
 struct RepairedMesh {
   Mesh mesh;  ///< closed; every shell that is closed by itself wound outwards
   MeshTopology found;
-  Notes notes;  ///< what was changed, one sentence each with counts
+  Notes notes;  ///< what was changed, with counts
 };
 
 /// Longest boundary loop that repairMesh fills, relative to the diagonal of the bounding box. (The largest

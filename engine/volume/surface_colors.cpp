@@ -22,11 +22,11 @@ using openvdb::Coord;
 using openvdb::Vec3I;
 using openvdb::Vec3s;
 using openvdb::Vec3SGrid;
-using Leaf = openvdb::Vec3STree::LeafNodeType;
+using VectorLeaf = openvdb::Vec3STree::LeafNodeType;
 using Leaves = openvdb::tree::LeafManager<openvdb::Vec3STree>;
 
 /// Voxels beyond the level set's band in which triangles are looked for: its distances are not exact ones.
-constexpr double kMargin = 1;
+constexpr double kColorMargin = 1;
 /// Stands in voxels that have no colour yet.
 const Vec3s kNone(std::numeric_limits<float>::quiet_NaN());
 
@@ -228,10 +228,10 @@ Vec3SGrid::Ptr colorsAround(const FloatGrid& levelSet, const PolygonMesh& mesh) 
   const openvdb::CoordBBox band = levelSet.evalActiveVoxelBoundingBox();
   const ColoredTriangles triangles =
       trianglesOf(mesh, levelSet.transform(), {band.min().asVec3d(), band.max().asVec3d()});
-  const auto near =
-      improved(*nearestTriangles(triangles.mesh, levelSet.transform(), kHalfWidth + kMargin), triangles.mesh);
+  const auto near = improved(
+      *nearestTriangles(triangles.mesh, levelSet.transform(), kHalfWidth + kColorMargin), triangles.mesh);
   const Vec3SGrid::Ptr grid = gridOn(levelSet);
-  Leaves(grid->tree()).foreach ([&](Leaf& leaf, size_t) {
+  Leaves(grid->tree()).foreach ([&](VectorLeaf& leaf, size_t) {
     NearestPlace nearest(triangles.mesh, *near);
     for (auto value = leaf.beginValueOn(); value; ++value)
       value.setValue(colorOf(nearest.at(value.getCoord()), triangles, mesh.colors));
@@ -241,7 +241,7 @@ Vec3SGrid::Ptr colorsAround(const FloatGrid& levelSet, const PolygonMesh& mesh) 
 
 Vec3SGrid::Ptr colorsAround(const FloatGrid& levelSet, const Vec3SGrid& colors) {
   const Vec3SGrid::Ptr grid = gridOn(levelSet);
-  Leaves(grid->tree()).foreach ([&](Leaf& leaf, size_t) {
+  Leaves(grid->tree()).foreach ([&](VectorLeaf& leaf, size_t) {
     const ColorSampler sampler(colors);
     for (auto value = leaf.beginValueOn(); value; ++value) {
       const Vec3d world = levelSet.transform().indexToWorld(value.getCoord());

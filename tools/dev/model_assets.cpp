@@ -3,6 +3,8 @@
 // Quilez, https://iquilezles.org/articles/distfunctions (formulas); the shapes are the project's own. Up is
 // y, front is x.
 
+#include "engine/numerics/disjoint_sets.h"
+#include "engine/numerics/edge_table.h"
 #include "engine/volume/voxelise.h"
 #include "io/mesh/mesh_writer.h"
 
@@ -13,8 +15,6 @@
 #include <cmath>
 #include <functional>
 #include <iostream>
-#include <map>
-#include <numeric>
 #include <string>
 #include <tuple>
 
@@ -355,24 +355,17 @@ struct Topology {
 };
 
 Topology topologyOf(const Mesh& mesh) {
-  std::vector<size_t> parent(mesh.points.size());
-  std::iota(parent.begin(), parent.end(), size_t(0));
-  const auto root = [&](size_t v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
-  std::map<std::pair<unsigned, unsigned>, int> edges;  // +1 one way, -1 the other: 0 where the mesh is closed
-  for (const auto& t : mesh.triangles) {
-    for (int k = 0; k < 3; ++k) {
-      const unsigned a = t[k], b = t[(k + 1) % 3];
-      edges[std::minmax(a, b)] += a < b ? 1 : -1;
-      parent[root(a)] = root(b);
-    }
-  }
+  const EdgeTable edges(mesh.triangles);
+  DisjointSets sets(mesh.points.size());
   Topology topology;
-  for (size_t v = 0; v < parent.size(); ++v) topology.pieces += root(v) == v;
-  for (const auto& edge : edges) topology.closed = topology.closed && edge.second == 0;
-  const long euler = long(mesh.points.size()) - long(edges.size()) + long(mesh.triangles.size());
+  for (size_t e = 0; e < edges.count(); ++e) {
+    int balance = 0;  // +1 one way, -1 the other: 0 where the mesh is closed
+    for (size_t i = 0; i < edges.faces(e); ++i) balance += edges.half(e, i).forward ? 1 : -1;
+    topology.closed = topology.closed && balance == 0;
+    sets.join(edges.half(e, 0).low, edges.half(e, 0).high);
+  }
+  for (DisjointSets::Index v = 0; v < mesh.points.size(); ++v) topology.pieces += sets.find(v) == v;
+  const long euler = long(mesh.points.size()) - long(edges.count()) + long(mesh.triangles.size());
   topology.genus = int(topology.pieces - euler / 2);
   return topology;
 }

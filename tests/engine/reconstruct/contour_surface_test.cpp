@@ -405,7 +405,7 @@ TEST_F(Contours, MissingPlanesAreStated) {
   const std::vector<std::string> notes = contourSurface(set, options).notes;
   ASSERT_EQ(notes.size(), 1u);
   EXPECT_EQ(notes[0],
-            "shape: 1 gaps between planes bridged (1 planes missing), usual gap 0.4 mm: 0.8 mm from 0 mm to "
+            "1 gaps between planes bridged (1 planes missing), usual gap 0.4 mm: 0.8 mm from 0 mm to "
             "0.8 mm");
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/reconstruct/pixel_box.h"
+#include "engine/numerics/pixel_box.h"
 
 #include <cstdint>
 #include <vector>

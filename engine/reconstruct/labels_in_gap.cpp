@@ -1,0 +1,214 @@
+#include "engine/reconstruct/labels_in_gap.h"
+
+#include "engine/reconstruct/slice_tile.h"
+
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+
+namespace slicemorph {
+
+namespace {
+
+constexpr int kLeastTile = 16;  ///< pixels of a cell that is not cut, even where its motion bends
+constexpr float kBent = 0.25f;  ///< pixels between the middle's motion and that of the corners
+constexpr int kBandRows = 64;   ///< labelled by one task
+/// Pixels of a lead that may come from between a tile's pixels.
+constexpr float kSpare = 0.5f;
+/// A label less deep than this, pixels, is thin: it is read at every moment, or rounding would take it away.
+constexpr float kThin = 1.5f;
+/// Room for how much the motion stretches a tile.
+constexpr float kTileStretch = 1.2f;
+
+/// What a task on a gap's slices writes: labels of every slice's pixels, and which of the gap's labels won
+/// any.
+struct GapSlices {
+  int* labels = nullptr;
+  std::vector<char> seen;
+  SliceTile tile;  ///< every tile's in its turn
+};
+
+/// Where a tile's pixels are half way.
+TileCorners halfWay(const SlicePlan& plan, const Moment& m, float t, const PixelBox& tile) {
+  TileCorners c;
+  for (int k = 0; k < 4; ++k) {
+    const float x = float(k & 1 ? tile.x1 - 1 : tile.x0), y = float(k & 2 ? tile.y1 - 1 : tile.y0);
+    const SliceMotion::Vector v = motionAt(plan, m, t, x, y);
+    c.x[k] = x + (.5f - t) * v.x, c.y[k] = y + (.5f - t) * v.y;
+  }
+  return c;
+}
+
+/// Whether the motion of a cell's pixels is known by that of its corners.
+bool movesEvenly(const SlicePlan& plan, const Moments& m, const PixelBox& part) {
+  const SliceMotion& motion = plan.gaps[m.first.gap].motion;
+  const float x0 = float(part.x0), y0 = float(part.y0), x1 = float(part.x1 - 1), y1 = float(part.y1 - 1);
+  const SliceMotion::Vector a = motion.at(x0, y0), b = motion.at(x1, y0), c = motion.at(x0, y1),
+                            d = motion.at(x1, y1);
+  const SliceMotion::Vector middle = motion.at(.5f * (x0 + x1), .5f * (y0 + y1));
+  const float x = middle.x - .25f * (a.x + b.x + c.x + d.x), y = middle.y - .25f * (a.y + b.y + c.y + d.y);
+  return std::max(std::abs(x), std::abs(y)) <= kBent;
+}
+
+/// Positions of the tile's pixels at moments from `begin` up to `end`; of one alone, its own.
+void placeTile(const SlicePlan& plan, const Moments& m, size_t begin, size_t end, const PixelBox& part,
+               SliceTile& tile) {
+  tile.part = part;
+  PixelBox& half = tile.half = {};
+  for (size_t i = begin; i < end; ++i) {
+    tile.corners[i] = halfWay(plan, m.first, m.t[i], part);
+    half = hull(half, tile.corners[i].reach());
+  }
+  TileCorners from{{float(half.x0), float(half.x1 - 1), float(half.x0), float(half.x1 - 1)},
+                   {float(half.y0), float(half.y0), float(half.y1 - 1), float(half.y1 - 1)}};
+  if (end - begin == 1) {
+    half = part, from = tile.corners[begin];
+    tile.corners[begin] = halfWay(plan, m.first, .5f, part);
+  }
+  tile.blend.assign(half.count() + size_t(half.width()) + 1, 0);  // the last pixels' neighbours weigh nothing
+  TileCorners corners[4];
+  for (int c = 0; c < 4; ++c) {
+    const PlanePositions p = positionsOf(plan, m.first, from.x[c], from.y[c]);
+    for (int k = 0; k < 4; ++k) corners[k].x[c] = p.x[k], corners[k].y[c] = p.y[k];
+  }
+  for (int k = 0; k < 4; ++k) tile.onPlane[k].spread(corners[k].x, corners[k].y, half.width(), half.height());
+}
+
+void findWinners(const SlicePlan& plan, const Moments& m, size_t i, size_t from, const Rivals& rivals,
+                 SliceTile& tile) {
+  const std::vector<GapLabel>& labels = plan.gaps[m.first.gap].labels;
+  const float draw = kDraw * m.first.level;
+  const float spare = 2 * m.limit[i] + draw + kSpare * std::min(plan.stack.pixel[0], plan.stack.pixel[1]);
+  tile.points.spread(tile.corners[i].x, tile.corners[i].y, tile.part.width(), tile.part.height());
+  int at[kTile];
+  for (size_t k = 0; k < tile.part.count(); ++k)
+    at[k] = int(tile.half.index(tile.points.x[k], tile.points.y[k]));
+  std::fill_n(tile.best, kTile, -1e30f);
+  tile.findMost(m, i, rivals, from);
+  for (size_t r = from; r < rivals.labels.size(); ++r) {
+    TileScores& score = tile.scores[r - from];
+    if (!rivals.mayWin(r, i, draw) || !tile.comesNear(score, m.t[i], spare)) continue;
+    score.readFar(labels[size_t(rivals.labels[r])], m.first, tile.onPlane);
+    tile.blendScore(score, m, i);
+    tile.compete(rivals.labels[r], at, draw);
+  }
+}
+
+void fillTile(const SlicePlan& plan, const Moments& m, const PixelBox& part, size_t from,
+              const Rivals& rivals, GapSlices& out) {
+  const Gap& gap = plan.gaps[m.first.gap];
+  std::vector<const Traveller*> near;
+  for (const Traveller& t : gap.travellers)
+    if (!intersection(t.box, part).empty()) near.push_back(&t);
+  SliceTile& tile = out.tile;
+  bool thin = false;
+  for (size_t r = from; r < rivals.labels.size(); ++r) {
+    const GapLabel& l = gap.labels[size_t(rivals.labels[r])];
+    thin =
+        thin || std::max(l.depth[0], l.depth[1]) < kThin * std::max(plan.stack.pixel[0], plan.stack.pixel[1]);
+  }
+  tile.scores.resize(std::max(tile.scores.size(), rivals.labels.size() - from));
+  for (size_t i = 0; i < m.count; ++i) {
+    if (thin || i == 0) {
+      placeTile(plan, m, i, thin ? i + 1 : m.count, part, tile);
+      for (size_t r = from; r < rivals.labels.size(); ++r)
+        tile.scores[r - from].readNear(gap.labels[size_t(rivals.labels[r])], m.first, tile.onPlane);
+    }
+    findWinners(plan, m, i, from, rivals, tile);
+    int* slice = out.labels + i * plan.stack.domain.count();
+    for (int y = part.y0; y < part.y1; ++y)
+      for (int x = part.x0; x < part.x1; ++x) {
+        size_t label = size_t(tile.winner[part.index(x, y)]);
+        float best = -1e-5f * m.first.level;  // a traveller on its own border is still there
+        for (const Traveller* t : near) {
+          if (!t->box.contains(x, y)) continue;
+          const float v = scoreOf(*t, plan.stack, m.t[i], m.first.level, float(x), float(y));
+          if (v > best) best = v, label = t->label;
+        }
+        slice[plan.stack.domain.index(x, y)] = gap.labels[label].label;
+        out.seen[i * gap.labels.size() + label] = 1;
+      }
+  }
+}
+
+void fillCell(const SlicePlan& plan, const Moments& m, const PixelBox& part, size_t from, Rivals& rivals,
+              GapSlices& out) {
+  const Gap& gap = plan.gaps[m.first.gap];
+  const int w = part.width(), h = part.height(), cx = (part.x0 + part.x1) / 2, cy = (part.y0 + part.y1) / 2;
+  const float sx = float(w) * plan.stack.pixel[0], sy = float(h) * plan.stack.pixel[1];
+  const size_t mine = rivals.labels.size();
+  const SliceMotion::Vector v = gap.motion.at(float(cx), float(cy));
+  const float reach = .5f * kTileStretch * std::hypot(sx, sy) +
+                      m.apart * std::hypot(v.x * plan.stack.pixel[0], v.y * plan.stack.pixel[1]);
+  rivals.narrow(gap.labels, from, part, m, positionsOf(plan, m.first, float(cx), float(cy)), reach);
+  bool alone = rivals.labels.size() == mine + 1;
+  if (alone)
+    for (const Traveller& t : gap.travellers) alone = alone && intersection(t.box, part).empty();
+  if (alone) {
+    const int label = rivals.labels[mine];
+    for (size_t i = 0; i < m.count; ++i) {
+      out.seen[i * gap.labels.size() + size_t(label)] = 1;
+      for (int y = part.y0; y < part.y1; ++y)
+        std::fill_n(out.labels + i * plan.stack.domain.count() + plan.stack.domain.index(part.x0, y), w,
+                    gap.labels[size_t(label)].label);
+    }
+  } else if (w * h <= kLeastTile || (w * h <= kTile && movesEvenly(plan, m, part))) {
+    fillTile(plan, m, part, mine, rivals, out);
+  } else {
+    PixelBox first = part, second = part;
+    if ((sx > sy && w > 1) || h <= 1)
+      first.x1 = second.x0 = cx;
+    else
+      first.y1 = second.y0 = cy;
+    fillCell(plan, m, first, mine, rivals, out), fillCell(plan, m, second, mine, rivals, out);
+  }
+  rivals.cut(mine);
+}
+
+/// Gives a label that has won nothing the pixel where it came closest.
+void rescue(const SlicePlan& plan, const Moment& m, int label, int* slice) {
+  const Gap& gap = plan.gaps[m.gap];
+  const GapLabel& l = gap.labels[size_t(label)];
+  float best = -1e30f;
+  size_t at = 0;
+  for (int y = l.box.y0; y < l.box.y1; ++y)
+    for (int x = l.box.x0; x < l.box.x1; ++x) {
+      const float v = wholeScore(plan, l, m, float(x), float(y));
+      if (v > best) best = v, at = plan.stack.domain.index(x, y);
+    }
+  slice[at] = l.label;
+}
+
+}  // namespace
+
+std::vector<int> labelsInGap(const SlicePlan& plan, const std::vector<double>& positions) {
+  const PixelBox& domain = plan.stack.domain;
+  std::vector<int> out(positions.size() * domain.count());
+  for (size_t begin = 0; begin < positions.size(); begin += kMoments) {
+    Moments m;
+    for (size_t i = begin; i < std::min(begin + kMoments, positions.size()); ++i)
+      m.add(momentAt(plan.stack, positions[i]));
+    const std::vector<GapLabel>& labels = plan.gaps[m.first.gap].labels;
+    std::vector<GapSlices> bands(size_t((domain.height() + kBandRows - 1) / kBandRows));
+    tbb::parallel_for(size_t(0), bands.size(), [&](size_t b) {
+      Rivals all;
+      for (size_t k = 0; k < labels.size(); ++k) all.labels.push_back(int(k));
+      all.bounds.resize(labels.size());
+      bands[b].labels = &out[begin * domain.count()], bands[b].seen.assign(m.count * labels.size(), 0);
+      PixelBox part = domain;
+      part.y0 += int(b) * kBandRows, part.y1 = std::min(part.y0 + kBandRows, domain.y1);
+      fillCell(plan, m, part, 0, all, bands[b]);
+    });
+    for (size_t i = 0; i < m.count; ++i)
+      for (size_t k = 0; k < labels.size(); ++k) {
+        bool seen = !labels[k].plane[1] || !labels[k].plane[2];
+        for (const GapSlices& band : bands) seen = seen || band.seen[i * labels.size() + k];
+        if (!seen)
+          rescue(plan, momentAt(plan.stack, positions[begin + i]), int(k),
+                 &out[(begin + i) * domain.count()]);
+      }
+  }
+  return out;
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "engine/numerics/lattice.h"
+#include "engine/reconstruct/plane_set.h"
+#include "slicemorph/progress.h"
+
+namespace slicemorph {
+
+/// A function on a lattice in the world, whose zero set is the surface; about a distance near it, negative inside.
+struct PlateSurface {
+  Lattice lattice;
+  std::vector<float> values;
+};
+
+/// The function of least bending (thin plate) that is zero on the planes' contours and close to the planes' own
+/// signed distances near them, found from coarse to fine (after Turk and O'Brien 1999, on a lattice). `voxelSize`: of
+/// the finest lattice, whose nodes are whole multiples of it. Throws Cancelled.
+PlateSurface plateSurface(const PlaneSet& planes, double voxelSize, Progress* progress);
+
+}  // namespace slicemorph

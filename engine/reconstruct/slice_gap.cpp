@@ -1,0 +1,87 @@
+#include "engine/reconstruct/slice_gap.h"
+
+#include "engine/reconstruct/regions.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace slicemorph {
+
+namespace {
+
+/// Per plane and label.
+using PlaneRegions = std::vector<std::vector<LabelRegions>>;
+
+const LabelScore* findLabel(const ScorePlane& plane, int label) {
+  const auto it = std::lower_bound(plane.labels.begin(), plane.labels.end(), label,
+                                   [](const LabelScore& s, int l) { return s.label < l; });
+  return it != plane.labels.end() && it->label == label ? &*it : nullptr;
+}
+
+/// Adds to gap `g` the regions of a label that is about to become its next one.
+void addTravellers(const ScoreStack& stack, size_t g, const PlaneRegions& regions, GapLabel& l, Gap& gap) {
+  const ScorePlane &pa = stack.planes[g], &pb = stack.planes[g + 1];
+  const LabelScore *a = findLabel(pa, l.label), *b = findLabel(pb, l.label);
+  if (!a || !b) return;
+  const LabelRegions& ra = regions[g][size_t(a - pa.labels.data())];
+  const LabelRegions& rb = regions[g + 1][size_t(b - pb.labels.data())];
+  for (const RegionPair& pair : pairRegions(ra, rb, gap.motion, stack, float(pb.position - pa.position))) {
+    const LabelRegion &p = ra.regions[size_t(pair.a)], &q = rb.regions[size_t(pair.b)];
+    Traveller t;
+    t.label = gap.labels.size(), t.x = q.x - p.x, t.y = q.y - p.y;
+    t.a = regionScore(*a, ra, pair.a, stack), t.b = regionScore(*b, rb, pair.b, stack);
+    t.thin = std::min(p.depth, q.depth) < std::max(stack.pixel[0], stack.pixel[1]);
+    t.box = hull(t.a.box, t.b.box).grown(1);
+    l.box = hull(l.box, t.box);
+    gap.travellers.push_back(std::move(t));
+  }
+}
+
+Gap makeGap(const ScoreStack& stack, size_t g, const PlaneRegions& regions) {
+  Gap gap;
+  gap.motion = findMotion(stack, g);
+  float most = 0;
+  for (size_t i = 0; i < gap.motion.x.size(); ++i)
+    most = std::max(most, std::max(std::abs(gap.motion.x[i]), std::abs(gap.motion.y[i])));
+  std::vector<int> labels;
+  for (size_t k = g; k < g + 2; ++k)
+    for (const LabelScore& l : stack.planes[k].labels) labels.push_back(l.label);
+  std::sort(labels.begin(), labels.end());
+  labels.erase(std::unique(labels.begin(), labels.end()), labels.end());
+  for (int label : labels) {
+    GapLabel l;
+    l.label = label;
+    for (size_t k = 0; k < 4; ++k) {
+      const LabelScore* f =
+          g + k >= 1 && g + k - 1 < stack.planes.size() ? findLabel(stack.planes[g + k - 1], label) : nullptr;
+      if (!f) continue;
+      l.plane[k] = ScoreField(*f, stack);
+      if (k == 1 || k == 2)
+        l.box = hull(l.box, f->box), l.depth[k - 1] = *std::max_element(f->values.begin(), f->values.end());
+    }
+    l.box = l.box.grown(1 + int(std::ceil(most)));
+    addTravellers(stack, g, regions, l, gap);
+    l.box = intersection(l.box, stack.domain);
+    gap.labels.push_back(l);
+  }
+  return gap;
+}
+
+}  // namespace
+
+SlicePlan planSlices(ScoreStack stack) {
+  SlicePlan plan{std::move(stack), {}};
+  const ScoreStack& s = plan.stack;
+  plan.gaps.resize(s.planes.size() - 1);
+  PlaneRegions regions(s.planes.size());
+  tbb::parallel_for(size_t(0), regions.size(), [&](size_t k) {
+    for (const LabelScore& l : s.planes[k].labels) regions[k].push_back(findRegions(l));
+  });
+  tbb::parallel_for(size_t(0), plan.gaps.size(),
+                    [&](size_t g) { plan.gaps[g] = makeGap(plan.stack, g, regions); });
+  return plan;
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,42 @@
+#include "engine/reconstruct/slice_moment.h"
+
+namespace slicemorph {
+
+namespace {
+
+/// Of a gap's length: where scores level off.
+constexpr float kLevel = 0.85f;
+/// The cubic may change a slope by this share of a gap per gap: more is a label that jumps, not one that
+/// bends.
+constexpr float kBend = 0.7f;
+/// Slopes over a gap of few pixels are mostly the pixels' rounding: they count 1 / (1 + kRoughSlope (pixel /
+/// gap)^2).
+constexpr float kRoughSlope = 0.5f;
+
+}  // namespace
+
+Moment momentAt(const ScoreStack& stack, double position) {
+  const auto& planes = stack.planes;
+  Moment m;
+  while (m.gap + 2 < planes.size() && planes[m.gap + 1].position <= position) ++m.gap;
+  const size_t g = m.gap;
+  const float h = float(planes[g + 1].position - planes[g].position);
+  const float t = m.t = float((position - planes[g].position) / double(h));
+  m.level = kLevel * h, m.limit = kBend * h * t * (1 - t);
+  const float rough = std::max(stack.pixel[0], stack.pixel[1]) / h,
+              trust = 1 / (1 + kRoughSlope * rough * rough);
+  m.cubic[1] = 1 - t, m.cubic[2] = t;
+  // Hermite's cubic is the line plus u (slope at a - chord) - v (slope at b - chord); a slope is that of
+  // the parabola through three planes, whatever their gaps.
+  const auto bend = [&](double gapBeyond, float by, int beyond, int here, int there) {
+    const float k = float(gapBeyond), a = by * h / (k + h), q = h / k;
+    m.cubic[beyond] -= a * q, m.cubic[here] += a * (q + 1), m.cubic[there] -= a;
+  };
+  if ((m.before = g > 0))
+    bend(planes[g].position - planes[g - 1].position, trust * t * (1 - t) * (1 - t), 0, 1, 2);
+  if ((m.after = g + 2 < planes.size()))
+    bend(planes[g + 2].position - planes[g + 1].position, trust * t * t * (1 - t), 3, 2, 1);
+  return m;
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,51 @@
+#pragma once
+
+#include "engine/reconstruct/slice_scores.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace slicemorph {
+
+/// A position: its gap, the part of it, and the weights of the four planes' scores.
+struct Moment {
+  size_t gap = 0;
+  float t = 0;
+  float cubic[4] = {0, 0, 0, 0};
+  float limit = 0;  ///< of the cubic's departure from the line
+  float level = 0;
+  bool before = false, after = false;  ///< whether there are planes 0 and 3
+};
+
+Moment momentAt(const ScoreStack& stack, double position);
+
+/// Positions of a gap that are labelled together.
+constexpr size_t kMoments = 8;
+
+/// Up to kMoments positions in one gap, side by side.
+struct Moments {
+  Moment first;  ///< what they share
+  size_t count = 0;
+  float apart = 0;  ///< greatest part of a gap from half way
+  float t[kMoments] = {}, limit[kMoments] = {}, cubic[4][kMoments] = {};
+
+  void add(const Moment& m) {
+    if (!count) first = m;
+    t[count] = m.t, limit[count] = m.limit, apart = std::max(apart, std::abs(m.t - .5f));
+    for (int k = 0; k < 4; ++k) cubic[k][count] = m.cubic[k];
+    ++count;
+  }
+};
+
+/// Scores level off at `level`: how far away a contour is says nothing about what comes within one gap.
+inline float levelOff(float s, float level) {
+  const float q = s / level;
+  return s / std::sqrt(1 + q * q);
+}
+
+/// The cubic between planes, where it does not depart too far from the line.
+inline float limited(float cubic, float linear, float limit) {
+  return std::min(std::max(cubic, linear - limit), linear + limit);
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,39 @@
+#include "engine/volume/agree_on_winding.h"
+
+#include "engine/numerics/disjoint_sets.h"
+#include "engine/numerics/edge_table.h"
+
+namespace slicemorph {
+
+AgreedWinding agreeOnWinding(std::vector<openvdb::Vec3I> triangles) {
+  using Index = std::uint32_t;
+  const EdgeTable edges(triangles);
+  const size_t count = triangles.size();
+  OrientedSets patches(count);
+  DisjointSets shells(count);
+  AgreedWinding result;
+  for (size_t e = 0; e < edges.count(); ++e) {
+    const HalfEdge& first = edges.half(e, 0);
+    for (size_t i = 1; i < edges.faces(e); ++i) shells.join(first.triangle(), edges.half(e, i).triangle());
+    if (edges.faces(e) > 2) ++result.nonManifold;
+    if (edges.faces(e) != 2) continue;
+    const HalfEdge& second = edges.half(e, 1);
+    if (!patches.join(first.triangle(), second.triangle(), first.forward == second.forward)) ++result.twisted;
+  }
+  std::vector<ptrdiff_t> against(count, 0);
+  result.patch.resize(count);
+  for (Index t = 0; t < count; ++t) {
+    result.patch[t] = patches.root(t);
+    result.shells += shells.find(t) == t;
+    against[result.patch[t]] += patches.flipped(t) ? 1 : -1;
+  }
+  for (Index t = 0; t < count; ++t)
+    if (patches.flipped(t) != (against[result.patch[t]] > 0)) {
+      std::swap(triangles[t][1], triangles[t][2]);
+      ++result.turned;
+    }
+  result.triangles = std::move(triangles);
+  return result;
+}
+
+}  // namespace slicemorph
