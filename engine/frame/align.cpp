@@ -1,7 +1,7 @@
 #include "engine/frame/align.h"
 
 #include "engine/frame/feature_turns.h"
-#include "engine/frame/moments.h"
+#include "engine/volume/moments.h"
 #include "slicemorph/errors.h"
 
 #include <tbb/parallel_for.h>
@@ -253,7 +253,8 @@ Frames worldFrames(const std::vector<Normalised>& objects, const Vec3d& axis) {
   frames.charts.assign(objects.size(), chart);
   frames.halfLength =
       0.5 * box.extents().dot(Vec3d(std::abs(axes(0, 0)), std::abs(axes(1, 0)), std::abs(axes(2, 0)))) / size;
-  frames.notes.push_back("positions and directions kept as they are in the world");
+  frames.notes.push_back(
+      {"frame.world", Severity::kNote, "", "positions and directions kept as they are in the world"});
   return frames;
 }
 

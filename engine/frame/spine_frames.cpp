@@ -105,7 +105,8 @@ LaidFrames laid(const Fields& fields, const std::vector<std::string>& names, con
     const Laid one = laidOn(*fields[0], frames.charts[0], *fields[k], ways(k), frames.halfLength);
     result.steady.charts[k] = one.steady;
     result.twisted->charts[k] = one.twisted.value_or(one.steady);
-    if (one.twisted) any = true, result.twisted->notes.push_back(names[k] + " " + one.twist);
+    if (one.twisted)
+      any = true, result.twisted->notes.push_back({"frame.twisted", Severity::kNote, names[k], one.twist});
   }
   if (!any) result.twisted.reset();
   return result;
@@ -133,8 +134,8 @@ std::optional<LaidFrames> framesAlongSpines(const Fields& fields, const std::vec
     chart.bend = Bend(aspect, std::move(rates));
     frames.charts.push_back(chart);
     char text[96];
-    std::snprintf(text, sizeof text, " has a spine that turns by %.0f degrees in all", turn * 180 / kPi);
-    frames.notes.push_back(names[k] + text);
+    std::snprintf(text, sizeof text, "has a spine that turns by %.0f degrees in all", turn * 180 / kPi);
+    frames.notes.push_back({"frame.spine", Severity::kNote, names[k], text});
   }
   LaidFrames result = laid(fields, names, frames, [&](size_t k) {
     return std::vector<Chart>{frames.charts[k], reversed(frames.charts[k])};

@@ -1,6 +1,6 @@
 #include "engine/frame/track.h"
 
-#include "engine/frame/moments.h"
+#include "engine/volume/moments.h"
 
 #include <tbb/parallel_for.h>
 #include <Eigen/Cholesky>
@@ -150,10 +150,10 @@ Frames trackFrames(const Frames& frames, const Fields& earlier, const Fields& no
     chart.scale *= motion.scale;
     char text[160];
     std::snprintf(text, sizeof text,
-                  " moved by %.4g, turned by %.1f degrees and grew %.3f times since the frame before",
+                  "moved by %.4g, turned by %.1f degrees and grew %.3f times since the frame before",
                   (motion.to - motion.from).length(), rotationVector(motion.rotation).length() * 180 / kPi,
                   motion.scale);
-    result.notes.push_back(names[k] + text);
+    result.notes.push_back({"sequence.moved", Severity::kDetail, names[k], text});
   }
   return result;
 }
