@@ -14,7 +14,6 @@ namespace slicemorph {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 /// Overlap that a turn of 90 degrees must win to be looked at.
 constexpr double kSmallPrice = 0.02;
 /// Overlap that a turn of 90 degrees must win, once the shapes are warped onto each other, to be made; and
@@ -102,12 +101,12 @@ Mat3d smallestTurn(const Vec3d& from, const Vec3d& to) {
   if (s < 1e-9) {
     if (c > 0) return Mat3d::identity();
     Vec3d side = std::abs(from[0]) < 0.6 ? Vec3d(1, 0, 0) : Vec3d(0, 1, 0);
-    return rotationFromVector(from.cross(side).unit() * kPi);
+    return rotationFromVector(from.cross(side).unit() * M_PI);
   }
   return rotationFromVector(axis / s * std::atan2(s, c));
 }
 
-double smallPrice(const Turn& t) { return kSmallPrice * t.angle / (kPi / 2); }
+double smallPrice(const Turn& t) { return kSmallPrice * t.angle / (M_PI / 2); }
 double score(const Turn& t) { return t.overlap - smallPrice(t); }
 
 Turn measured(const Normalised& a, const Normalised& b, const Mat3d& rotation) {
@@ -298,12 +297,12 @@ std::vector<Turn> proposeTurns(const DistanceField& fieldA, const DistanceField&
                     [&](size_t i) { worthTrying[i] = polished(a, b, worthTrying[i]); });
   // Models mostly stand upright, each looking its own way.
   for (int quarter = 1; quarter < 4 && up.length() > 0; ++quarter)
-    worthTrying.push_back(measured(a, b, rotationFromVector(quarter * kPi / 2 * up.unit())));
+    worthTrying.push_back(measured(a, b, rotationFromVector(quarter * M_PI / 2 * up.unit())));
   return worthTrying;
 }
 
 double priceOf(const Mat3d& rotation, const Vec3d& up) {
-  constexpr double kNoTurn = 0.5 * kPi / 180;
+  constexpr double kNoTurn = 0.5 * M_PI / 180;
   const Vec3d turn = rotationVector(rotation);
   const double angle = turn.length(), both = angle * up.length();
   const double upright = both > 0 ? std::abs(turn.dot(up)) / both : 0;
@@ -311,7 +310,7 @@ double priceOf(const Mat3d& rotation, const Vec3d& up) {
   const double share = std::min(std::max((upright - 0.98) / 0.01, 0.0), 1.0);
   const double perRightAngle =
       kPricePerRightAngle + share * (kUprightPricePerRightAngle - kPricePerRightAngle);
-  return kTurnMargin * std::min(angle / kNoTurn, 1.0) + perRightAngle * angle / (kPi / 2);
+  return kTurnMargin * std::min(angle / kNoTurn, 1.0) + perRightAngle * angle / (M_PI / 2);
 }
 
 Frames frameObjects(const Fields& fields, const std::vector<Mat3d>& turns, const MorphOptions& options) {

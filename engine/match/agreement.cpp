@@ -15,7 +15,7 @@ Agreement quickAgreement(const Fields& fields, const Frames& frames, const Morph
   const TracedObjects traced = traceObjects(sliceAtEqualPositions(objects, options.slices));
   MatchingStart start = startMatching(objects, traced, options.samples);
   const Matching matching = triedQuickly(objects, std::move(start.matching));
-  return {start.overlapBefore, matching.overlap, strainOf(objects, matching.map)};
+  return {start.overlapBefore, matching.overlap, mapStrain(objects, matching.map)};
 }
 
 }  // namespace slicemorph

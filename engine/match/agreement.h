@@ -9,7 +9,7 @@ namespace slicemorph {
 /// much that bends the objects, free of size.
 struct Agreement {
   double before = 0, after = 0;
-  double strain = 0;  ///< see strainOf
+  double strain = 0;  ///< see mapStrain
 };
 
 /// How well objects can be matched at all when their frames are these. Takes slices at equal positions, and

@@ -45,7 +45,7 @@ Matching followLimbs(const MatchObjects& objects, Matching matching, std::vector
   matching.map =
       flowed(matching.map, points, still, kFlowSpacing * objects.size, objects.lattice(kFlowLattice));
   removeFolds(matching.map);
-  matching.overlap = overlapOf(objects, matching.map);
+  matching.overlap = mapOverlap(objects, matching.map);
   matching.base = matching.map;
   matching.limbPoints = std::move(points);
   matching.guesses.clear();

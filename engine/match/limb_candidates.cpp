@@ -71,7 +71,7 @@ Trials withTrial(const MatchObjects& objects, Trials trials, Matching followed, 
                 trials.without);
   trials.notes.push_back({"match.limbs-tried", Severity::kDetail, "", text});
   const bool noneWon = trials.most == trials.without + kNoDoubt;
-  if (after.value() > trials.most + kClearGain) {
+  if (after.value() > trials.most + kSureGain) {
     trials.most = after.value();
     trials.candidates = {std::move(followed)};
   } else if (noneWon && after.value() > trials.without + kWorthTrying) {

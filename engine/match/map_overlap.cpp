@@ -7,7 +7,7 @@
 
 namespace slicemorph {
 
-double overlapOf(const MatchObjects& objects, const Displacements& map) {
+double mapOverlap(const MatchObjects& objects, const Displacements& map) {
   const size_t count = objects.count();
   const Fields& fields = objects.shape.fields;
   const std::vector<Chart>& charts = objects.charts;
@@ -39,7 +39,7 @@ double overlapOf(const MatchObjects& objects, const Displacements& map) {
   return sumEither > 0 ? sumBoth / sumEither : 0;
 }
 
-double strainOf(const MatchObjects& objects, const Displacements& map) {
+double mapStrain(const MatchObjects& objects, const Displacements& map) {
   const size_t objectCount = objects.count();
   const Lattice& lattice = map.lattice;
   const size_t step[3] = {1, size_t(lattice.size[0]), size_t(lattice.size[0]) * lattice.size[1]};

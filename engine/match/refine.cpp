@@ -38,8 +38,8 @@ std::vector<Correspondence> innerPoints(const MatchObjects& objects, const Match
   return points;
 }
 
-std::vector<Correspondence> pointsOf(const MatchObjects& objects, const Matching& matching,
-                                     const Round& round) {
+std::vector<Correspondence> roundPoints(const MatchObjects& objects, const Matching& matching,
+                                        const Round& round) {
   const std::vector<MiddleSamples> samples = middleSamples(objects, matching, round.samples);
   const double reach = round.reach * objects.size;
   if (round.kind == Round::Kind::kSoft) return softPoints(matching.map, samples, reach);
@@ -54,13 +54,13 @@ std::vector<Correspondence> pointsOf(const MatchObjects& objects, const Matching
 /// harm. But of many objects they draw every one to the nearest of all the others.
 GainWanted gainWanted(const MatchObjects& objects, const Round& round) {
   if (round.kind == Round::Kind::kSoft || objects.count() > 2) return {};
-  return {-2 * kClearGain, -kClearGain};
+  return {-2 * kSureGain, -kSureGain};
 }
 
 }  // namespace
 
 Matching refined(const MatchObjects& objects, Matching matching, const Round& round) {
-  std::vector<Correspondence> points = pointsOf(objects, matching, round);
+  std::vector<Correspondence> points = roundPoints(objects, matching, round);
   if (points.empty()) return matching;
   points.insert(points.end(), matching.limbPoints.begin(), matching.limbPoints.end());
   char name[64];

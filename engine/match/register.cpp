@@ -26,7 +26,7 @@ Matching continuedMatching(const MatchObjects& objects, const Displacements& map
   matching.map = resampled(map, objects.lattice(kFollowRounds[0].spacing));
   removeFolds(matching.map);
   for (const VectorField& field : matching.map.of) matching.guesses.emplace_back(matching.map.lattice, field);
-  matching.overlap = overlapOf(objects, matching.map);
+  matching.overlap = mapOverlap(objects, matching.map);
   return matching;
 }
 
@@ -46,7 +46,7 @@ Registration registrationOf(const MatchObjects& objects, Matching matching, Matc
   result.base = std::move(matching.base);
   result.pairs = std::move(start.pairs);
   result.overlapBefore = start.overlapBefore;
-  result.overlapAfter = overlapOf(objects, result.map);
+  result.overlapAfter = mapOverlap(objects, result.map);
   result.notes = std::move(matching.notes);
   return result;
 }
@@ -71,7 +71,7 @@ Matching bestAfterRounds(const MatchObjects& objects, const std::vector<Matching
       progress.report("match", 0.2 + 0.8 * done++ / all);
       matching = refined(objects, std::move(matching), round);
     }
-    if (!best || matching.value() > best->value() + kClearGain) best = std::move(matching);
+    if (!best || matching.value() > best->value() + kSureGain) best = std::move(matching);
   }
   return std::move(*best);
 }

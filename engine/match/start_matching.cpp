@@ -34,7 +34,7 @@ MatchingStart startFromContours(const MatchObjects& objects, const TracedObjects
   start.matching.notes = traced.notes;
   const BaseWarp base = makeBaseWarp(traced.stacks, traced.planes, traced.position);
   const Displacements none = noDisplacements(objects);
-  start.overlapBefore = start.matching.overlap = overlapOf(objects, none);
+  start.overlapBefore = start.matching.overlap = mapOverlap(objects, none);
   start.matching.map = start.matching.base = none;
   Displacements affine = baseDisplacements(base, none.lattice, objects.box);
   removeFolds(affine);
@@ -59,7 +59,7 @@ Matching metFeatures(const MatchObjects& objects, Matching matching) {
     matching = followLimbs(objects, std::move(matching), guides.lines, still);
   }
   if (!guides.marks.empty()) matching.map = fittedMap(objects, matching, matching.limbPoints, kMarkFit);
-  matching.overlap = overlapOf(objects, matching.map);
+  matching.overlap = mapOverlap(objects, matching.map);
   char text[96];
   std::snprintf(text, sizeof text, "%zu features: overlap %.3f", objects.features.size(), matching.overlap);
   matching.notes.push_back({"match.features", Severity::kDetail, "", text});

@@ -11,7 +11,7 @@ namespace slicemorph {
 
 TakenMap takeAsFarAsBetter(const MatchObjects& objects, Matching matching, const Displacements& map,
                            const GainWanted& wanted, const std::string& name) {
-  const double overlap = overlapOf(objects, map);
+  const double overlap = mapOverlap(objects, map);
   const double share = smoothstep(overlap - matching.overlap, wanted.none, wanted.all);
   char text[96];
   std::snprintf(text, sizeof text, ": overlap %.3f, taken to %.0f %%", overlap, 100 * share);
@@ -28,7 +28,7 @@ TakenMap takeAsFarAsBetter(const MatchObjects& objects, Matching matching, const
       blended.of[k][i] += float(share) * (map.of[k][i] - blended.of[k][i]);
   removeFolds(blended);
   matching.map = std::move(blended);
-  matching.overlap = overlapOf(objects, matching.map);
+  matching.overlap = mapOverlap(objects, matching.map);
   return {std::move(matching), share};
 }
 

@@ -8,12 +8,12 @@
 namespace slicemorph {
 
 /// A gain in overlap that is no accident.
-constexpr double kClearGain = 0.01;
+constexpr double kSureGain = 0.01;
 
 /// What a map must gain in overlap to be taken: not at all at `none` or less, wholly from `all` on, in part
 /// between, so that no decision hangs on the last digit.
 struct GainWanted {
-  double none = 0, all = kClearGain;
+  double none = 0, all = kSureGain;
 };
 
 struct TakenMap {
