@@ -19,7 +19,7 @@ constexpr double kSmallPrice = 0.02;
 /// Overlap that a turn of 90 degrees must win, once the shapes are warped onto each other, to be made; and
 /// what leaving the world's own directions must win at all, for near-degenerate axes must not turn by noise.
 constexpr double kPricePerRightAngle = 0.12, kTurnMargin = 0.01;
-/// The same where a turn is about what is up: what stands goes on standing.
+/// The same for turns about the up direction, which leave upright models upright.
 constexpr double kUprightPricePerRightAngle = 0.04;
 /// An alignment so good, and so much better than none, needs no second look.
 constexpr double kDecisive = 0.8, kDecisiveGain = 0.1;
@@ -29,7 +29,7 @@ constexpr double kSameShape = 0.95;
 constexpr double kTie = 0.004;
 constexpr size_t kTurnsWorthTrying = 3;
 
-/// One object without its place and size: n -> centroid + size * n.
+/// One object without its position and size: n -> centroid + size * n.
 struct Normalised {
   const DistanceField* field;
   Moments moments;
@@ -268,7 +268,7 @@ std::vector<Turn> proposeTurns(const DistanceField& fieldA, const DistanceField&
     turns[i] = refined(a, b, turns[i], turns[i].overlap < 0.9 ? 0.3 : 0.08);
   });
   // Among equals the one whose spine leans towards positive directions half way: any rule will do that is the
-  // same when the objects change places.
+  // same when the objects are swapped.
   const Vec3d spine = column(principalAxes(a.moments.covariance).axes, 0);
   const auto leaning = [&](const Turn& t) {
     const Vec3d m = halfOf(t.rotation) * spine;

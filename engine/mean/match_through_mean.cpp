@@ -37,16 +37,16 @@ Mean meanOf(const Displacements& map, const Fields& fields, const Frames& frames
   return {pose.chart, std::make_shared<DistanceField>(surface)};
 }
 
-/// The places that a displacement takes to each node of a lattice.
+/// The points that a displacement takes to each node of a lattice.
 std::vector<Vec3d> sourcesOf(const Lattice& nodes, const Lattice& lattice, const VectorField& displacement) {
   const MiddleGuess guess(lattice, displacement);
   std::vector<Vec3d> sources(nodes.count());
   tbb::parallel_for(0, int(nodes.size[2]), [&](int z) {
     for (int y = 0; y < nodes.size[1]; ++y)
       for (int x = 0; x < nodes.size[0]; ++x) {
-        const Vec3d place = nodes.position(x, y, z), start = guess.near(place);
+        const Vec3d position = nodes.position(x, y, z), start = guess.near(position);
         Vec3d& s = sources[nodes.index(x, y, z)] = start;
-        if (!toMiddleContinued(lattice, displacement, place, s)) s = start;  // where it has a fold
+        if (!toMiddleContinued(lattice, displacement, position, s)) s = start;  // where it has a fold
       }
   });
   return sources;
@@ -67,12 +67,12 @@ VectorField displacementFrom(const std::vector<Vec3d>& sources, const Lattice& n
   return result;
 }
 
-/// The displacements of a pair's second object from the places of its first one, the mean.
+/// The displacements of a pair's second object from the points of its first one, the mean.
 VectorField fromMean(const Displacements& pair, const Lattice& nodes) {
   return displacementFrom(sourcesOf(nodes, pair.lattice, pair.of[0]), nodes, pair.lattice, pair.of[1]);
 }
 
-/// The same map from a space in which every place is the mean of those on the objects.
+/// The same map from a space in which every point is the mean of its positions on the objects.
 Displacements recentred(const Displacements& map) {
   const Lattice& lattice = map.lattice;
   Displacements mean{lattice, {VectorField(lattice.count(), openvdb::Vec3s(0.f))}};

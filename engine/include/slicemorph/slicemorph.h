@@ -39,7 +39,7 @@ struct MorphOptions {
   std::vector<Region> regions =
       {};  ///< parts with weights of their own; where they overlap the later one counts
   ContourPath path = ContourPath::kLinear;
-  Vec3d up{0, 1, 0};  ///< world; what stands is turned about it rather than otherwise; zero: nothing stands
+  Vec3d up{0, 1, 0};  ///< world; turns about it are preferred: upright models stay so; zero: none are
 };
 
 /// One slice of the plan, for debug pictures: contours in chart space (x, y) and the pairs that were
