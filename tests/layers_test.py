@@ -1,37 +1,79 @@
 #!/usr/bin/env python3
-"""The tree shows the data flow: a folder includes only itself and folders before it. usage: layers_test.py REPOSITORY"""
+"""The tree shows the data flow: a folder includes only itself and folders before it. usage: layers_test.py REPOSITORY
+
+The public headers (include/slicemorph) are the ground floor: they include each other and libraries, nothing above them. A
+folder that gets a header from a later one, or from one that it stands beside, closes a cycle or hides one.
+"""
 import os
 import re
 import sys
 
 repository = sys.argv[1]
-# Folders of one line stand side by side; tools may include everything, io the engine, the engine only itself.
-ORDER = [["volume"], ["frame", "spine"], ["slices"], ["contours"], ["match"], ["blend"], ["rebuild"], ["mean"], ["reconstruct"],
-         ["measure", "peers", "render"], ["follow"]]
-RANK = {folder: i for i, folders in enumerate(ORDER) for folder in folders}
+# The engine's folders in the order of the data flow; those of one line stand side by side and know nothing of each other.
+# "." is the pipeline itself, engine/*.h and *.cpp.
+ENGINE = [["include"], ["numerics"], ["volume"], ["spine"], ["frame"], ["slices"], ["contours"], ["match"], ["blend"],
+          ["rebuild"], ["mean"], ["."], ["sections"], ["reconstruct"], ["measure"], ["peers", "render", "follow"]]
+RANK = {folder: i for i, folders in enumerate(ENGINE) for folder in folders}
+# tools may include everything, io itself and the engine, the engine only itself.
+ABOVE = {"engine": ("io", "tools"), "io": ("tools",), "tools": ()}
 errors = []
-for top in ("engine", "io", "tools"):
-    for folder, _, files in os.walk(os.path.join(repository, top)):
-        for name in files:
-            if not name.endswith((".h", ".cpp")):
-                continue
-            path = os.path.join(folder, name)
-            mine = os.path.relpath(path, repository).split(os.sep)
-            for included in re.findall(r'^#include "(.*?)"', open(path).read(), re.M):
-                other = included.split("/")
-                if top == "engine" and other[0] != "engine" or top == "io" and other[0] == "tools":
-                    errors.append("%s includes %s" % ("/".join(mine), included))
-                if top == "engine" and len(mine) == 3 and len(other) == 3:
-                    if mine[1] not in RANK or other[1] not in RANK:
-                        errors.append("%s or %s is in no known folder" % ("/".join(mine), included))
-                    elif RANK[other[1]] > RANK[mine[1]]:
-                        errors.append("%s includes %s, a later stage" % ("/".join(mine), included))
+
+
+def sources(top):
+    for folder, _, names in os.walk(os.path.join(repository, top)):
+        for name in names:
+            if name.endswith((".h", ".cpp")):
+                yield os.path.relpath(os.path.join(folder, name), repository)
+
+
+def folder_of(path):
+    """Of a file of the engine: its folder there."""
+    parts = path.split("/")
+    return parts[1] if len(parts) > 2 else "."
+
+
+def file_of(included):
+    """The file of the tree that an include names, by its path in the tree; None: it is a library's."""
+    if not included.startswith("slicemorph/"):
+        return included if included.split("/")[0] in ABOVE else None
+    homes = [top + "/include/" + included for top in ABOVE if os.path.exists(os.path.join(repository, top, "include", included))]
+    if len(homes) != 1:
+        errors.append("%s is in %s" % (included, " and ".join(homes) or "no include folder"))
+    return homes[0] if homes else None
+
+
+def check_include(mine, included):
+    other = file_of(included)
+    if other is None:
+        return
+    top, other_top = mine.split("/")[0], other.split("/")[0]
+    if other_top in ABOVE[top]:
+        errors.append("%s includes %s: %s comes after %s" % (mine, included, other_top, top))
+    if top != "engine" or other_top != "engine":
+        return
+    folder, other_folder = folder_of(mine), folder_of(other)
+    if folder not in RANK or other_folder not in RANK:
+        errors.append("%s or %s is in no folder that layers_test.py knows" % (mine, other))
+    elif folder != other_folder and RANK[other_folder] >= RANK[folder]:
+        where = "beside it" if RANK[other_folder] == RANK[folder] else "a later stage"
+        errors.append("%s includes %s, %s" % (mine, included, where))
+
+
+found = set()
+for top in ABOVE:
+    for path in sources(top):
+        if top == "engine":
+            found.add(folder_of(path))
+        text = open(os.path.join(repository, path)).read()
+        for included in re.findall(r'^#include "(.*?)"', text, re.M):
+            check_include(path, included)
+errors += ["engine/%s is in no order" % folder for folder in found - set(RANK)]
+errors += ["engine/%s is in the order, but not in the tree" % folder for folder in set(RANK) - found]
 # The heavy headers cost 10 s and more each to compile.
 HEAVY = ("MeshToVolume.h", "VolumeToMesh.h", "RayTracer.h", "FastSweeping.h", "LevelSetMorph.h", "LevelSetRebuild.h")
 for heavy in HEAVY:
-    users = [os.path.join(f, n) for top in ("engine", "io", "tools")
-             for f, _, names in os.walk(os.path.join(repository, top)) for n in names
-             if n.endswith((".h", ".cpp")) and "tools/" + heavy in open(os.path.join(f, n)).read()]
+    users = [path for top in ABOVE for path in sources(top)
+             if "tools/" + heavy in open(os.path.join(repository, path)).read()]
     if len(users) > 1:
         errors.append("%s is included by %s" % (heavy, ", ".join(users)))
 print("\n".join(errors) or "the layers hold")

@@ -1,7 +1,7 @@
 #include "engine/frame/align.h"
 
 #include "engine/frame/feature_turns.h"
-#include "engine/frame/moments.h"
+#include "engine/volume/moments.h"
 #include "slicemorph/errors.h"
 
 #include <tbb/parallel_for.h>
@@ -14,13 +14,12 @@ namespace slicemorph {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 /// Overlap that a turn of 90 degrees must win to be looked at.
 constexpr double kSmallPrice = 0.02;
 /// Overlap that a turn of 90 degrees must win, once the shapes are warped onto each other, to be made; and
 /// what leaving the world's own directions must win at all, for near-degenerate axes must not turn by noise.
 constexpr double kPricePerRightAngle = 0.12, kTurnMargin = 0.01;
-/// The same where a turn is about what is up: what stands goes on standing.
+/// The same for turns about the up direction, which leave upright models upright.
 constexpr double kUprightPricePerRightAngle = 0.04;
 /// An alignment so good, and so much better than none, needs no second look.
 constexpr double kDecisive = 0.8, kDecisiveGain = 0.1;
@@ -30,7 +29,7 @@ constexpr double kSameShape = 0.95;
 constexpr double kTie = 0.004;
 constexpr size_t kTurnsWorthTrying = 3;
 
-/// One object without its place and size: n -> centroid + size * n.
+/// One object without its position and size: n -> centroid + size * n.
 struct Normalised {
   const DistanceField* field;
   Moments moments;
@@ -102,12 +101,12 @@ Mat3d smallestTurn(const Vec3d& from, const Vec3d& to) {
   if (s < 1e-9) {
     if (c > 0) return Mat3d::identity();
     Vec3d side = std::abs(from[0]) < 0.6 ? Vec3d(1, 0, 0) : Vec3d(0, 1, 0);
-    return rotationFromVector(from.cross(side).unit() * kPi);
+    return rotationFromVector(from.cross(side).unit() * M_PI);
   }
   return rotationFromVector(axis / s * std::atan2(s, c));
 }
 
-double smallPrice(const Turn& t) { return kSmallPrice * t.angle / (kPi / 2); }
+double smallPrice(const Turn& t) { return kSmallPrice * t.angle / (M_PI / 2); }
 double score(const Turn& t) { return t.overlap - smallPrice(t); }
 
 Turn measured(const Normalised& a, const Normalised& b, const Mat3d& rotation) {
@@ -253,7 +252,8 @@ Frames worldFrames(const std::vector<Normalised>& objects, const Vec3d& axis) {
   frames.charts.assign(objects.size(), chart);
   frames.halfLength =
       0.5 * box.extents().dot(Vec3d(std::abs(axes(0, 0)), std::abs(axes(1, 0)), std::abs(axes(2, 0)))) / size;
-  frames.notes.push_back("positions and directions kept as they are in the world");
+  frames.notes.push_back(
+      {"frame.world", Severity::kNote, "", "positions and directions kept as they are in the world"});
   return frames;
 }
 
@@ -268,7 +268,7 @@ std::vector<Turn> proposeTurns(const DistanceField& fieldA, const DistanceField&
     turns[i] = refined(a, b, turns[i], turns[i].overlap < 0.9 ? 0.3 : 0.08);
   });
   // Among equals the one whose spine leans towards positive directions half way: any rule will do that is the
-  // same when the objects change places.
+  // same when the objects are swapped.
   const Vec3d spine = column(principalAxes(a.moments.covariance).axes, 0);
   const auto leaning = [&](const Turn& t) {
     const Vec3d m = halfOf(t.rotation) * spine;
@@ -297,12 +297,12 @@ std::vector<Turn> proposeTurns(const DistanceField& fieldA, const DistanceField&
                     [&](size_t i) { worthTrying[i] = polished(a, b, worthTrying[i]); });
   // Models mostly stand upright, each looking its own way.
   for (int quarter = 1; quarter < 4 && up.length() > 0; ++quarter)
-    worthTrying.push_back(measured(a, b, rotationFromVector(quarter * kPi / 2 * up.unit())));
+    worthTrying.push_back(measured(a, b, rotationFromVector(quarter * M_PI / 2 * up.unit())));
   return worthTrying;
 }
 
 double priceOf(const Mat3d& rotation, const Vec3d& up) {
-  constexpr double kNoTurn = 0.5 * kPi / 180;
+  constexpr double kNoTurn = 0.5 * M_PI / 180;
   const Vec3d turn = rotationVector(rotation);
   const double angle = turn.length(), both = angle * up.length();
   const double upright = both > 0 ? std::abs(turn.dot(up)) / both : 0;
@@ -310,7 +310,7 @@ double priceOf(const Mat3d& rotation, const Vec3d& up) {
   const double share = std::min(std::max((upright - 0.98) / 0.01, 0.0), 1.0);
   const double perRightAngle =
       kPricePerRightAngle + share * (kUprightPricePerRightAngle - kPricePerRightAngle);
-  return kTurnMargin * std::min(angle / kNoTurn, 1.0) + perRightAngle * angle / (kPi / 2);
+  return kTurnMargin * std::min(angle / kNoTurn, 1.0) + perRightAngle * angle / (M_PI / 2);
 }
 
 Frames frameObjects(const Fields& fields, const std::vector<Mat3d>& turns, const MorphOptions& options) {

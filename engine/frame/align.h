@@ -21,7 +21,7 @@ struct Frames {
 struct Turn {
   Mat3d rotation = Mat3d::identity();
   double angle = 0;    ///< radians
-  double overlap = 0;  ///< intersection over union of the two objects so turned, without place and size
+  double overlap = 0;  ///< intersection over union of the two objects so turned, without position and size
 };
 
 /// The turns worth trying from object a to object b, the most likely first: the 24 proper axis assignments of

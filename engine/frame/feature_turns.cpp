@@ -15,7 +15,7 @@ namespace {
 /// Places that spread less than this share of their length across it lie in a line.
 constexpr double kInLine = 0.2;
 
-/// Without place and size.
+/// Without position and size.
 std::vector<Vec3d> normalised(const std::vector<Vec3d>& places) {
   Vec3d middle(0.0);
   for (const Vec3d& p : places) middle += p / double(places.size());

@@ -12,7 +12,6 @@ namespace slicemorph {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kSlices = 33, kAngles = 120, kRings = 10;
 constexpr int kFastest = 4;  ///< change of angle from slice to slice, in steps of the circle
 /// Overlap that a change by one step must win.
@@ -55,7 +54,7 @@ PolarSlice polarSlice(const DistanceField& field, const Chart& chart, double z0,
   slice.inside.resize(kRings * kAngles);
   for (int r = 0; r < kRings; ++r)
     for (int a = 0; a < kAngles; ++a) {
-      const double radius = (r + 0.5) * reach / kRings, angle = 2 * kPi * a / kAngles;
+      const double radius = (r + 0.5) * reach / kRings, angle = 2 * M_PI * a / kAngles;
       const Vec3d z = middle + radius * Vec3d(0, std::cos(angle), std::sin(angle));
       slice.inside[size_t(r * kAngles + a)] =
           float(radius * insideAt(field, sampler, chart, z, 0.5 * reach / kRings));
@@ -75,7 +74,7 @@ double overlapOf(const PolarSlice& a, const PolarSlice& b, int step) {
   return either > 0 ? both / either : 0;
 }
 
-double wrapped(double angle) { return angle - 2 * kPi * std::round(angle / (2 * kPi)); }
+double wrapped(double angle) { return angle - 2 * M_PI * std::round(angle / (2 * M_PI)); }
 
 /// Steps from one angle of the circle to another, the short way.
 int stepsBetween(int from, int to) {
@@ -91,51 +90,52 @@ double peakBeside(const std::vector<double>& v, int s) {
   return fall > 1e-9 ? std::min(std::max(0.5 * lean / fall, -1.0), 1.0) : 0;
 }
 
-}  // namespace
+/// How well the slices overlap at each of the circle's steps.
+struct RollScores {
+  std::vector<std::vector<double>> score;  ///< per slice and step: overlap when a is turned by that step
+  std::vector<double> weight;              ///< per slice: its area
+  double total = 0;                        ///< of the weights
+  std::vector<double> price;               ///< per step: of being away from the preferred angle
+};
 
-Roll findRoll(const DistanceField& a, const Chart& chartA, const DistanceField& b, const Chart& chartB,
-              double half, double preferred) {
-  std::vector<PolarSlice> sa(kSlices), sb(kSlices);
-  const auto place = [&](int i) { return half * ((i + 0.5) * 2 / kSlices - 1); };
-  // A slice whose area is that of a circle of radius 0.56 has it in chart units 1; flat slices reach further.
-  constexpr double kReach = 1.3;
-  tbb::parallel_for(0, kSlices, [&](int i) {
-    sa[size_t(i)] = polarSlice(a, chartA, place(i), kReach);
-    sb[size_t(i)] = polarSlice(b, chartB, place(i), kReach);
-  });
-  // score[i][s]: overlap of slice i when a is turned by step s.
-  std::vector<std::vector<double>> score(kSlices, std::vector<double>(kAngles));
-  std::vector<double> weight(kSlices);
-  double total = 0;
+RollScores scoresOf(const std::vector<PolarSlice>& a, const std::vector<PolarSlice>& b, double preferred) {
+  RollScores scores;
+  scores.score.assign(kSlices, std::vector<double>(kAngles));
+  scores.weight.resize(kSlices);
   tbb::parallel_for(0, kSlices, [&](int i) {
     for (int s = 0; s < kAngles; ++s)
-      score[size_t(i)][size_t(s)] = overlapOf(sa[size_t(i)], sb[size_t(i)], s);
-    weight[size_t(i)] = std::sqrt(sa[size_t(i)].area * sb[size_t(i)].area);
+      scores.score[size_t(i)][size_t(s)] = overlapOf(a[size_t(i)], b[size_t(i)], s);
+    scores.weight[size_t(i)] = std::sqrt(a[size_t(i)].area * b[size_t(i)].area);
   });
-  for (double w : weight) total += w;
-  Roll roll;
-  roll.along.assign(Bend::kStations, 0);
-  if (!(total > 0)) return roll;
-  std::vector<double> price(kAngles);
+  for (double w : scores.weight) scores.total += w;
   for (int s = 0; s < kAngles; ++s) {
-    const double away = std::abs(wrapped(2 * kPi * s / kAngles - preferred)) / kPi;
-    price[size_t(s)] = kAnglePrice * away;
+    const double away = std::abs(wrapped(2 * M_PI * s / kAngles - preferred)) / M_PI;
+    scores.price.push_back(kAnglePrice * away);
   }
+  return scores;
+}
 
+/// One angle for all slices, into a roll without any along the spine.
+Roll steadyRoll(const RollScores& scores, double preferred) {
+  const std::vector<double>& price = scores.price;
   std::vector<double> mean(kAngles, 0);
   for (int s = 0; s < kAngles; ++s)
     for (int i = 0; i < kSlices; ++i)
-      mean[size_t(s)] += weight[size_t(i)] * score[size_t(i)][size_t(s)] / total;
+      mean[size_t(s)] += scores.weight[size_t(i)] * scores.score[size_t(i)][size_t(s)] / scores.total;
   int best = 0;
   for (int s = 1; s < kAngles; ++s)
     if (mean[size_t(s)] - price[size_t(s)] > mean[size_t(best)] - price[size_t(best)]) best = s;
-  roll.steady = 2 * kPi / kAngles * (best + peakBeside(mean, best));
+  Roll roll;
+  roll.steady = 2 * M_PI / kAngles * (best + peakBeside(mean, best));
   roll.steadyOverlap = mean[size_t(best)];
   // On round slices no angle is better than another: then the preferred one is kept to its last digit.
   const auto [least, most] = std::minmax_element(mean.begin(), mean.end());
   if (*most - *least < kAnglePrice) roll.steady = preferred;
+  return roll;
+}
 
-  // The best way along the spine, from angle to angle.
+/// The best path along the spine, from step to step, by dynamic programming: one step per slice.
+std::vector<int> bestSteps(const RollScores& scores) {
   std::vector<std::vector<double>> value(kSlices, std::vector<double>(kAngles));
   std::vector<std::vector<int>> from(kSlices, std::vector<int>(kAngles, 0));
   for (int i = 0; i < kSlices; ++i)
@@ -149,32 +149,42 @@ Roll findRoll(const DistanceField& a, const Chart& chartA, const DistanceField& 
           if (v > before) before = v, from[size_t(i)][size_t(s)] = p;
         }
       }
-      const double own = weight[size_t(i)] / total * score[size_t(i)][size_t(s)] * kSlices;
-      value[size_t(i)][size_t(s)] = before + own - (i == kSlices / 2 ? price[size_t(s)] : 0);
+      const double own =
+          scores.weight[size_t(i)] / scores.total * scores.score[size_t(i)][size_t(s)] * kSlices;
+      value[size_t(i)][size_t(s)] = before + own - (i == kSlices / 2 ? scores.price[size_t(s)] : 0);
     }
-  std::vector<int> way(kSlices);
-  way.back() = int(std::max_element(value.back().begin(), value.back().end()) - value.back().begin());
-  for (int i = kSlices - 1; i > 0; --i) way[size_t(i) - 1] = from[size_t(i)][size_t(way[size_t(i)])];
-  std::vector<double> angle(kSlices), trust(kSlices);
+  std::vector<int> path(kSlices);
+  path.back() = int(std::max_element(value.back().begin(), value.back().end()) - value.back().begin());
+  for (int i = kSlices - 1; i > 0; --i) path[size_t(i) - 1] = from[size_t(i)][size_t(path[size_t(i)])];
+  return path;
+}
+
+/// What each slice says of its own angle.
+struct SliceAngles {
+  std::vector<double> angle, trust;  ///< radians, without jumps; how much it is to be believed
+  double overlap = 0;                ///< mean, of the slices so turned
+};
+
+SliceAngles anglesAlong(const RollScores& scores, const std::vector<int>& path) {
+  SliceAngles result;
   int steps = 0;
   for (int i = 0; i < kSlices; ++i) {
-    const int s = way[size_t(i)];
-    const double here = score[size_t(i)][size_t(s)];
-    steps += i == 0 ? s : stepsBetween(way[size_t(i) - 1], s);
-    angle[size_t(i)] = 2 * kPi / kAngles * (steps + peakBeside(score[size_t(i)], s));
-    roll.alongOverlap += weight[size_t(i)] * here / total;
+    const int s = path[size_t(i)];
+    const std::vector<double>& score = scores.score[size_t(i)];
+    const double here = score[size_t(s)], weight = scores.weight[size_t(i)];
+    steps += i == 0 ? s : stepsBetween(path[size_t(i) - 1], s);
+    result.angle.push_back(2 * M_PI / kAngles * (steps + peakBeside(score, s)));
+    result.overlap += weight * here / scores.total;
     // A slice tells its angle as well as its overlap falls to both sides of it.
-    const double fall = here - 0.5 * (score[size_t(i)][size_t((s + 4) % kAngles)] +
-                                      score[size_t(i)][size_t((s + kAngles - 4) % kAngles)]);
-    trust[size_t(i)] = weight[size_t(i)] * kSlices / total * std::max(fall, 0.0);
+    const double fall =
+        here - 0.5 * (score[size_t((s + 4) % kAngles)] + score[size_t((s + kAngles - 4) % kAngles)]);
+    result.trust.push_back(weight * kSlices / scores.total * std::max(fall, 0.0));
   }
-  // Round slices tell no angle of their own.
-  const double prescribed = std::accumulate(trust.begin(), trust.end(), 0.0) / kSlices;
-  if (prescribed < kLeastFall) {
-    roll.along.assign(Bend::kStations, roll.steady);
-    return roll;
-  }
-  // Smooth at the stations: the slices' angles by their trust, and least second differences.
+  return result;
+}
+
+/// Smooth at the stations: the slices' angles by their trust, and least second differences.
+std::vector<double> smoothAngles(const SliceAngles& slices) {
   const int n = Bend::kStations;
   Eigen::MatrixXd m = Eigen::MatrixXd::Zero(n, n);
   Eigen::VectorXd rhs = Eigen::VectorXd::Zero(n);
@@ -182,9 +192,10 @@ Roll findRoll(const DistanceField& a, const Chart& chartA, const DistanceField& 
     const double u = ((i + 0.5) / kSlices) * (n - 1);
     const int k = std::min(int(u), n - 2);
     const double f = u - k, w[2] = {1 - f, f};
+    const double trust = slices.trust[size_t(i)] + 1e-6;
     for (int p = 0; p < 2; ++p) {
-      for (int q = 0; q < 2; ++q) m(k + p, k + q) += (trust[size_t(i)] + 1e-6) * w[p] * w[q];
-      rhs[k + p] += (trust[size_t(i)] + 1e-6) * w[p] * angle[size_t(i)];
+      for (int q = 0; q < 2; ++q) m(k + p, k + q) += trust * w[p] * w[q];
+      rhs[k + p] += trust * w[p] * slices.angle[size_t(i)];
     }
   }
   const double second[3] = {1, -2, 1};
@@ -193,7 +204,34 @@ Roll findRoll(const DistanceField& a, const Chart& chartA, const DistanceField& 
     for (int p = 0; p < 3; ++p)
       for (int q = 0; q < 3; ++q) m(i + p, i + q) += kStiff * second[p] * second[q];
   const Eigen::VectorXd x = m.ldlt().solve(rhs);
-  for (int i = 0; i < n; ++i) roll.along[size_t(i)] = x[i];
+  return {x.data(), x.data() + n};
+}
+
+}  // namespace
+
+Roll findRoll(const DistanceField& a, const Chart& chartA, const DistanceField& b, const Chart& chartB,
+              double half, double preferred) {
+  std::vector<PolarSlice> sa(kSlices), sb(kSlices);
+  const auto position = [&](int i) { return half * ((i + 0.5) * 2 / kSlices - 1); };
+  // A slice whose area is that of a circle of radius 0.56 has it in chart units 1; flat slices reach further.
+  constexpr double kReach = 1.3;
+  tbb::parallel_for(0, kSlices, [&](int i) {
+    sa[size_t(i)] = polarSlice(a, chartA, position(i), kReach);
+    sb[size_t(i)] = polarSlice(b, chartB, position(i), kReach);
+  });
+  const RollScores scores = scoresOf(sa, sb, preferred);
+  Roll roll;
+  roll.along.assign(Bend::kStations, 0);
+  if (!(scores.total > 0)) return roll;
+  roll = steadyRoll(scores, preferred);
+  const SliceAngles slices = anglesAlong(scores, bestSteps(scores));
+  roll.alongOverlap = slices.overlap;
+  // Round slices tell no angle of their own.
+  const double trust = std::accumulate(slices.trust.begin(), slices.trust.end(), 0.0) / kSlices;
+  if (trust < kLeastFall)
+    roll.along.assign(Bend::kStations, roll.steady);
+  else
+    roll.along = smoothAngles(slices);
   return roll;
 }
 

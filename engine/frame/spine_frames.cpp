@@ -13,7 +13,6 @@ namespace slicemorph {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 /// An axis nearer to its chord than this, in radii, is as good as straight.
 constexpr double kLeastBow = 0.15;
 /// Overlap of the slices that turning or bending by 90 degrees must win.
@@ -69,7 +68,7 @@ Laid laidOn(const DistanceField& fieldA, const Chart& a, const DistanceField& fi
     for (double preferred : {leastRoll(a, way), likeBend(a, way)}) {
       const Roll roll = findRoll(fieldA, a, fieldB, way, half, preferred);
       const auto valueOf = [&](const Chart& chart, double agreement) {
-        return agreement - kTurnPrice * (turnBetween(a, chart) + bendBetween(a, chart)) / (kPi / 2);
+        return agreement - kTurnPrice * (turnBetween(a, chart) + bendBetween(a, chart)) / (M_PI / 2);
       };
       const auto [least, greatest] = std::minmax_element(roll.along.begin(), roll.along.end());
       const bool small = *greatest - *least < kLeastTwist && roll.alongOverlap >= roll.steadyOverlap;
@@ -84,7 +83,7 @@ Laid laidOn(const DistanceField& fieldA, const Chart& a, const DistanceField& fi
         char text[96];
         std::snprintf(text, sizeof text,
                       "twisted by %.0f degrees against the first: slices overlap %.2f, not",
-                      (roll.along.back() - roll.along.front()) * 180 / kPi, roll.alongOverlap);
+                      (roll.along.back() - roll.along.front()) * 180 / M_PI, roll.alongOverlap);
         laid.twist = text;
       }
     }
@@ -105,7 +104,8 @@ LaidFrames laid(const Fields& fields, const std::vector<std::string>& names, con
     const Laid one = laidOn(*fields[0], frames.charts[0], *fields[k], ways(k), frames.halfLength);
     result.steady.charts[k] = one.steady;
     result.twisted->charts[k] = one.twisted.value_or(one.steady);
-    if (one.twisted) any = true, result.twisted->notes.push_back(names[k] + " " + one.twist);
+    if (one.twisted)
+      any = true, result.twisted->notes.push_back({"frame.twisted", Severity::kNote, names[k], one.twist});
   }
   if (!any) result.twisted.reset();
   return result;
@@ -133,8 +133,8 @@ std::optional<LaidFrames> framesAlongSpines(const Fields& fields, const std::vec
     chart.bend = Bend(aspect, std::move(rates));
     frames.charts.push_back(chart);
     char text[96];
-    std::snprintf(text, sizeof text, " has a spine that turns by %.0f degrees in all", turn * 180 / kPi);
-    frames.notes.push_back(names[k] + text);
+    std::snprintf(text, sizeof text, "has a spine that turns by %.0f degrees in all", turn * 180 / M_PI);
+    frames.notes.push_back({"frame.spine", Severity::kNote, names[k], text});
   }
   LaidFrames result = laid(fields, names, frames, [&](size_t k) {
     return std::vector<Chart>{frames.charts[k], reversed(frames.charts[k])};

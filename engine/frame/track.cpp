@@ -1,6 +1,6 @@
 #include "engine/frame/track.h"
 
-#include "engine/frame/moments.h"
+#include "engine/volume/moments.h"
 
 #include <tbb/parallel_for.h>
 #include <Eigen/Cholesky>
@@ -18,7 +18,6 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-constexpr double kPi = 3.14159265358979323846;
 /// What is further off than this counts little, in sizes of the object: at first, and in the end.
 constexpr double kFirstReach = 0.3, kLastReach = 0.03, kReachStep = 0.7;
 constexpr int kMostSteps = 40;
@@ -150,10 +149,10 @@ Frames trackFrames(const Frames& frames, const Fields& earlier, const Fields& no
     chart.scale *= motion.scale;
     char text[160];
     std::snprintf(text, sizeof text,
-                  " moved by %.4g, turned by %.1f degrees and grew %.3f times since the frame before",
-                  (motion.to - motion.from).length(), rotationVector(motion.rotation).length() * 180 / kPi,
+                  "moved by %.4g, turned by %.1f degrees and grew %.3f times since the frame before",
+                  (motion.to - motion.from).length(), rotationVector(motion.rotation).length() * 180 / M_PI,
                   motion.scale);
-    result.notes.push_back(names[k] + text);
+    result.notes.push_back({"sequence.moved", Severity::kDetail, names[k], text});
   }
   return result;
 }

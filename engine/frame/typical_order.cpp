@@ -1,6 +1,6 @@
 #include "engine/frame/typical_order.h"
 
-#include "engine/frame/moments.h"
+#include "engine/volume/moments.h"
 
 #include <tbb/parallel_for.h>
 

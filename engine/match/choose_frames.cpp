@@ -2,17 +2,17 @@
 
 #include "engine/frame/feature_turns.h"
 #include "engine/frame/spine_frames.h"
-#include "engine/match/register.h"
+#include "engine/match/agreement.h"
 #include "slicemorph/errors.h"
 
 #include <algorithm>
 #include <cstdio>
+#include <utility>
 
 namespace slicemorph {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kQuickSlices = 32;
 /// What curved spines or a twist must win: they are for objects that clearly need them.
 constexpr double kPrice = 0.03;
@@ -42,16 +42,18 @@ std::vector<Turn> turnsToTry(const Fields& pair, const std::vector<Vec3d>& from,
   return turns;
 }
 
-/// The turn from the first object of a pair to the other one.
+/// The turn from the first object of a pair to the other one. Where no agreement is a number, as of shapes
+/// without any inside, the most likely turn.
 Turn chooseTurn(const Fields& pair, const std::vector<Turn>& turns, const MorphOptions& options,
-                Progress& progress) {
+                const Progress& progress) {
   if (turns.size() == 1) return turns[0];
-  const Turn* best = nullptr;
+  const Turn* best = &turns[0];
   double most = -1e30;
   for (const Turn& turn : turns) {
+    if (progress.cancelled()) throw Cancelled();
     if (1 - priceOf(turn.rotation, options.up) <= most) continue;  // no overlap is above 1
     const Frames frames = frameObjects(pair, {Mat3d::identity(), turn.rotation}, options);
-    const Agreement reached = quickAgreement(pair, frames, options, progress);
+    const Agreement reached = quickAgreement(pair, frames, options);
     const double value = reached.after - kStrainPrice * reached.strain - priceOf(turn.rotation, options.up);
     if (value > most) most = value, best = &turn;
   }
@@ -66,8 +68,24 @@ double turnPrice(const Frames& frames, const Vec3d& up) {
   return price / double(std::max<size_t>(frames.charts.size() - 1, 1));
 }
 
+/// What was decided of an object's turn against the first one, `first`.
+Note turnNote(const Turn& turn, const std::string& name, const std::string& first) {
+  const double degrees = turn.angle * 180 / M_PI;
+  char text[96];
+  if (degrees == 0 && turn.overlap != 0) {
+    std::snprintf(text, sizeof text, "keeps its directions, overlap %.2f before warping", turn.overlap);
+    return {"frame.kept", Severity::kNote, name, text};
+  }
+  std::snprintf(text, sizeof text, "turned by %.1f degrees against '", degrees);
+  std::string sentence = text + first + "', ";
+  if (turn.overlap == 0) return {"frame.turned", Severity::kNote, name, sentence + "as features tell"};
+  std::snprintf(text, sizeof text, "overlap %.2f before warping", turn.overlap);
+  return {"frame.turned", Severity::kNote, name, sentence + text};
+}
+
+/// Every object turned against the first, about straight spines.
 Frames straightFrames(const Fields& fields, const std::vector<std::string>& names,
-                      const MorphOptions& options, Progress& progress) {
+                      const MorphOptions& options, const Progress& progress) {
   std::vector<Mat3d> rotations(fields.size(), Mat3d::identity());
   Notes notes;
   for (size_t k = 1; k < fields.size() && options.align != Align::kNone; ++k) {
@@ -79,61 +97,65 @@ Frames straightFrames(const Fields& fields, const std::vector<std::string>& name
         turnsToTry(pair, placesOn(options.features, 0), placesOn(options.features, k), options.up);
     const Turn turn = chooseTurn(pair, turns, pairOptions, progress);
     rotations[k] = turn.rotation;
-    const double degrees = turn.angle * 180 / kPi;
-    char text[256];
-    if (turn.overlap == 0)
-      std::snprintf(text, sizeof text, "%s turned by %.1f degrees against %s, as features tell",
-                    names[k].c_str(), degrees, names[0].c_str());
-    else if (degrees > 0)
-      std::snprintf(text, sizeof text, "%s turned by %.1f degrees against %s, overlap %.2f before warping",
-                    names[k].c_str(), degrees, names[0].c_str(), turn.overlap);
-    else
-      std::snprintf(text, sizeof text, "%s keeps its directions, overlap %.2f before warping",
-                    names[k].c_str(), turn.overlap);
-    notes.push_back(text);
+    notes.push_back(turnNote(turn, names[k], names[0]));
   }
   Frames frames = frameObjects(fields, rotations, options);
   frames.notes.insert(frames.notes.begin(), notes.begin(), notes.end());
   return frames;
 }
 
+/// The best frames so far, and what they reach.
+struct FrameTrials {
+  Frames best;
+  Agreement reached;
+};
+
+/// After one more trial, named `name`. `wanted`: taken whatever it reaches.
+FrameTrials afterTrial(FrameTrials trials, const Frames& frames, const Fields& fields,
+                       const MorphOptions& options, const char* name, bool wanted) {
+  const Agreement a = quickAgreement(fields, frames, options), &least = trials.reached;
+  const double gain = 0.5 * (a.before + a.after - least.before - least.after) +
+                      turnPrice(trials.best, options.up) - turnPrice(frames, options.up);
+  const bool wins = wanted || (gain > kPrice && a.after > least.after - kPrice);
+  char text[128];
+  std::snprintf(text, sizeof text,
+                "%s %s: overlap %.3f before and %.3f after a quick matching, else %.3f and %.3f", name,
+                wins ? "taken" : "not taken", a.before, a.after, least.before, least.after);
+  if (wins) trials = {frames, a};
+  trials.best.notes.push_back({"frame.trial", Severity::kDetail, "", text});
+  return trials;
+}
+
+/// No overlap is above 1 and no price below 0: what cannot win is not tried.
+bool mayBeBeaten(const FrameTrials& trials, const Vec3d& up) {
+  return 0.5 * (2 - trials.reached.before - trials.reached.after) + turnPrice(trials.best, up) > kPrice;
+}
+
 }  // namespace
 
 Frames chooseFrames(const Fields& fields, const std::vector<std::string>& names, const MorphOptions& options,
-                    Progress& progress) {
+                    const Progress& progress) {
   MorphOptions quick = options;
   quick.slices = kQuickSlices;
-  Frames best = straightFrames(fields, names, quick, progress);
-  if (options.align == Align::kNone) return best;
-  Agreement least = quickAgreement(fields, best, quick, progress);
-  // No overlap is above 1 and no price below 0: what cannot win is not tried.
-  const auto mayWin = [&] {
-    return 0.5 * (2 - least.before - least.after) + turnPrice(best, options.up) > kPrice;
+  FrameTrials trials{straightFrames(fields, names, quick, progress), {}};
+  if (options.align == Align::kNone) return trials.best;
+  trials.reached = quickAgreement(fields, trials.best, quick);
+  const auto consider = [&](const std::optional<Frames>& frames, const char* name, bool wanted) {
+    if (progress.cancelled()) throw Cancelled();
+    if (frames) trials = afterTrial(std::move(trials), *frames, fields, quick, name, wanted);
   };
-  const auto consider = [&](const std::optional<Frames>& frames, const char* name, bool wanted = false) {
-    if (!frames) return;
-    const Agreement a = quickAgreement(fields, *frames, quick, progress);
-    const double gain = 0.5 * (a.before + a.after - least.before - least.after) +
-                        turnPrice(best, options.up) - turnPrice(*frames, options.up);
-    const bool wins = wanted || (gain > kPrice && a.after > least.after - kPrice);
-    char text[128];
-    std::snprintf(text, sizeof text,
-                  "%s %s: overlap %.3f before and %.3f after a quick matching, else %.3f and %.3f", name,
-                  wins ? "taken" : "not taken", a.before, a.after, least.before, least.after);
-    if (wins) best = *frames, least = a;
-    best.notes.push_back(text);
-  };
-  if (mayWin()) consider(twistedFrames(fields, names, best), "twist");
+  if (mayBeBeaten(trials, options.up)) consider(twistedFrames(fields, names, trials.best), "twist", false);
   const bool wanted = options.spine == SpineKind::kCurved;
-  if (!wanted && (options.spine == SpineKind::kStraight || options.axis.length() > 0 || !mayWin()))
-    return best;
+  const bool straight = options.spine == SpineKind::kStraight || options.axis.length() > 0;
+  if (!wanted && (straight || !mayBeBeaten(trials, options.up))) return trials.best;
   if (const std::optional<LaidFrames> own = framesAlongSpines(fields, names)) {
     if (own->bowed || wanted) consider(own->steady, "curved spine", wanted);
-    consider(own->twisted, own->bowed ? "curved spine with twist" : "own spine with twist");
+    consider(own->twisted, own->bowed ? "curved spine with twist" : "own spine with twist", false);
   } else if (wanted) {
-    best.notes.push_back("not every shape has a sound curved spine: straight ones are used");
+    trials.best.notes.push_back({"frame.no-curved-spine", Severity::kWarning, "",
+                                 "not every shape has a sound curved spine: straight ones are used"});
   }
-  return best;
+  return trials.best;
 }
 
 }  // namespace slicemorph

@@ -234,18 +234,18 @@ bool isPrescribedBy(const PlacedLimb& limb, const std::vector<PlacedLimb>& lines
   return false;
 }
 
-std::vector<Feature> featuresInReach(const std::vector<Feature>& features, const Fields& fields,
-                                     Notes& notes) {
-  std::vector<Feature> result;
+FeaturesInReach featuresInReach(const std::vector<Feature>& features, const Fields& fields) {
+  FeaturesInReach result;
   for (const Feature& feature : features) {
     bool near = false;
     for (size_t k = 0; k < fields.size(); ++k)
       for (const Vec3d& p : feature.places[k])
         near |= fields[k]->coarse(p) < kFar * fields[k]->box().extents().length();
     if (near)
-      result.push_back(feature);
+      result.features.push_back(feature);
     else
-      notes.push_back("feature '" + feature.name + "' lies far from every object's surface and is left out");
+      result.notes.push_back({"features.far", Severity::kWarning, "feature '" + feature.name + "'",
+                              "lies far from every object's surface and is left out"});
   }
   return result;
 }

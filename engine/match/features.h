@@ -22,10 +22,13 @@ Vec3d placeAlong(const std::vector<Vec3d>& line, double share);
 /// Whether a limb lies along a line of the same object.
 bool isPrescribedBy(const PlacedLimb& limb, const std::vector<PlacedLimb>& lines);
 
-/// The features without those that lie far from every object's surface, which have nothing to hold on to;
-/// their names go into `notes`.
-std::vector<Feature> featuresInReach(const std::vector<Feature>& features, const Fields& fields,
-                                     Notes& notes);
+struct FeaturesInReach {
+  std::vector<Feature> features;
+  Notes notes;  ///< of those that are left out
+};
+
+/// The features without those that lie far from every object's surface, which have nothing to hold on to.
+FeaturesInReach featuresInReach(const std::vector<Feature>& features, const Fields& fields);
 
 /// What features a map does not meet although it was asked to, and with which other ones they are at odds,
 /// one warning each.

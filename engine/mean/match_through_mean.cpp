@@ -3,7 +3,7 @@
 #include "engine/blend/moving_lattice.h"
 #include "engine/match/features.h"
 #include "engine/match/fold_guard.h"
-#include "engine/rebuild/rebuild.h"
+#include "engine/rebuild/in_between.h"
 #include "slicemorph/errors.h"
 
 #include <tbb/parallel_for.h>
@@ -17,40 +17,36 @@ namespace slicemorph {
 namespace {
 
 /// Voxels of the mean along the lattice's longest side.
-constexpr double kVoxels = 128;
-constexpr int kNodeStep = 4;
+constexpr double kMeanVoxels = 128;
 
 /// The mean of the objects by a map.
 struct Mean {
   Chart chart;
-  std::shared_ptr<const DistanceField> field;
+  std::shared_ptr<const DistanceField> field;  ///< null: there is nothing at all
 };
 
-Mean meanOf(const Displacements& map, const Fields& fields, const std::vector<Chart>& charts) {
+Mean meanOf(const Displacements& map, const Fields& fields, const Frames& frames) {
   const Weights equal(fields.size(), 1.0 / double(fields.size()));
-  const MovingLattice lattice(map, fields, charts);
+  const MovingLattice lattice(map, fields, frames.charts);
   const MovingLattice::Pose pose = lattice.poseAt(equal);
   const openvdb::Coord& n = map.lattice.size;
-  const double voxel = pose.chart.meanScale() * map.lattice.spacing * std::max({n[0], n[1], n[2]}) / kVoxels;
-  const auto transform = openvdb::math::Transform::createLinearTransform(voxel);
-  DistanceBlend blend{lattice.localWeights(equal), {}, pose.chart.meanScale()};
-  for (const Chart& chart : charts) blend.sizes.push_back(chart.meanScale());
-  const FloatGrid::Ptr surface =
-      rebuildLevelSet(lattice.nodesNearSurface(pose, *transform, kNodeStep), fields, blend, *transform);
+  const double voxelSize =
+      pose.chart.meanScale() * map.lattice.spacing * std::max({n[0], n[1], n[2]}) / kMeanVoxels;
+  const FloatGrid::Ptr surface = rebuildInBetween({lattice, fields, frames}, equal, pose, voxelSize).surface;
   if (surface->empty()) return {pose.chart, nullptr};
   return {pose.chart, std::make_shared<DistanceField>(surface)};
 }
 
-/// The places that a displacement takes to each node of a lattice.
+/// The points that a displacement takes to each node of a lattice.
 std::vector<Vec3d> sourcesOf(const Lattice& nodes, const Lattice& lattice, const VectorField& displacement) {
   const MiddleGuess guess(lattice, displacement);
   std::vector<Vec3d> sources(nodes.count());
   tbb::parallel_for(0, int(nodes.size[2]), [&](int z) {
     for (int y = 0; y < nodes.size[1]; ++y)
       for (int x = 0; x < nodes.size[0]; ++x) {
-        const Vec3d place = nodes.position(x, y, z), start = guess.near(place);
+        const Vec3d position = nodes.position(x, y, z), start = guess.near(position);
         Vec3d& s = sources[nodes.index(x, y, z)] = start;
-        if (!toMiddleContinued(lattice, displacement, place, s)) s = start;  // where it has a fold
+        if (!toMiddleContinued(lattice, displacement, position, s)) s = start;  // where it has a fold
       }
   });
   return sources;
@@ -71,12 +67,12 @@ VectorField displacementFrom(const std::vector<Vec3d>& sources, const Lattice& n
   return result;
 }
 
-/// The displacements of a pair's second object from the places of its first one, the mean.
+/// The displacements of a pair's second object from the points of its first one, the mean.
 VectorField fromMean(const Displacements& pair, const Lattice& nodes) {
   return displacementFrom(sourcesOf(nodes, pair.lattice, pair.of[0]), nodes, pair.lattice, pair.of[1]);
 }
 
-/// The same map from a space in which every place is the mean of those on the objects.
+/// The same map from a space in which every point is the mean of its positions on the objects.
 Displacements recentred(const Displacements& map) {
   const Lattice& lattice = map.lattice;
   Displacements mean{lattice, {VectorField(lattice.count(), openvdb::Vec3s(0.f))}};
@@ -125,40 +121,45 @@ std::vector<Feature> featuresOfPair(const std::vector<Feature>& features, size_t
   return result;
 }
 
+/// The mean and object k matched as a pair; from `map`, of all objects, by which the mean was made.
+Registration matchedWithMean(const MatchObjects& objects, size_t k, const Displacements& map,
+                             const Mean& mean, const MorphOptions& options) {
+  const MatchObjects pair =
+      measureObjects({mean.field, objects.shape.fields[k]}, {}, {mean.chart, objects.charts[k]},
+                     featuresOfPair(objects.features, k, map, objects.charts, mean));
+  const TracedObjects traced = traceObjects(sliceObjects(pair, options.slices));
+  Progress none;
+  return registerObjects(pair, traced, options.samples, kRoundsBeforeLast, none);
+}
+
 }  // namespace
 
-Registration matchThroughMean(Registration start, const Fields& fields, const std::vector<Fields>& inner,
-                              const Frames& frames, const std::vector<std::string>& names,
-                              const MorphOptions& options, Progress& progress) {
+Registration matchThroughMean(Registration start, const MatchObjects& objects, const Frames& frames,
+                              const std::vector<std::string>& names, const MorphOptions& options,
+                              Progress& progress) {
   Registration result = std::move(start);
-  const std::vector<Chart>& charts = frames.charts;
-  const Mean mean = meanOf(result.map, fields, charts);
+  const size_t count = objects.count();
+  const Mean mean = meanOf(result.map, objects.shape.fields, frames);
   if (!mean.field) return result;
-  Displacements next{result.map.lattice, std::vector<VectorField>(fields.size())};
-  std::vector<std::string> found(fields.size());
+  Displacements next{result.map.lattice, std::vector<VectorField>(count)};
+  Notes found(count, Note(""));
   std::atomic<size_t> done{0};
-  tbb::parallel_for(size_t(0), fields.size(), [&](size_t k) {
+  tbb::parallel_for(size_t(0), count, [&](size_t k) {
     if (progress.cancelled()) return;
-    Frames pair;
-    pair.charts = {mean.chart, charts[k]};
-    pair.halfLength = frames.halfLength;
-    MorphOptions own = options;
-    own.features = featuresOfPair(options.features, k, result.map, charts, mean);
-    Progress none;
-    const Registration match = registerObjects({mean.field, fields[k]}, {}, pair, own, none, false);
-    char text[256];
-    std::snprintf(text, sizeof text, "%s and the mean: overlap %.3f, matched %.3f", names[k].c_str(),
-                  match.overlapBefore, match.overlapAfter);
-    found[k] = text;
+    const Registration match = matchedWithMean(objects, k, result.map, mean, options);
+    char text[96];
+    std::snprintf(text, sizeof text, "overlaps the mean by %.3f, matched by %.3f", match.overlapBefore,
+                  match.overlapAfter);
+    found[k] = {"match.mean", Severity::kDetail, names[k], text};
     next.of[k] = fromMean(match.map, next.lattice);
-    progress.report("match", 0.2 + 0.7 * double(++done) / double(fields.size()));
+    progress.report("match", 0.2 + 0.7 * double(++done) / double(count));
   });
   if (progress.cancelled()) throw Cancelled();
   result.notes.insert(result.notes.end(), found.begin(), found.end());
   removeFolds(next);
   result.map = recentred(next);
   removeFolds(result.map);
-  return refineRegistration(std::move(result), fields, inner, frames, options, progress);
+  return refineRegistration(std::move(result), objects, progress);
 }
 
 }  // namespace slicemorph

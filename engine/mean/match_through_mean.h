@@ -5,13 +5,13 @@
 namespace slicemorph {
 
 /// The matching of more than two objects: their mean shape by the map so far is built, each object is matched
-/// with it as one of a pair is, and what lies at a place of the mean is moved to the mean of its places on
+/// with it as one of a pair is, and what lies at a point of the mean is moved to the mean of its positions on
 /// all of them. So every object is matched as well as two are, none is special, and the work grows with their
 /// number. (Unbiased atlases: Joshi, Davis, Jomier, Gerig, "Unbiased diffeomorphic atlas construction for
-/// computational anatomy", NeuroImage 2004.) `start`: slices and base of all objects; taken over but for the
-/// map. `names`: of the objects, for notes. The options' features are those of these objects.
-Registration matchThroughMean(Registration start, const Fields& fields, const std::vector<Fields>& inner,
-                              const Frames& frames, const std::vector<std::string>& names,
-                              const MorphOptions& options, Progress& progress);
+/// computational anatomy", NeuroImage 2004.) `start`: of all objects; taken over but for the map. `frames`: of
+/// the objects, from which their charts are. `names`: of the objects, for notes.
+Registration matchThroughMean(Registration start, const MatchObjects& objects, const Frames& frames,
+                              const std::vector<std::string>& names, const MorphOptions& options,
+                              Progress& progress);
 
 }  // namespace slicemorph

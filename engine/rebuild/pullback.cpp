@@ -38,6 +38,52 @@ openvdb::Vec3STree::Ptr topologyOf(const GridBase& where) {
   return tree;
 }
 
+/// Throws unless there is one thing of a kind for every object.
+void checkCount(size_t given, const char* what, size_t objects) {
+  if (given != objects)
+    throw InputError(std::to_string(given) + " " + what + " were given for " + std::to_string(objects) +
+                     " objects");
+}
+
+template <typename T>
+void checkNoneIsNull(const std::vector<const T*>& given, const char* what) {
+  for (size_t k = 0; k < given.size(); ++k)
+    if (!given[k])
+      throw InputError("object " + std::to_string(k + 1) + " of " + std::to_string(given.size()) +
+                       " has no " + what + "; every object needs one");
+}
+
+void checkLattice(const ImageLattice& lattice) {
+  if (lattice.size[0] > 0 && lattice.size[1] > 0 && lattice.size[2] > 0) return;
+  throw InputError("an in-between of " + std::to_string(lattice.size[0]) + " x " +
+                   std::to_string(lattice.size[1]) + " x " + std::to_string(lattice.size[2]) +
+                   " voxels was asked for; it needs one along every axis");
+}
+
+void checkImages(const std::vector<const Image*>& images) {
+  checkNoneIsNull(images, "image");
+  for (size_t k = 0; k < images.size(); ++k) {
+    const size_t count = std::visit([](const auto& values) { return values.size(); }, images[k]->values);
+    if (count != images[k]->lattice.count())
+      throw InputError("the image of object " + std::to_string(k + 1) + " has " + std::to_string(count) +
+                       " values for " + std::to_string(images[k]->lattice.count()) + " voxels");
+  }
+}
+
+/// Rates are off a sum of 0 by no more than this, by rounding; weights are, too.
+constexpr double kRateTolerance = 1e-6;
+
+void checkRate(const Weights& rate, size_t objects) {
+  checkCount(rate.size(), "rates", objects);
+  double sum = 0, all = 0;
+  for (double r : rate) {
+    if (!std::isfinite(r)) throw InputError("a rate is " + std::to_string(r) + "; rates must be finite");
+    sum += r, all += std::abs(r);
+  }
+  if (std::abs(sum) > kRateTolerance * (1 + all))
+    throw InputError("the rates sum to " + std::to_string(sum) + "; they must sum to 0, as weights sum to 1");
+}
+
 double fastest(const openvdb::Vec3SGrid& grid) {
   double most = 0;
   for (auto v = grid.cbeginValueOn(); v; ++v) most = std::max(most, double(v->lengthSqr()));
@@ -54,9 +100,7 @@ Pullback& Pullback::operator=(Pullback&&) noexcept = default;
 GridBase::ConstPtr Pullback::carry(const std::vector<GridBase::ConstPtr>& grids,
                                    const PullbackOptions& options) {
   Impl& p = *impl_;
-  if (grids.size() != p.weights.size())
-    throw InputError(std::to_string(grids.size()) + " grids were given for " +
-                     std::to_string(p.weights.size()) + " objects");
+  checkCount(grids.size(), "grids", p.weights.size());
   const auto first = std::find_if(grids.begin(), grids.end(), [](const auto& grid) { return bool(grid); });
   if (first == grids.end()) throw InputError("none of the objects has a grid to carry");
   const GridBase& like = **first;
@@ -98,9 +142,10 @@ GridBase::Ptr Pullback::warped(const std::vector<CarriedGrid>& carried, const Gr
 Image Pullback::carry(const std::vector<const Image*>& images, const ImageLattice& on,
                       const std::vector<double>& isos) const {
   const Impl& p = *impl_;
-  if (images.size() != p.weights.size())
-    throw InputError(std::to_string(images.size()) + " images were given for " +
-                     std::to_string(p.weights.size()) + " objects");
+  checkCount(images.size(), "images", p.weights.size());
+  if (!isos.empty()) checkCount(isos.size(), "isovalues", p.weights.size());
+  checkImages(images);
+  checkLattice(on);
   p.refuseRegions();
   std::vector<CarriedImage> carried;
   for (size_t k = 0; k < images.size(); ++k) {
@@ -116,9 +161,9 @@ Image Pullback::carry(const std::vector<const Image*>& images, const ImageLattic
 
 Image Pullback::carryLabels(const std::vector<const LabelField*>& labels, const ImageLattice& on) const {
   const Impl& p = *impl_;
-  if (labels.size() != p.weights.size())
-    throw InputError(std::to_string(labels.size()) + " label maps were given for " +
-                     std::to_string(p.weights.size()) + " objects");
+  checkCount(labels.size(), "label maps", p.weights.size());
+  checkNoneIsNull(labels, "label map");
+  checkLattice(on);
   p.refuseRegions();
   std::vector<CarriedLabels> carried;
   for (size_t k = 0; k < labels.size(); ++k)
@@ -131,9 +176,7 @@ Image Pullback::carryLabels(const std::vector<const LabelField*>& labels, const 
 openvdb::Vec3SGrid::Ptr Pullback::colors(const FloatGrid& surface,
                                          const std::vector<openvdb::Vec3SGrid::ConstPtr>& colors) {
   Impl& p = *impl_;
-  if (colors.size() != p.weights.size())
-    throw InputError(std::to_string(colors.size()) + " grids of colours were given for " +
-                     std::to_string(p.weights.size()) + " objects");
+  checkCount(colors.size(), "grids of colours", p.weights.size());
   if (p.alone && colors[*p.alone]) return colorsAround(surface, *colors[*p.alone]);
   std::vector<CarriedColors> carried, uncounted;
   for (size_t k = 0; k < colors.size(); ++k) {
@@ -153,6 +196,9 @@ openvdb::Vec3SGrid::Ptr Pullback::colors(const FloatGrid& surface,
 }
 
 openvdb::Vec3SGrid::Ptr Pullback::velocity(const GridBase& where, const Weights& rate, double reach) const {
+  checkRate(rate, impl_->weights.size());
+  if (!(reach >= 0))
+    throw InputError("velocities reach for " + std::to_string(reach) + "; it must be 0 or more");
   auto result = openvdb::Vec3SGrid::create(topologyOf(where));
   result->setTransform(where.transform().copy());
   result->setName("vel");

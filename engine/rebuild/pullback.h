@@ -5,7 +5,7 @@
 
 namespace slicemorph {
 
-/// What a Carrier is made of.
+/// What a Pullback is made of.
 struct Pullback::Impl {
   Carrying carrying;
   std::optional<size_t> alone;            ///< the object that the in-between is, if it is one

@@ -19,7 +19,7 @@ struct CarriedImage {
   std::optional<double> iso = std::nullopt;
 };
 
-/// sum_k w_k V_k(M_k(p)), trilinear, slice by slice; see Carrier::carry. Near the surfaces every image is
+/// sum_k w_k V_k(M_k(p)), trilinear, slice by slice; see Pullback::carry. Near the surfaces every image is
 /// looked up where it is as deep inside its object as the in-between is, along the way to its surface: thin
 /// walls that do not lie quite on each other stay whole, and what is outside the in-between shows no ghost of
 /// one image's inside.

@@ -13,7 +13,7 @@ struct CarriedLabels {
   double weight = 0;      ///< with the object's size against the in-between's: depths count in its units
 };
 
-/// The deepest label at every voxel; see Carrier::carryLabels. As uint8, uint16 or int32, whichever holds
+/// The deepest label at every voxel; see Pullback::carryLabels. As uint8, uint16 or int32, whichever holds
 /// all.
 Image warpLabels(const std::vector<CarriedLabels>& labels, const ImageNodes& nodes, const ImageLattice& on);
 

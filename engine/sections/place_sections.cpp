@@ -1,7 +1,7 @@
 #include "engine/sections/place_sections.h"
 
-#include "engine/frame/moments.h"
 #include "engine/sections/object_boxes.h"
+#include "engine/volume/moments.h"
 #include "slicemorph/errors.h"
 
 #include <tbb/parallel_reduce.h>

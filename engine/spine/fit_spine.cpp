@@ -1,7 +1,7 @@
 #include "engine/spine/fit_spine.h"
 
-#include "engine/frame/moments.h"
 #include "engine/spine/geodesics.h"
+#include "engine/volume/moments.h"
 
 #include <tbb/parallel_for.h>
 #include <Eigen/Cholesky>

@@ -13,7 +13,7 @@ namespace {
 /// Of the longest way: how far a branch must run out beyond where it joins another.
 constexpr double kProminent = 0.12;
 /// A branch is at least this many times longer than wide.
-constexpr double kSlender = 1.2;
+constexpr double kLongerThanWide = 1.2;
 /// And thinner than the body: its width is less than this share of the body's greatest depth, doubled. What
 /// is as thick is the body's own end.
 constexpr double kThin = 0.9;
@@ -82,7 +82,7 @@ std::vector<Limb> findLimbs(const DistanceField& field) {
     branch.ended = true;
     const Limb limb = limbOf(nodes, distance, branch, root);
     const double width = widthOf(limb);
-    if (limb.length > kSlender * width && width < kThin * 2 * nodes.depth[body]) limbs.push_back(limb);
+    if (limb.length > kLongerThanWide * width && width < kThin * 2 * nodes.depth[body]) limbs.push_back(limb);
   };
   for (size_t i : order) {
     int mine = -1;

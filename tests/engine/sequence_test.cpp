@@ -1,7 +1,7 @@
 // Plans from frame to frame of a sequence: what was decided holds, follows the objects, and makes no jumps.
-#include "engine/frame/moments.h"
 #include "engine/frame/track.h"
 #include "engine/measure/measure.h"
+#include "engine/volume/moments.h"
 #include "slicemorph/errors.h"
 #include "slicemorph/slicemorph.h"
 #include "tests/support/all_tests.h"

@@ -11,7 +11,8 @@
 #include <string>
 
 /// slicemorph: morphs volumes through oriented slices. Grids in, grids out; loads nothing, prints nothing.
-/// Method: Yasmin & Talib, "A Method for 3D Morphing Using Slices", GRAPP 2009; see engine/pipeline.cpp.
+/// Method: Yasmin & Talib, "A Method for 3D Morphing Using Slices", GRAPP 2009; the stages are the calls of
+/// engine/pipeline.cpp.
 namespace slicemorph {
 
 /// One input of a morph: a level set by the conventions.
@@ -38,7 +39,7 @@ struct MorphOptions {
   std::vector<Region> regions =
       {};  ///< parts with weights of their own; where they overlap the later one counts
   ContourPath path = ContourPath::kLinear;
-  Vec3d up{0, 1, 0};  ///< world; what stands is turned about it rather than otherwise; zero: nothing stands
+  Vec3d up{0, 1, 0};  ///< world; turns about it are preferred: upright models stay so; zero: none are
 };
 
 /// One slice of the plan, for debug pictures: contours in chart space (x, y) and the pairs that were
@@ -89,15 +90,15 @@ class Pullback {
   /// Velocity of what is at the active voxels of a grid while the weights change by `rate` a unit of time
   /// (one number per object, of sum 0): world units per that time, named "vel". Of the forward map. On the
   /// same voxels and as far around them as they get within `reach` of that time: a renderer looks velocities
-  /// up where things arrive.
+  /// up where things arrive. Throws InputError for other rates.
   openvdb::Vec3SGrid::Ptr velocity(const openvdb::GridBase& where, const Weights& rate,
                                    double reach = 0) const;
 
   /// In-between of dense images on a lattice: sum_k w_k V_k(M_k(p)), trilinear; beyond an image its smallest
   /// value. Of the images' own number type where they share one (whole numbers are rounded), else of one that
   /// holds all. At weight 1 it is that image itself, resampled only where its lattice is another. `images`:
-  /// one per object. `isos`: the value at each one's surface; the in-between then has their blend on its own
-  /// surface, and only inside it more. Throws InputError.
+  /// one per object, none null. `isos`: the value at each one's surface, or none; the in-between then has their
+  /// blend on its own surface, and only inside it more. Throws InputError.
   Image carry(const std::vector<const Image*>& images, const ImageLattice& on,
               const std::vector<double>& isos = {}) const;
 
@@ -110,7 +111,7 @@ class Pullback {
 
   /// In-between of label maps: at every voxel the label whose blended distance, sum_k w_k d_k(M_k(p)), lies
   /// deepest inside; the space without a label counts as one. No gaps, no overlaps, no order of labels.
-  /// `labels`: one per object.
+  /// `labels`: one per object, none null; else InputError.
   Image carryLabels(const std::vector<const LabelField*>& labels, const ImageLattice& on) const;
 
   struct Impl;
@@ -138,8 +139,8 @@ Weights withoutNegatives(const Weights& weights);
 /// What a morph needs to know once; every frame is then an independent task. Thread-safe after construction.
 class MorphPlan {
  public:
-  /// Throws InputError for fewer than one object or options out of range, GeometryError for an empty level
-  /// set.
+  /// Throws InputError for fewer than one object or options out of range, GeometryError for a level set that is
+  /// empty or against the conventions; the message names the object, its value and what would be right.
   MorphPlan(std::vector<Object> objects, const MorphOptions& options = {}, Progress* progress = nullptr);
   /// The plan of the next frame of a sequence: `before` is the plan of the frame before, of the same objects
   /// a moment earlier, whose options it takes. What was decided there holds (axes, turns, spines, twist,
@@ -162,9 +163,9 @@ class MorphPlan {
   /// frame().
   std::vector<Vec3d> carryPoints(const std::vector<Vec3d>& points, const Weights& from,
                                  const Weights& to) const;
-  /// What an object has, carried to an in-between.
+  /// What an object has, carried to an in-between. Throws InputError where there is no such object.
   std::vector<Vec3d> carryPoints(const std::vector<Vec3d>& points, size_t from, const Weights& to) const;
-  /// The same from one object to another one.
+  /// The same from one object to another one; throws alike.
   std::vector<Vec3d> correspond(const std::vector<Vec3d>& points, size_t from, size_t to) const;
 
   size_t objectCount() const;

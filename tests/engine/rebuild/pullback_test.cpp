@@ -1,8 +1,10 @@
 // Values that ride with the shapes, against closed forms: Gaussian puffs that travel, turn and grow.
 #include "engine/spine/chart.h"
+#include "engine/volume/label_field.h"
 #include "engine/volume/level_set.h"
 #include "engine/volume/voxelise.h"
 #include "io/input.h"
+#include "slicemorph/errors.h"
 #include "slicemorph/slicemorph.h"
 #include "tests/support/bent_shapes.h"
 #include "tests/support/same_values.h"
@@ -15,6 +17,7 @@
 #include <array>
 #include <cstdio>
 #include <fstream>
+#include <functional>
 #include <map>
 
 namespace slicemorph {
@@ -320,6 +323,64 @@ TEST(Carry, EndsAreTheInputs) {
   const MorphPlan plan({shapeOf(a), shapeOf(b)});
   EXPECT_EQ(plan.pullback({1, 0}).carry({a, b}), a);
   EXPECT_EQ(plan.pullback({0, 1}).carry({a, b}), b);
+}
+
+/// What the call says when it refuses; empty where it does not.
+std::string refusalOf(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(Carry, RatesThatAreNoneAreRefused) {
+  const FloatGrid::Ptr a = puff({0, 0, 0}, Vec3d(kWidth), kVoxel), b = puff({4, 0, 0}, Vec3d(kWidth), kVoxel);
+  const MorphPlan plan({shapeOf(a), shapeOf(b)});
+  const Pullback pullback = plan.pullback({0.5, 0.5});
+  EXPECT_EQ(refusalOf([&] { pullback.velocity(*a, {-1, 1, 0}); }), "3 rates were given for 2 objects");
+  EXPECT_EQ(refusalOf([&] { pullback.velocity(*a, {}); }), "0 rates were given for 2 objects");
+  EXPECT_NE(refusalOf([&] { pullback.velocity(*a, {-1, std::nan("")}); }), "");
+  EXPECT_NE(refusalOf([&] { pullback.velocity(*a, {0.5, 0.5}); }).find("must sum to 0"), std::string::npos);
+  EXPECT_NE(refusalOf([&] { pullback.velocity(*a, {-1, 1}, -0.1); }), "");
+  // Slopes of splines sum to 0 but for the last digits.
+  EXPECT_EQ(refusalOf([&] { pullback.velocity(*a, {-24.1, 24.1 + 1e-12}); }), "");
+}
+
+TEST(Carry, ImagesAndLabelsThatAreMissingAreRefused) {
+  const FloatGrid::Ptr a = puff({0, 0, 0}, Vec3d(kWidth), kVoxel), b = puff({4, 0, 0}, Vec3d(kWidth), kVoxel);
+  const MorphPlan plan({shapeOf(a), shapeOf(b)});
+  Image image;
+  image.lattice.size = {4, 3, 2};
+  image.lattice.origin = {-2, -1, -1};
+  image.values = std::vector<std::uint8_t>(24, 1);
+  Image cut = image;
+  cut.values = std::vector<std::uint8_t>(23, 1);
+  const LabelField labels(image);
+  ImageLattice nowhere = image.lattice;
+  nowhere.size[1] = 0;
+  for (const Weights& weights : {Weights{0.5, 0.5}, Weights{1, 0}}) {
+    const Pullback pullback = plan.pullback(weights);
+    using Images = std::vector<const Image*>;
+    const auto images = [&](const Images& given, const ImageLattice& on,
+                            const std::vector<double>& isos = {}) {
+      return refusalOf([&] { pullback.carry(given, on, isos); });
+    };
+    const ImageLattice& on = image.lattice;
+    EXPECT_EQ(images({&image}, on), "1 images were given for 2 objects");
+    EXPECT_EQ(images({&image, nullptr}, on), "object 2 of 2 has no image; every object needs one");
+    EXPECT_EQ(images({&image, &image}, on, {0.5}), "1 isovalues were given for 2 objects");
+    EXPECT_EQ(images({&cut, &image}, on), "the image of object 1 has 23 values for 24 voxels");
+    EXPECT_NE(images({&image, &image}, nowhere).find("4 x 0 x 2"), std::string::npos);
+    EXPECT_EQ(images({&image, &image}, on), "");
+    using Labels = std::vector<const LabelField*>;
+    EXPECT_EQ(refusalOf([&] {
+                pullback.carryLabels(Labels{nullptr, &labels}, on);
+              }),
+              "object 1 of 2 has no label map; every object needs one");
+    EXPECT_NE(refusalOf([&] { pullback.carryLabels(Labels{&labels, &labels}, nowhere); }), "");
+  }
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "engine/frame/moments.h"
+#include "engine/volume/moments.h"
 
 #include "slicemorph/errors.h"
 

@@ -1,0 +1,45 @@
+#include "engine/match/finish_map.h"
+
+#include "engine/match/fold_guard.h"
+
+#include <algorithm>
+
+namespace slicemorph {
+
+namespace {
+
+/// Cells of the finished lattice along the objects' longest side.
+constexpr double kCells = 72;
+/// What a fold may leave of a cell's volume: less than while matching, as a finer lattice bends more sharply.
+constexpr double kFinishedFloor = 0.1;
+
+}  // namespace
+
+Displacements finishedMap(const MatchObjects& objects, const Displacements& map) {
+  const Vec3d extents = objects.box.extents();
+  const double longest = std::max({extents[0], extents[1], extents[2]});
+  Displacements fine = resampled(map, Lattice::over(objects.reach(), longest / kCells));
+  removeFolds(fine, kFinishedFloor);
+  return fine;
+}
+
+Displacements continuedOver(const MatchObjects& objects, const Displacements& before) {
+  const Lattice& old = before.lattice;
+  const openvdb::BBoxd reach = objects.reach();
+  const openvdb::Coord low = openvdb::Coord::floor((reach.min() - old.origin) / old.spacing);
+  const openvdb::Coord high = openvdb::Coord::ceil((reach.max() - old.origin) / old.spacing);
+  const Lattice lattice{old.position(low[0], low[1], low[2]), old.spacing, high - low + openvdb::Coord(1)};
+  Displacements result{lattice, std::vector<VectorField>(objects.count(), VectorField(lattice.count()))};
+  for (int z = 0; z < lattice.size[2]; ++z)
+    for (int y = 0; y < lattice.size[1]; ++y)
+      for (int x = 0; x < lattice.size[0]; ++x) {
+        openvdb::Coord from = low + openvdb::Coord(x, y, z);
+        from.maxComponent(openvdb::Coord(0));
+        from.minComponent(old.size - openvdb::Coord(1));
+        for (size_t k = 0; k < objects.count(); ++k)
+          result.of[k][lattice.index(x, y, z)] = before.of[k][old.index(from[0], from[1], from[2])];
+      }
+  return result;
+}
+
+}  // namespace slicemorph

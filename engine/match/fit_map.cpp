@@ -1,0 +1,45 @@
+#include "engine/match/fit_map.h"
+
+#include "engine/match/fit_field.h"
+#include "engine/match/fold_guard.h"
+
+namespace slicemorph {
+
+namespace {
+
+/// What the fields on top of a base must be to meet the correspondences.
+Sites sitesOn(const Displacements& base, const std::vector<Correspondence>& points) {
+  const size_t objects = base.of.size();
+  Sites sites;
+  sites.value.resize(objects);
+  for (const Correspondence& c : points) {
+    const Vec3d& s = c.middle;
+    sites.position.push_back(s);
+    sites.weight.push_back(c.weight);
+    for (size_t k = 0; k < objects; ++k) sites.value[k].push_back(c.at[k] - s - base.at(k, s));
+  }
+  return sites;
+}
+
+}  // namespace
+
+Displacements fittedMap(const MatchObjects& objects, const Matching& matching,
+                        std::vector<Correspondence> points, const MapFit& fit) {
+  const Lattice lattice = objects.lattice(fit.spacing);
+  points.insert(points.end(), objects.guides.marks.begin(), objects.guides.marks.end());
+  const Displacements base = resampled(matching.base, lattice);
+  Displacements start = resampled(matching.map, lattice);
+  for (size_t k = 0; k < objects.count(); ++k)
+    for (size_t i = 0; i < lattice.count(); ++i) start.of[k][i] -= base.of[k][i];
+  Displacements map = fitFields(lattice, sitesOn(matching.base, points), fit.stiffness, start);
+  // A base that is finer than the fields, as of limbs that were followed, keeps its own lattice.
+  const bool finer = matching.base.lattice.spacing < lattice.spacing;
+  if (finer) map = resampled(map, matching.base.lattice);
+  const Displacements& under = finer ? matching.base : base;
+  for (size_t k = 0; k < objects.count(); ++k)
+    for (size_t i = 0; i < map.lattice.count(); ++i) map.of[k][i] += under.of[k][i];
+  removeFolds(map);
+  return map;
+}
+
+}  // namespace slicemorph

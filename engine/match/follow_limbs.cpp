@@ -1,0 +1,56 @@
+#include "engine/match/follow_limbs.h"
+
+#include "engine/match/flow.h"
+#include "engine/match/fold_guard.h"
+#include "engine/match/map_overlap.h"
+#include "engine/match/middle_samples.h"
+
+#include <utility>
+
+namespace slicemorph {
+
+namespace {
+
+/// In sizes: limbs are followed by fields of this spacing, and the map that follows them is kept on a lattice
+/// half as wide, which holds the bends that small steps add up to.
+constexpr double kFlowSpacing = 0.08, kFlowLattice = 0.04;
+/// Per object: samples of the body; and how far a sample of the body is from a limb, in the limb's radii.
+constexpr int kStillSamples = 900;
+constexpr double kStillReach = 1.5;
+/// And beyond that, in sizes, so that thin limbs keep some distance, too.
+constexpr double kStillGap = 0.03;
+
+bool isAway(const Vec3d& z, const std::vector<PlacedLimb>& limbs, double gap) {
+  for (const PlacedLimb& limb : limbs)
+    for (size_t n = 0; n < limb.chart.size(); ++n)
+      if (!((limb.chart[n] - z).length() > kStillReach * limb.radius[n] + gap)) return false;
+  return true;
+}
+
+}  // namespace
+
+std::vector<Vec3d> stillPoints(const MatchObjects& objects, const Matching& matching,
+                               const std::vector<std::vector<PlacedLimb>>& limbs) {
+  std::vector<Vec3d> still;
+  const std::vector<MiddleSamples> samples = middleSamples(objects, matching, kStillSamples);
+  for (size_t k = 0; k < objects.count(); ++k)
+    for (size_t i = 0; i < samples[k].own.size(); ++i)
+      if (isAway(samples[k].own[i], limbs[k], kStillGap * objects.size))
+        still.push_back(samples[k].points.position[i]);
+  return still;
+}
+
+Matching followLimbs(const MatchObjects& objects, Matching matching, std::vector<Correspondence> points,
+                     const std::vector<Vec3d>& still) {
+  matching.map =
+      flowed(matching.map, points, still, kFlowSpacing * objects.size, objects.lattice(kFlowLattice));
+  removeFolds(matching.map);
+  matching.overlap = mapOverlap(objects, matching.map);
+  matching.base = matching.map;
+  matching.limbPoints = std::move(points);
+  matching.guesses.clear();
+  for (const VectorField& field : matching.map.of) matching.guesses.emplace_back(matching.map.lattice, field);
+  return matching;
+}
+
+}  // namespace slicemorph

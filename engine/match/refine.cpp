@@ -1,0 +1,81 @@
+#include "engine/match/refine.h"
+
+#include "engine/match/closest_points.h"
+#include "engine/match/fit_map.h"
+#include "engine/match/middle_samples.h"
+#include "engine/match/soft_points.h"
+#include "engine/match/take_map.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+namespace slicemorph {
+
+namespace {
+
+/// Samples of an inner surface, at least.
+constexpr int kLeastInner = 300;
+/// Points for which a round's stiffness is given: it then means the same for all rounds.
+constexpr double kPointsOfStiffness = 2000;
+
+/// Closest points of the inner surfaces, as densely as those of the shapes, each on its own kind alone.
+std::vector<Correspondence> innerPoints(const MatchObjects& objects, const Matching& matching,
+                                        const Round& round) {
+  std::vector<Correspondence> points;
+  for (const MatchSurface& surface : objects.inner) {
+    std::vector<MiddleSamples> samples(objects.count());
+    for (size_t k = 0; k < objects.count(); ++k) {
+      if (!surface.fields[k]) continue;
+      const double share = std::min(surface.samples[k].area / objects.shape.samples[k].area, 1.0);
+      const int count = std::max(objects.ofEach(kLeastInner), int(objects.ofEach(round.samples) * share));
+      samples[k] = middleSamples(matching, k, thinned(surface.samples[k], count, objects.box.min()));
+    }
+    const std::vector<Correspondence> found =
+        closestPoints(surface.fields, objects.charts, matching.map, samples, round.reach * objects.size);
+    points.insert(points.end(), found.begin(), found.end());
+  }
+  return points;
+}
+
+std::vector<Correspondence> roundPoints(const MatchObjects& objects, const Matching& matching,
+                                        const Round& round) {
+  const std::vector<MiddleSamples> samples = middleSamples(objects, matching, round.samples);
+  const double reach = round.reach * objects.size;
+  if (round.kind == Round::Kind::kSoft) return softPoints(matching.map, samples, reach);
+  std::vector<Correspondence> points =
+      closestPoints(objects.shape.fields, objects.charts, matching.map, samples, reach);
+  const std::vector<Correspondence> inner = innerPoints(objects, matching, round);
+  points.insert(points.end(), inner.begin(), inner.end());
+  return points;
+}
+
+/// Closest points nearly always help, and the last rounds by little each: they are only refused where they
+/// harm. But of many objects they draw every one to the nearest of all the others.
+GainWanted gainWanted(const MatchObjects& objects, const Round& round) {
+  if (round.kind == Round::Kind::kSoft || objects.count() > 2) return {};
+  return {-2 * kSureGain, -kSureGain};
+}
+
+}  // namespace
+
+Matching refined(const MatchObjects& objects, Matching matching, const Round& round) {
+  std::vector<Correspondence> points = roundPoints(objects, matching, round);
+  if (points.empty()) return matching;
+  points.insert(points.end(), matching.limbPoints.begin(), matching.limbPoints.end());
+  char name[64];
+  std::snprintf(name, sizeof name, "%s %.3f (%zu points)",
+                round.kind == Round::Kind::kSoft ? "soft match" : "closest points", round.reach,
+                points.size());
+  const double density = double(points.size()) / kPointsOfStiffness;
+  const Displacements map =
+      fittedMap(objects, matching, std::move(points), {round.spacing, round.stiffness * density});
+  return takeAsFarAsBetter(objects, std::move(matching), map, gainWanted(objects, round), name).matching;
+}
+
+Matching triedQuickly(const MatchObjects& objects, Matching matching) {
+  for (const Round& round : kQuickRounds) matching = refined(objects, std::move(matching), round);
+  return matching;
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,28 @@
+#include "engine/rebuild/in_between.h"
+
+#include "engine/rebuild/rebuild.h"
+
+namespace slicemorph {
+
+namespace {
+
+/// Voxels between the nodes of the map: finer than any feature the matching can make, whose finest fields have
+/// nodes 0.04 of the objects' size apart (16 of 400 voxels), coarse enough to be cheap.
+int nodeStepOf(const Chart& chart, double halfLength, double voxelSize) {
+  const double voxels = 2 * halfLength * chart.scale[0] / voxelSize;
+  return voxels > 400 ? 8 : 4;
+}
+
+}  // namespace
+
+InBetween rebuildInBetween(const MorphParts& parts, const Weights& weights, const MovingLattice::Pose& pose,
+                           double voxelSize) {
+  const auto transform = openvdb::math::Transform::createLinearTransform(voxelSize);
+  const int step = nodeStepOf(pose.chart, parts.frames.halfLength, voxelSize);
+  const NodeMap nodes = parts.lattice.nodesNearSurface(pose, *transform, step);
+  DistanceBlend blend{parts.lattice.localWeights(weights), {}, pose.chart.meanScale()};
+  for (const Chart& chart : parts.frames.charts) blend.sizes.push_back(chart.meanScale());
+  return {rebuildLevelSet(nodes, parts.fields, blend, *transform), nodes.foldShare};
+}
+
+}  // namespace slicemorph

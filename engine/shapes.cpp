@@ -1,0 +1,164 @@
+#include "engine/shapes.h"
+
+#include "engine/frame/typical_order.h"
+#include "engine/rebuild/small_components.h"
+#include "engine/volume/same_grid.h"
+#include "slicemorph/errors.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+namespace slicemorph {
+
+namespace {
+
+/// The shapes in another order: number i is then the one that was by[i].
+Shapes reordered(Shapes shapes, const std::vector<size_t>& by) {
+  std::vector<size_t> number(by.size());
+  for (size_t i = 0; i < by.size(); ++i) number[by[i]] = i;
+  for (size_t& shape : shapes.shapeOf) shape = number[shape];
+  const auto move = [&](auto& list) {
+    auto old = std::exchange(list, {});
+    for (size_t i : by)
+      if (i < old.size()) list.push_back(old[i]);
+  };
+  move(shapes.levelSets), move(shapes.names), move(shapes.order), move(shapes.fields), move(shapes.pieces);
+  return shapes;
+}
+
+Shapes distinctShapes(const std::vector<Object>& objects) {
+  Shapes shapes;
+  for (const Object& object : objects) {
+    shapes.shapeOf.push_back(indexOfSame(shapes.levelSets, object.levelSet));
+    if (shapes.shapeOf.back() == shapes.names.size()) shapes.names.push_back(object.name);
+  }
+  shapes.order.resize(shapes.levelSets.size());
+  std::iota(shapes.order.begin(), shapes.order.end(), size_t(0));
+  return shapes;
+}
+
+Shapes withFields(Shapes shapes, const Shapes* before) {
+  shapes.fields.resize(shapes.levelSets.size());
+  shapes.pieces.resize(shapes.levelSets.size());
+  tbb::parallel_for(size_t(0), shapes.fields.size(), [&](size_t k) {
+    FloatGrid::ConstPtr& levelSet = shapes.levelSets[k];
+    if (before && k < before->levelSets.size() && isSame(*before->levelSets[k], *levelSet)) {
+      levelSet = before->levelSets[k];
+      shapes.fields[k] = before->fields[k], shapes.pieces[k] = before->pieces[k];
+      return;
+    }
+    shapes.fields[k] = std::make_shared<DistanceField>(levelSet);
+    shapes.pieces[k] = countPieces(*levelSet);
+  });
+  return shapes;
+}
+
+/// Surfaces that only one shape has tell nothing and are left out.
+std::vector<Fields> innerFields(const std::vector<Object>& objects, const Shapes& shapes) {
+  std::vector<Fields> inner;
+  size_t count = 0;
+  for (const Object& object : objects) count = std::max(count, object.inner.size());
+  for (size_t n = 0; n < count; ++n) {
+    std::vector<FloatGrid::ConstPtr> grids(shapes.levelSets.size());
+    for (size_t k = 0; k < objects.size(); ++k)
+      if (n < objects[k].inner.size() && objects[k].inner[n] && !objects[k].inner[n]->empty())
+        grids[shapes.shapeOf[k]] = objects[k].inner[n];
+    if (grids.size() - size_t(std::count(grids.begin(), grids.end(), nullptr)) < 2) continue;
+    Fields surface(grids.size());
+    tbb::parallel_for(size_t(0), surface.size(), [&](size_t k) {
+      if (grids[k]) surface[k] = std::make_shared<DistanceField>(grids[k]);
+    });
+    inner.push_back(std::move(surface));
+  }
+  return inner;
+}
+
+/// A feature of the objects as one of their shapes; of equal objects the first one's counts.
+Feature ofShapes(const Feature& feature, const Shapes& shapes) {
+  const size_t count = shapes.levelSets.size();
+  Feature own{feature.name, feature.kind, {}, {}, {}};
+  own.places.resize(count), own.normals.resize(count), own.radii.resize(count);
+  for (size_t k = shapes.shapeOf.size(); k-- > 0;) {
+    const size_t shape = shapes.shapeOf[k];
+    own.places[shape] = feature.places[k];
+    if (feature.kind != Feature::Kind::kDisk) continue;
+    own.normals[shape] = feature.normals[k], own.radii[shape] = feature.radii[k];
+  }
+  return own;
+}
+
+Region ofShapes(Region region, const Shapes& shapes) {
+  region.object = shapes.shapeOf[region.object];
+  region.weights = shapes.weightsFrom(region.weights);
+  return region;
+}
+
+}  // namespace
+
+Shapes measureShapes(const std::vector<Object>& objects, const MorphOptions& options, const Shapes* before) {
+  Shapes shapes = distinctShapes(objects);
+  if (before && before->order.size() == shapes.order.size())
+    shapes = reordered(std::move(shapes), before->order);
+  shapes = withFields(std::move(shapes), before);
+  // Nothing may depend on the order in which more than two objects were given. But the slicing direction is
+  // the first object's: then that one is what the others are laid on.
+  if (!before && shapes.fields.size() > 2 && options.axis.length() == 0)
+    shapes = reordered(std::move(shapes), typicalOrder(shapes.fields));
+  shapes.inner = innerFields(objects, shapes);
+  for (const Feature& feature : options.features) shapes.features.push_back(ofShapes(feature, shapes));
+  for (const Region& region : options.regions) shapes.regions.push_back(ofShapes(region, shapes));
+  return shapes;
+}
+
+Weights Shapes::weightsFrom(const Weights& ofObjects) const {
+  if (ofObjects.size() != shapeOf.size())
+    throw InputError(std::to_string(ofObjects.size()) + " weights were given for " +
+                     std::to_string(shapeOf.size()) + " objects");
+  double sum = 0;
+  for (double w : ofObjects) {
+    if (!(w >= kLeastWeight))
+      throw InputError("weight " + std::to_string(w) + " is below " + std::to_string(kLeastWeight) +
+                       "; weights are 0 or more");
+    sum += w;
+  }
+  if (!(std::abs(sum - 1) <= 1e-6))
+    throw InputError("the weights sum to " + std::to_string(sum) + "; they must sum to 1");
+  Weights result(levelSets.size(), 0);
+  for (size_t k = 0; k < ofObjects.size(); ++k) result[shapeOf[k]] += ofObjects[k] / sum;
+  if (const std::optional<size_t> alone = aloneIn(result)) {
+    result.assign(result.size(), 0);
+    result[*alone] = 1;
+  }
+  return result;
+}
+
+std::optional<size_t> Shapes::aloneAt(const Weights& weights) const {
+  const std::optional<size_t> alone = aloneIn(weights);
+  for (const Region& region : regions)
+    if (aloneIn(region.weights) != alone) return std::nullopt;
+  return alone;
+}
+
+double Shapes::voxelSizeAt(const Weights& weights, double wanted) const {
+  if (wanted > 0) return wanted;
+  double size = 0;
+  double least = 1e300;
+  for (size_t k = 0; k < weights.size(); ++k) {
+    const double own = levelSets[k]->voxelSize()[0];
+    size += weights[k] * own, least = std::min(least, own);
+  }
+  return std::max(size, 0.5 * least);  // weights below 0 might lead to nothing
+}
+
+int Shapes::piecesAt(const Weights& weights) const {
+  int most = 1;
+  for (size_t k = 0; k < weights.size(); ++k)
+    if (weights[k] > 0) most = std::max(most, pieces[k]);
+  return most;
+}
+
+}  // namespace slicemorph
