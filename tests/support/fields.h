@@ -9,7 +9,8 @@
 namespace slicemorph::shapes {
 
 /// Distances to a shape inside `box` (world), from its level set of voxels `h`.
-inline std::shared_ptr<const DistanceField> fieldOf(const Distance& shape, const openvdb::BBoxd& box, double h) {
+inline std::shared_ptr<const DistanceField> fieldOf(const Distance& shape, const openvdb::BBoxd& box,
+                                                    double h) {
   return std::make_shared<DistanceField>(levelSet(shape, box, h));
 }
 

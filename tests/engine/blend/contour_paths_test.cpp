@@ -82,7 +82,8 @@ TEST(ContourPaths, IntrinsicBlendsAreClosed) {
   for (size_t i = 0; i < 4; ++i) {
     const Vec2d edge = half[(i + 1) % 4] - half[i];
     sum += edge;
-    const double a = (square[(i + 1) % 4] - square[i]).length(), b = (triangle[(i + 1) % 4] - triangle[i]).length();
+    const double a = (square[(i + 1) % 4] - square[i]).length(),
+                 b = (triangle[(i + 1) % 4] - triangle[i]).length();
     EXPECT_GT(edge.length(), 0.5 * std::min(a, b)) << i;
     EXPECT_LT(edge.length(), 1.5 * std::max(a, b)) << i;
   }
@@ -113,8 +114,9 @@ TEST(ContourPaths, HermitePathsLeaveAtRightAngles) {
 /// straight mean of its points is thinner by the cosine of the angle, and the offsets put that back.
 TEST(ContourPaths, OffsetsUndoTheShrinking) {
   const double angle = M_PI / 4, radius = 0.5;
-  const Fields fields(2, shapes::fieldOf(shapes::capsule({-0.8, 0, 0}, {0.8, 0, 0}, radius),
-                                         openvdb::BBoxd(Vec3d(-1.4, -0.6, -0.6), Vec3d(1.4, 0.6, 0.6)), 0.05));
+  const Fields fields(2,
+                      shapes::fieldOf(shapes::capsule({-0.8, 0, 0}, {0.8, 0, 0}, radius),
+                                      openvdb::BBoxd(Vec3d(-1.4, -0.6, -0.6), Vec3d(1.4, 0.6, 0.6)), 0.05));
   const std::vector<Chart> charts(2, shapes::straightChart());
   const Lattice lattice = Lattice::over({Vec3d(-1.8, -1, -1), Vec3d(1.8, 1, 1)}, 0.1);
   // The middle space has the mean of the turned places.

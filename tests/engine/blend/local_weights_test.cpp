@@ -17,12 +17,14 @@ Fields threeBalls() {
 }
 
 std::vector<Chart> straightCharts() {
-  return {shapes::straightChart({0, 0, 0}), shapes::straightChart({3, 0, 0}), shapes::straightChart({-2, 0, 0})};
+  return {shapes::straightChart({0, 0, 0}), shapes::straightChart({3, 0, 0}),
+          shapes::straightChart({-2, 0, 0})};
 }
 
 Region sphere(size_t object, const Vec3d& center, double radius, const Weights& weights) {
   Region r;
-  r.name = "ball", r.object = object, r.center = center, r.radius = radius, r.border = 0.2, r.weights = weights;
+  r.name = "ball", r.object = object, r.center = center, r.radius = radius, r.border = 0.2,
+  r.weights = weights;
   return r;
 }
 
@@ -35,8 +37,8 @@ Region box(size_t object, const openvdb::BBoxd& box, const Weights& weights) {
 
 Region stretch(size_t object, double from, double to, const Weights& weights) {
   Region r;
-  r.name = "stretch", r.kind = Region::Kind::kSpine, r.object = object, r.from = from, r.to = to, r.border = 0.2,
-  r.weights = weights;
+  r.name = "stretch", r.kind = Region::Kind::kSpine, r.object = object, r.from = from, r.to = to,
+  r.border = 0.2, r.weights = weights;
   return r;
 }
 
@@ -53,8 +55,8 @@ double shareAt(double distance, double border) {
 TEST(LocalWeights, SharesFollowTheDistanceToTheRim) {
   const Fields fields = threeBalls();
   const openvdb::BBoxd corner(Vec3d(3, 0, 0), Vec3d(4, 1, 1));
-  const RegionShares shares =
-      sharesOf({sphere(0, {0.5, 0, 0}, 0.4, {0, 1, 0}), box(1, corner, {1, 0, 0}), stretch(2, 0.25, 1, {0, 0, 1})});
+  const RegionShares shares = sharesOf(
+      {sphere(0, {0.5, 0, 0}, 0.4, {0, 1, 0}), box(1, corner, {1, 0, 0}), stretch(2, 0.25, 1, {0, 0, 1})});
   std::mt19937 random(1);
   std::uniform_real_distribution<> uniform(-1.2, 1.2);
   for (int i = 0; i < 300; ++i) {
@@ -110,7 +112,8 @@ TEST(LocalWeights, ARegionHoldsWhatItsObjectHas) {
 TEST(LocalWeights, WeightsSumToOneEverywhere) {
   const Fields fields = threeBalls();
   const Weights whole{0.5, 0.3, 0.2}, first{0, 1, 0}, second{0.1, 0.1, 0.8};
-  const RegionShares shares = sharesOf({sphere(0, {0.4, 0, 0}, 0.6, first), sphere(0, {-0.4, 0, 0}, 0.6, second)});
+  const RegionShares shares =
+      sharesOf({sphere(0, {0.4, 0, 0}, 0.6, first), sphere(0, {-0.4, 0, 0}, 0.6, second)});
   const LocalWeights local(whole, &shares);
   std::mt19937 random(2);
   std::uniform_real_distribution<float> uniform(-1.2f, 1.2f);

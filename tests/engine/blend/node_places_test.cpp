@@ -25,7 +25,8 @@ NodeMap nodesOf(int step, const openvdb::Coord& origin, const openvdb::Coord& si
 }
 
 /// The largest miss at the voxels of a cell.
-double missIn(const NodeMap& nodes, const openvdb::Coord& cell, const std::function<Vec3d(const Vec3d&)>& place) {
+double missIn(const NodeMap& nodes, const openvdb::Coord& cell,
+              const std::function<Vec3d(const Vec3d&)>& place) {
   std::vector<openvdb::Vec3s> places(size_t(nodes.step * nodes.step * nodes.step));
   NodePlaces(nodes).find(cell[0], cell[1], cell[2], 1, places);
   double most = 0;
@@ -33,14 +34,14 @@ double missIn(const NodeMap& nodes, const openvdb::Coord& cell, const std::funct
   for (int x = 0; x < nodes.step; ++x)
     for (int y = 0; y < nodes.step; ++y)
       for (int z = 0; z < nodes.step; ++z)
-        most = std::max(most, (Vec3d(places[v++]) -
-                               place(nodes.step * cell.asVec3d() + Vec3d(x, y, z)))
-                                  .length());
+        most = std::max(most,
+                        (Vec3d(places[v++]) - place(nodes.step * cell.asVec3d() + Vec3d(x, y, z))).length());
   return most;
 }
 
 const std::function<Vec3d(const Vec3d&)> kParabolas = [](const Vec3d& p) {
-  return Vec3d(0.01 * p[0] * p[0] - 0.02 * p[1] * p[2], 0.1 * p[1] + 0.02 * p[2] * p[2], 0.03 * p[0] * p[1] * p[2] / 8);
+  return Vec3d(0.01 * p[0] * p[0] - 0.02 * p[1] * p[2], 0.1 * p[1] + 0.02 * p[2] * p[2],
+               0.03 * p[0] * p[1] * p[2] / 8);
 };
 const std::function<Vec3d(const Vec3d&)> kTrilinear = [](const Vec3d& p) {
   return Vec3d(p[0] - 0.1 * p[1] * p[2], 2 * p[1], 0.01 * p[0] * p[1] * p[2]);
@@ -50,7 +51,8 @@ const std::function<Vec3d(const Vec3d&)> kTrilinear = [](const Vec3d& p) {
 TEST(NodePlaces, AreSplinedInsideAndLinearAtTheRim) {
   for (int step : {2, 4, 8}) {
     const openvdb::Coord origin(-3, 0, 2), size(5, 5, 5);
-    const NodeMap curved = nodesOf(step, origin, size, kParabolas), straight = nodesOf(step, origin, size, kTrilinear);
+    const NodeMap curved = nodesOf(step, origin, size, kParabolas),
+                  straight = nodesOf(step, origin, size, kTrilinear);
     const openvdb::Coord inner = origin.offsetBy(1), rim = origin.offsetBy(0, 1, 3);
     EXPECT_LE(missIn(curved, inner, kParabolas), 1e-4) << step;
     EXPECT_LE(missIn(straight, inner, kTrilinear), 1e-4) << step;
@@ -65,7 +67,8 @@ TEST(NodePlaces, AreSplinedInsideAndLinearAtTheRim) {
 }
 
 TEST(NodePlaces, ACellBetweenCrossingSlicesIsTorn) {
-  NodeMap nodes = nodesOf(4, {0, 0, 0}, {5, 5, 5}, [](const Vec3d& p) { return p[0] > 9 ? p + Vec3d(30, 0, 0) : p; });
+  NodeMap nodes =
+      nodesOf(4, {0, 0, 0}, {5, 5, 5}, [](const Vec3d& p) { return p[0] > 9 ? p + Vec3d(30, 0, 0) : p; });
   EXPECT_FALSE(NodePlaces(nodes).torn(2, 1, 1, 2, 1));  // a straight chart has no slices that cross
   nodes.jump = {100, 16};
   const NodePlaces places(nodes);
@@ -85,7 +88,8 @@ TEST(NodePlaces, LeavesAreThoseOfTheWantedCells) {
     nodes.step = step, nodes.origin = {-7, -2, 1}, nodes.size = {14, 9, 6};
     std::vector<openvdb::Coord> wanted, leaves;
     for (int n = 0; n < 6; ++n)
-      wanted.push_back(nodes.origin + openvdb::Coord(int(random() % 13), int(random() % 8), int(random() % 5)));
+      wanted.push_back(nodes.origin +
+                       openvdb::Coord(int(random() % 13), int(random() % 8), int(random() % 5)));
     for (const openvdb::Coord& c : wanted)
       leaves.push_back({(c[0] * step) & ~7, (c[1] * step) & ~7, (c[2] * step) & ~7});
     std::sort(leaves.begin(), leaves.end(), [](const auto& a, const auto& b) {
@@ -94,7 +98,8 @@ TEST(NodePlaces, LeavesAreThoseOfTheWantedCells) {
     leaves.erase(std::unique(leaves.begin(), leaves.end()), leaves.end());
     EXPECT_EQ(leavesWith(nodes,
                          [&](int i, int j, int k) {
-                           return std::find(wanted.begin(), wanted.end(), openvdb::Coord(i, j, k)) != wanted.end();
+                           return std::find(wanted.begin(), wanted.end(), openvdb::Coord(i, j, k)) !=
+                                  wanted.end();
                          }),
               leaves)
         << step;

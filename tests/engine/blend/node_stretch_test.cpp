@@ -1,8 +1,8 @@
 #include "engine/blend/node_stretch.h"
 #include "engine/spine/chart.h"
 
-#include <Eigen/SVD>
 #include <gtest/gtest.h>
+#include <Eigen/SVD>
 
 #include <random>
 
@@ -44,7 +44,8 @@ NodeMap affineNodes(const Mat3d& m, int step) {
     for (int j = 0; j < 5; ++j)
       for (int i = 0; i < 4; ++i) {
         nodes.at.push_back(openvdb::Vec3s(0.f));
-        nodes.at.push_back(openvdb::Vec3s(m * (step * (nodes.origin + openvdb::Coord(i, j, k)).asVec3d()) + Vec3d(1, 2, 3)));
+        nodes.at.push_back(
+            openvdb::Vec3s(m * (step * (nodes.origin + openvdb::Coord(i, j, k)).asVec3d()) + Vec3d(1, 2, 3)));
         nodes.known.push_back(1);
       }
   return nodes;
@@ -52,7 +53,8 @@ NodeMap affineNodes(const Mat3d& m, int step) {
 
 TEST(NodeStretch, AffineMapsTurnAndStretchAlikeEverywhere) {
   const double voxel = 0.25;
-  const Mat3d world = rotationFromVector({0.3, -0.5, 0.9}) * Mat3d(1.5, 0.2, 0, 0, 0.8, -0.1, 0.3, 0, 1.1);
+  const Mat3d world =
+      rotationFromVector({0.3, -0.5, 0.9}) * Mat3d(1.5, 0.2, 0.0, 0.0, 0.8, -0.1, 0.3, 0.0, 1.1);
   NodeMap nodes = affineNodes(world * voxel, 4);
   const NodeStretch stretch(nodes, 1, Mat3d::identity() * (1 / voxel));
   for (int i : {-2, -1, 0})

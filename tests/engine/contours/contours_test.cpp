@@ -60,8 +60,8 @@ TEST(Contours, ACircleHasItsAreaAndLength) {
   const double r = 0.83, h = 0.05;
   const Vec2d middle(0.21, -0.13);
   const SlicePlanes planes = planesOf(61, 57, h, {-1.3, -1.4});
-  const auto contours = traceContours(
-      imageOf(planes, [&](const Vec2d& p) { return (p - middle).length() - r; }), planes);
+  const auto contours =
+      traceContours(imageOf(planes, [&](const Vec2d& p) { return (p - middle).length() - r; }), planes);
   ASSERT_EQ(contours.size(), 1u);
   const Contour& c = contours[0];
   // A distance bends by at most 1 / (r - h) along an edge: its crossing is off by at most e = h^2 / 8 (r - h);

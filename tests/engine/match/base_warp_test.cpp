@@ -151,8 +151,7 @@ TEST(BaseWarp, DisplacementsAreTheAffineMaps) {
           const SliceAffine r = e.root();
           const Vec2d at = r.mean + Vec2d(r.xx * q[0] + r.xy * q[1], r.xy * q[0] + r.yy * q[1]);
           const double z0 = std::min(std::max(s[0], -1.2), 1.1);
-          const Vec3d wanted =
-              fade * Vec3d(sign * 0.03 * (1.2 + z0), at[0] - s[1], at[1] - s[2]);
+          const Vec3d wanted = fade * Vec3d(sign * 0.03 * (1.2 + z0), at[0] - s[1], at[1] - s[2]);
           const Vec3d found(map.of[sign > 0 ? 0 : 1][lattice.index(x, y, z)]);
           ASSERT_LE((found - wanted).length(), 20 * kPolygon) << s;
           sign = -1;

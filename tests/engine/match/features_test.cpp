@@ -127,10 +127,10 @@ TEST(FeaturePoints, ALimbAlongALineIsPrescribed) {
 TEST(FeaturePoints, WhatLiesFarFromAllSurfacesIsLeftOut) {
   Notes notes;
   // A tenth of the diagonal of a ball's box is 0.35.
-  const std::vector<Feature> kept = featuresInReach({point("far", {1.5, 0, 0}, {0, 0, 1.5}),
-                                                     point("deep", {0, 0, 0}, {9, 9, 9}),
-                                                     point("near", {9, 0, 0}, {0, 0, 1.2})},
-                                                    twoBalls(), notes);
+  const std::vector<Feature> kept =
+      featuresInReach({point("far", {1.5, 0, 0}, {0, 0, 1.5}), point("deep", {0, 0, 0}, {9, 9, 9}),
+                       point("near", {9, 0, 0}, {0, 0, 1.2})},
+                      twoBalls(), notes);
   ASSERT_EQ(kept.size(), 2u);
   EXPECT_EQ(kept[0].name, "deep");
   EXPECT_EQ(kept[1].name, "near");
@@ -141,7 +141,8 @@ TEST(FeaturePoints, WhatLiesFarFromAllSurfacesIsLeftOut) {
 Displacements constantMap(const Vec3d& first, const Vec3d& second) {
   const Lattice lattice = Lattice::over({Vec3d(-4), Vec3d(4)}, 0.5);
   return {lattice,
-          {VectorField(lattice.count(), openvdb::Vec3s(first)), VectorField(lattice.count(), openvdb::Vec3s(second))}};
+          {VectorField(lattice.count(), openvdb::Vec3s(first)),
+           VectorField(lattice.count(), openvdb::Vec3s(second))}};
 }
 
 TEST(FeaturePoints, WhatAMapMeetsIsNoContradiction) {

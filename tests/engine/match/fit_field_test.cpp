@@ -1,8 +1,8 @@
 // Fitted fields against the dense normal equations of the functional they minimise.
 #include "engine/match/fit_field.h"
 
-#include <Eigen/Dense>
 #include <gtest/gtest.h>
+#include <Eigen/Dense>
 
 #include <cmath>
 #include <random>
@@ -38,7 +38,8 @@ Sites randomSites(size_t count, size_t objects, bool sumToZero) {
 
 /// W as a matrix: trilinear weights of the nodes at every site, which is drawn onto the lattice.
 Eigen::MatrixXd interpolation(const Sites& sites) {
-  Eigen::MatrixXd w = Eigen::MatrixXd::Zero(Eigen::Index(sites.position.size()), Eigen::Index(kLattice.count()));
+  Eigen::MatrixXd w =
+      Eigen::MatrixXd::Zero(Eigen::Index(sites.position.size()), Eigen::Index(kLattice.count()));
   for (size_t i = 0; i < sites.position.size(); ++i)
     for (int z = 0; z < kLattice.size[2]; ++z)
       for (int y = 0; y < kLattice.size[1]; ++y)
@@ -56,7 +57,8 @@ Eigen::MatrixXd interpolation(const Sites& sites) {
 
 /// L as a matrix: a node's value less the mean of its six neighbours', zero beyond the lattice.
 Eigen::MatrixXd laplacian() {
-  Eigen::MatrixXd l = Eigen::MatrixXd::Identity(Eigen::Index(kLattice.count()), Eigen::Index(kLattice.count()));
+  Eigen::MatrixXd l =
+      Eigen::MatrixXd::Identity(Eigen::Index(kLattice.count()), Eigen::Index(kLattice.count()));
   for (int z = 0; z < kLattice.size[2]; ++z)
     for (int y = 0; y < kLattice.size[1]; ++y)
       for (int x = 0; x < kLattice.size[0]; ++x)
@@ -65,7 +67,8 @@ Eigen::MatrixXd laplacian() {
             openvdb::Coord n(x, y, z);
             n[a] += side;
             if (n[a] < 0 || n[a] >= kLattice.size[a]) continue;
-            l(Eigen::Index(kLattice.index(x, y, z)), Eigen::Index(kLattice.index(n[0], n[1], n[2]))) = -1 / 6.0;
+            l(Eigen::Index(kLattice.index(x, y, z)), Eigen::Index(kLattice.index(n[0], n[1], n[2]))) =
+                -1 / 6.0;
           }
   return l;
 }

@@ -89,8 +89,7 @@ TEST(Flow, BallsTurnRoundEachOther) {
 /// What is to keep its place lets others pass.
 TEST(Flow, StillPointsStay) {
   std::vector<Correspondence> points;
-  for (const Vec3d& p : ball({0, 0, 0}))
-    points.push_back({{p + Vec3d(0.4, 0, 0), p - Vec3d(0.4, 0, 0)}, p});
+  for (const Vec3d& p : ball({0, 0, 0})) points.push_back({{p + Vec3d(0.4, 0, 0), p - Vec3d(0.4, 0, 0)}, p});
   std::vector<Vec3d> still;
   for (double y : {-1.0, 1.0})
     for (double x : {-0.4, 0.0, 0.4}) still.emplace_back(x, y, 0);

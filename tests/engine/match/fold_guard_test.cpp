@@ -61,7 +61,7 @@ Weights alone(size_t object, size_t objects) {
 TEST(FoldGuard, NothingMovedIsNotSqueezed) { EXPECT_NEAR(leastRatio(zeroMap(2)), 1, 1e-6); }
 
 TEST(FoldGuard, AffineMapsSqueezeByTheirDeterminant) {
-  const Mat3d m(0.1, 0.4, -0.2, 0.3, -0.3, 0, 0.2, 0.1, -0.4);
+  const Mat3d m(0.1, 0.4, -0.2, 0.3, -0.3, 0.0, 0.2, 0.1, -0.4);
   Displacements map = zeroMap(2);
   for (int z = 0; z < kLattice.size[2]; ++z)
     for (int y = 0; y < kLattice.size[1]; ++y)
@@ -95,9 +95,8 @@ TEST(FoldGuard, TetrahedraFillTheCell) {
       // A face at the low side of an axis is met, moved to the high side, by another tetrahedron.
       int met = 0;
       for (const auto& u : kKuhnTetrahedra)
-        met += std::all_of(t, t + 4, [&](int c) {
-          return (c & bit) || std::find(u, u + 4, c | bit) != u + 4;
-        });
+        met +=
+            std::all_of(t, t + 4, [&](int c) { return (c & bit) || std::find(u, u + 4, c | bit) != u + 4; });
       EXPECT_EQ(met, 1);
     }
   }

@@ -61,7 +61,8 @@ TEST(LimbGroups, LimbsBendHalfAsMuch) {
 /// Four points around each of the line's, across it and at the limb's radius: on the objects their own, in the
 /// middle the mean.
 TEST(LimbGroups, PointsLieAroundTheLine) {
-  const std::vector<PlacedLimb> limbs{limbOf({0, 0, 0}, 0.2, 1, 0.05, 0.1), limbOf({0, 0, 1}, 1.1, 2, -0.1, 0.3)};
+  const std::vector<PlacedLimb> limbs{limbOf({0, 0, 0}, 0.2, 1, 0.05, 0.1),
+                                      limbOf({0, 0, 1}, 1.1, 2, -0.1, 0.3)};
   const auto points = limbPoints(limbs);
   ASSERT_EQ(points.size(), size_t(kPoints * kAround));
   for (int i = 0; i < kPoints; ++i)
@@ -147,7 +148,8 @@ TEST(LimbGroups, LimbsArePlacedByTheMap) {
                                   shapes::straightChart({0, 0, 0}, scale)};
   const Vec3d aside(0, 0.25, 0);
   const Lattice lattice = Lattice::over({Vec3d(-4), Vec3d(4)}, 0.5);
-  Displacements map{lattice, std::vector<VectorField>(2, VectorField(lattice.count(), openvdb::Vec3s(aside)))};
+  Displacements map{lattice,
+                    std::vector<VectorField>(2, VectorField(lattice.count(), openvdb::Vec3s(aside)))};
   for (openvdb::Vec3s& v : map.of[1]) v = -v;
   const auto placed = placedLimbs(fields, charts, map);
   for (size_t k = 0; k < 2; ++k) {

@@ -41,7 +41,8 @@ TEST(DistanceTransform, AgreesWithLookingAtAllVoxels) {
           const size_t n = indexIn(size, i, j, k);
           const double d = nearestOfOtherKind(inside, size, spacing, i, j, k);
           // Squares are kept in single precision.
-          ASSERT_NEAR(distances[n], inside[n] ? d : -d, 1e-5 * d) << share << " " << i << " " << j << " " << k;
+          ASSERT_NEAR(distances[n], inside[n] ? d : -d, 1e-5 * d)
+              << share << " " << i << " " << j << " " << k;
         }
   }
 }

@@ -27,8 +27,7 @@ std::vector<Vec3d> pointsIn(const Lattice& lattice, int count, double beyond = 0
   for (int i = 0; i < count; ++i) {
     Vec3d p;
     for (int a = 0; a < 3; ++a)
-      p[a] = lattice.origin[a] +
-             std::uniform_real_distribution<>(-beyond, extent[a] + beyond)(random);
+      p[a] = lattice.origin[a] + std::uniform_real_distribution<>(-beyond, extent[a] + beyond)(random);
     points.push_back(p);
   }
   return points;
@@ -107,8 +106,8 @@ TEST(Lattice, MiddlePointsAreFoundBack) {
   const auto d = [](const Vec3d& s) {
     return Vec3d(0.2 * std::sin(2 * s[1]), 0.15 * std::cos(3 * s[0]), 0.2 * s[2] * s[0]);
   };
-  const Displacements map{lattice, {sampled(lattice, [](const Vec3d&) { return Vec3d(0.0); }),
-                                    sampled(lattice, d)}};
+  const Displacements map{lattice,
+                          {sampled(lattice, [](const Vec3d&) { return Vec3d(0.0); }), sampled(lattice, d)}};
   for (const Vec3d& s : pointsIn({{-0.6, -0.6, -0.6}, 1.2, {2, 2, 2}}, 200)) {
     const Vec3d a = s + map.at(1, s);
     Vec3d found = a, continued = a;
