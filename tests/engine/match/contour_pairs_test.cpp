@@ -140,18 +140,22 @@ TEST(ContourPairs, ObjectsStandInARing) {
 TEST(ContourPairs, PointsAreJoinedAtTheBestStart) {
   constexpr int kSamples = 24;
   const int begins = 7;
-  // Not round: its points tell where they are.
-  const auto egg = [](double size, int first) {
-    Contour c = circle({0, 0}, 1);
-    std::rotate(c.points.begin(), c.points.begin() + first * kCorners / kSamples, c.points.end());
-    for (Vec2d& p : c.points) p = size * Vec2d(1.5 * p[0] + 0.2 * p[1] * p[1], p[1]);
+  // A plate of 8 by 4: its corners and samples lie whole units of its length apart, wherever it begins.
+  const auto plate = [](double size, int first) {
+    const Vec2d side[4] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
+    Contour c;
+    Vec2d p(-4, -2);
+    for (int i = 0; i < kSamples; ++i, p += side[i <= 8 ? 0 : i <= 12 ? 1 : i <= 20 ? 2 : 3]) {
+      c.points.push_back(size * p);
+    }
+    std::rotate(c.points.begin(), c.points.begin() + first, c.points.end());
     return c;
   };
-  const std::vector<ContourStack> stacks{{{egg(1, 0)}}, {{egg(0.5, begins)}}, {{}}};
+  const std::vector<ContourStack> stacks{{{plate(1, 0)}}, {{plate(0.5, begins)}}, {{}}};
   const BaseWarp base = warpOf({1, 0.5, 2});
   const auto points = pairCorrespondences({{0, 0, 0, 1, 0, 1.0}}, stacks, base, kSamples);
   ASSERT_EQ(points.size(), size_t(kSamples));
-  const std::vector<Vec2d> wanted = resample(egg(1, 0), kSamples);
+  const std::vector<Vec2d> wanted = resample(plate(1, 0), kSamples);
   for (int i = 0; i < kSamples; ++i) {
     const Correspondence& c = points[size_t(i)];
     const Vec2d p = wanted[size_t(i)];

@@ -137,13 +137,13 @@ TEST(LimbGroups, AFarAwayLimbIsLeftOut) {
   EXPECT_TRUE(groupLimbs(limbs, spheres(), {2, shapes::straightChart()}, stillMap(), 3).empty());
 }
 
-/// A ball with a rod: its line in the chart, and in the middle space where the map takes it from.
+/// A ball with two rods: their lines in the chart, and in the middle space where the map takes them from.
 TEST(LimbGroups, LimbsArePlacedByTheMap) {
   const double h = 0.04, scale = 0.5;
   const shapes::Distance creature =
-      shapes::joined({shapes::sphere({0, 0, 0}, 0.5), shapes::capsule({0, 0, 0}, {1.4, 0, 0}, 0.12)});
+      shapes::joined({shapes::sphere({0, 0, 0}, 0.5), shapes::capsule({-1.4, 0, 0}, {1.4, 0, 0}, 0.12)});
   const Fields fields(
-      2, shapes::fieldOf(creature, openvdb::BBoxd(Vec3d(-0.7, -0.7, -0.7), Vec3d(1.7, 0.7, 0.7)), h));
+      2, shapes::fieldOf(creature, openvdb::BBoxd(Vec3d(-1.7, -0.7, -0.7), Vec3d(1.7, 0.7, 0.7)), h));
   const std::vector<Chart> charts{shapes::straightChart({0, 0, 0}, scale),
                                   shapes::straightChart({0, 0, 0}, scale)};
   const Vec3d aside(0, 0.25, 0);
@@ -153,17 +153,20 @@ TEST(LimbGroups, LimbsArePlacedByTheMap) {
   for (openvdb::Vec3s& v : map.of[1]) v = -v;
   const auto placed = placedLimbs(fields, charts, map);
   for (size_t k = 0; k < 2; ++k) {
-    ASSERT_EQ(placed[k].size(), 1u);
-    const PlacedLimb& limb = placed[k][0];
-    // The tip is a node of the coarse distances, a voxel apart here.
-    EXPECT_LE((scale * limb.chart.back() - Vec3d(1.52, 0, 0)).length(), 2 * h);
-    double length = 0;
-    for (size_t i = 0; i < limb.chart.size(); ++i) {
-      EXPECT_LE((limb.middle[i] - (limb.chart[i] + (k == 0 ? -aside : aside))).length(), 1e-3) << i;
-      if (i > 0) length += (limb.chart[i] - limb.chart[i - 1]).length();
+    ASSERT_EQ(placed[k].size(), 2u);
+    for (const PlacedLimb& limb : placed[k]) {
+      // The tip is a node of the coarse distances, a voxel apart here.
+      const Vec3d tip = scale * limb.chart.back();
+      EXPECT_LE((tip - Vec3d(std::copysign(1.52, tip[0]), 0, 0)).length(), 2 * h);
+      double length = 0;
+      for (size_t i = 0; i < limb.chart.size(); ++i) {
+        EXPECT_LE((limb.middle[i] - (limb.chart[i] + (k == 0 ? -aside : aside))).length(), 1e-3) << i;
+        if (i > 0) length += (limb.chart[i] - limb.chart[i - 1]).length();
+      }
+      EXPECT_NEAR(limb.length, length, 1e-3);
+      EXPECT_NEAR(scale * limb.radius[size_t(kPoints / 2)], 0.12, h);
     }
-    EXPECT_NEAR(limb.length, length, 1e-3);
-    EXPECT_NEAR(scale * limb.radius[size_t(kPoints / 2)], 0.12, h);
+    EXPECT_LT(placed[k][0].chart.back()[0] * placed[k][1].chart.back()[0], 0);
   }
 }
 

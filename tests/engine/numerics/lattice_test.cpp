@@ -79,7 +79,8 @@ TEST(Lattice, ResamplesParabolasExactly) {
   const Lattice fine{kLattice.position(1, 1, 1) + Vec3d(0.003), 0.11, {12, 10, 8}};
   const VectorField resampled = resampleField(kLattice, sampled(kLattice, f), fine);
   const openvdb::Coord end = fine.size - openvdb::Coord(1);
-  ASSERT_LE(fine.position(end[0], end[1], end[2]), kLattice.position(7, 6, 5));
+  for (int a = 0; a < 3; ++a)
+    ASSERT_LE(fine.position(end[0], end[1], end[2])[a], kLattice.position(7, 6, 5)[a]);
   for (int z = 0; z < fine.size[2]; ++z)
     for (int y = 0; y < fine.size[1]; ++y)
       for (int x = 0; x < fine.size[0]; ++x)
