@@ -1,4 +1,5 @@
-// What an artist says: points, lines and disks that correct a match. 128 voxels along the longest side.
+// What an artist says: points, lines and disks that correct a match. Legs at 128 voxels along the longest side, for
+// they are thin; what is told by points at 64.
 #include "engine/measure/measure.h"
 #include "engine/volume/voxelise.h"
 #include "slicemorph/slicemorph.h"
@@ -31,7 +32,7 @@ Vec3d onLeg(int leg, double swing, double share) {
 
 using Swing = std::array<double, 4>;
 
-Object quadruped(const Swing& swing) {
+Object quadruped(const Swing& swing, double voxels) {
   std::vector<Distance> parts{
       capsule({-0.55, 0, 0.45}, {0.5, 0, 0.45}, 0.17), capsule({0.5, 0, 0.5}, {0.78, 0, 0.85}, 0.09),
       capsule({0.78, 0, 0.85}, {0.98, 0, 0.8}, 0.1), capsule({-0.6, 0, 0.5}, {-0.85, 0, 0.3}, 0.05)};
@@ -39,7 +40,7 @@ Object quadruped(const Swing& swing) {
     parts.push_back(capsule(hip(leg), onLeg(leg, swing[size_t(leg)], 1), 0.065));
   return {"quadruped",
           shapes::levelSet(joined(parts), openvdb::BBoxd(Vec3d(-1.2, -0.4, -0.4), Vec3d(1.2, 0.4, 1.1)),
-                           1.9 / 128)};
+                           1.9 / voxels)};
 }
 
 /// Two lines a leg: from the hip to the knee and from the knee to the foot.
@@ -59,11 +60,11 @@ std::vector<Feature> legLines(const Swing& a, const Swing& b) {
 /// Legs that swing by 50 degrees and cross keep apart at all of 25 times.
 TEST(Features, LinesKeepFourLegs) {
   const Swing still{0, 0, 0, 0}, running{50, -50, 50, -50};
-  const Object a = quadruped(still), b = quadruped(running);
+  const Object a = quadruped(still, 128), b = quadruped(running, 128);
   MorphOptions options;
   options.features = legLines(still, running);
   const MorphPlan plan({a, b}, options);
-  for (const std::string& note : plan.notes()) std::printf("  %s\n", note.c_str());
+  for (const Note& note : plan.notes()) std::printf("  %s\n", note.sentence().c_str());
   const double volumeA = measureShape(*a.levelSet).volume, volumeB = measureShape(*b.levelSet).volume;
   for (int i = 0; i < 25; ++i) {
     const double t = i / 24.0;
@@ -91,7 +92,7 @@ Object fish(double thickAt) {
                                  capsule({0.4 * s, 0, 0}, {-0.9 * s, 0, 0}, 0.16),
                                  capsule({0.2 * s, 0, 0.2}, {0, 0, 0.5}, 0.1)});
   return {"fish",
-          shapes::levelSet(shape, openvdb::BBoxd(Vec3d(-1.3, -0.6, -0.6), Vec3d(1.3, 0.6, 0.8)), 2.0 / 128)};
+          shapes::levelSet(shape, openvdb::BBoxd(Vec3d(-1.3, -0.6, -0.6), Vec3d(1.3, 0.6, 0.8)), 2.0 / 64)};
 }
 
 Feature point(const std::string& name, const Vec3d& a, const Vec3d& b) {
@@ -133,7 +134,7 @@ TEST(Features, PointsInALineTurnItToo) {
 }
 
 TEST(Features, AFarOneChangesNothing) {
-  const Object a = fish(1), b = quadruped({0, 0, 0, 0});
+  const Object a = fish(1), b = quadruped({0, 0, 0, 0}, 64);
   const FloatGrid::Ptr without = MorphPlan({a, b}).frame({0.5, 0.5}).surface;
   for (double far : {2.0, 10.0}) {
     MorphOptions options;
@@ -142,28 +143,28 @@ TEST(Features, AFarOneChangesNothing) {
     const FloatGrid::Ptr with = plan.frame({0.5, 0.5}).surface;
     const SurfaceDistance d = surfaceDistance(surfaceOf(*with), surfaceOf(*without));
     EXPECT_LE(d.max / a.levelSet->voxelSize()[0], 0.1);
-    bool prescribed = false;
-    for (const std::string& note : plan.notes()) told |= note.find("'moon'") != std::string::npos;
-    EXPECT_TRUE(prescribed);
+    bool named = false;
+    for (const Note& note : plan.notes()) named |= note.text.find("'moon'") != std::string::npos;
+    EXPECT_TRUE(named);
   }
 }
 
 /// Two that go crosswise: a warning names both, and nothing folds.
 TEST(Features, ContradictionsAreNamed) {
-  const Object a = fish(1), b = quadruped({0, 0, 0, 0});
+  const Object a = fish(1), b = quadruped({0, 0, 0, 0}, 64);
   MorphOptions options;
   options.features = {
       point("left", {0.5, 0.3, 0.1}, {0.5, -0.17, 0.45}), point("right", {0.5, -0.3, 0.1}, {0.5, 0.17, 0.45}),
       point("nose", {0.95, 0, 0}, {1.08, 0, 0.78}),       point("tail", {-1.06, 0, 0}, {-0.9, 0, 0.3}),
       point("top", {0.4, 0, 0.35}, {0.4, 0, 0.62}),       point("below", {0.4, 0, -0.35}, {0.4, 0, 0.28})};
   const MorphPlan plan({a, b}, options);
-  bool prescribed = false;
-  for (const std::string& note : plan.notes()) {
-    std::printf("  %s\n", note.c_str());
-    told |= note.rfind("warning: ", 0) == 0 && note.find("'left'") != std::string::npos &&
-            note.find("'right'") != std::string::npos;
+  bool warned = false;
+  for (const Note& note : plan.notes()) {
+    std::printf("  %s\n", note.sentence().c_str());
+    warned |= note.code == "features.contradict" && note.severity == Severity::kWarning &&
+              note.text.find("'left'") != std::string::npos && note.text.find("'right'") != std::string::npos;
   }
-  EXPECT_TRUE(prescribed);
+  EXPECT_TRUE(warned);
   for (double t : {0.25, 0.5, 0.75}) {
     const InBetween frame = plan.frame({1 - t, t});
     EXPECT_EQ(frame.foldShare, 0) << "t " << t;
@@ -180,9 +181,8 @@ TEST(Features, ADiskMovesASection) {
       const double r = std::hypot(p[1], p[2]) - waist, x = std::abs(p[0]) - 1.5;
       return std::hypot(std::max(r, 0.0), std::max(x, 0.0)) + std::min(std::max(r, x), 0.0);
     };
-    return Object{
-        "bar",
-        shapes::levelSet(shape, openvdb::BBoxd(Vec3d(-1.8, -0.6, -0.6), Vec3d(1.8, 0.6, 0.6)), 3.0 / 128)};
+    return Object{"bar", shapes::levelSet(
+                             shape, openvdb::BBoxd(Vec3d(-1.8, -0.6, -0.6), Vec3d(1.8, 0.6, 0.6)), 3.0 / 64)};
   };
   const Object a = bar(-0.5), b = bar(0.5);
   Feature disk{"waist", Feature::Kind::kDisk, {{{-0.5, 0, 0}}, {{0.5, 0, 0}}}};

@@ -77,7 +77,7 @@ TEST(Many, OrderDoesNotMatter) {
     const ShapeMeasures m = measureShape(*frame);
     if (!first) {
       first = frame;
-      for (const std::string& note : plan->notes()) std::printf("  %s\n", note.c_str());
+      for (const Note& note : plan->notes()) std::printf("  %s\n", note.sentence().c_str());
       std::printf("  %d pieces, genus %d, fold %.4f\n", m.pieces, m.genus, plan->frame(own).foldShare);
       EXPECT_EQ(m.pieces, 1);
       EXPECT_EQ(m.genus, 0);
