@@ -129,7 +129,9 @@ TEST(LocalWeights, WeightsSumToOneEverywhere) {
       const double one = whole[k] + double(share[0]) * (first[k] - whole[k]);
       EXPECT_NEAR(w[k], one + double(share[1]) * (second[k] - one), 1e-12);
       EXPECT_EQ(w[k], blended[k]);
-      if (share[1] == 1) EXPECT_NEAR(w[k], second[k], 1e-12);
+      if (share[1] == 1) {
+        EXPECT_NEAR(w[k], second[k], 1e-12);
+      }
     }
     EXPECT_NEAR(sum, 1, 1e-12);
   }

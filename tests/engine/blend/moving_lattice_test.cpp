@@ -249,8 +249,14 @@ TEST(MovingLattice, RegionsHaveTheirOwnSize) {
     const Vec3d s = nodeOf(pair, i);
     if (std::hypot(s[1], s[2]) > 1e-9 && std::abs(std::hypot(s[1], s[2]) - 0.5) < 0.01) {
       const double r = std::hypot(pose.world[i][1], pose.world[i][2]) / std::hypot(s[1], s[2]);
-      if (s[0] < -0.5) EXPECT_NEAR(r, 1, 1e-3), ++left;
-      if (s[0] > 0.5) EXPECT_NEAR(r, 1.5, 1e-3), ++right;
+      if (s[0] < -0.5) {
+        EXPECT_NEAR(r, 1, 1e-3);
+        ++left;
+      }
+      if (s[0] > 0.5) {
+        EXPECT_NEAR(r, 1.5, 1e-3);
+        ++right;
+      }
     }
   }
   EXPECT_GT(left, 0);

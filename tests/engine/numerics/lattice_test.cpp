@@ -67,7 +67,9 @@ TEST(Lattice, EndsInNothingOrGoesOn) {
     Vec3d nearest = p;
     for (int a = 0; a < 3; ++a) nearest[a] = std::min(std::max(p[a], kLattice.origin[a]), last[a]);
     EXPECT_LE((sampleContinued(kLattice, field, p) - trilinear(nearest)).length(), 1e-5) << p;
-    if (nearest != p) EXPECT_EQ(sampleField(kLattice, field, p), Vec3d(0.0)) << p;
+    if (nearest != p) {
+      EXPECT_EQ(sampleField(kLattice, field, p), Vec3d(0.0)) << p;
+    }
   }
 }
 

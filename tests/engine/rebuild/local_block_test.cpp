@@ -86,7 +86,9 @@ TEST(LocalBlock, AmongActiveVoxelsOnlyTheyCount) {
             return all;
           }(),
           1e-5);
-      if (share > 0.01) EXPECT_NEAR(value[a], sum[a] / share, 1e-3) << p;
+      if (share > 0.01) {
+        EXPECT_NEAR(value[a], sum[a] / share, 1e-3) << p;
+      }
     }
   }
 }

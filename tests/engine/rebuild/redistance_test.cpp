@@ -118,7 +118,9 @@ TEST(Redistance, ThinGapsStayOpen) {
   const FloatGrid::Ptr grid = made(valuesOf(shapes::sphere({0, 0, 0}, 1), sheets));
   for (auto it = grid->cbeginValueOn(); it; ++it) {
     const double d = sheets(grid->indexToWorld(it.getCoord()));
-    if (std::abs(d) > 1e-6) EXPECT_EQ(*it < 0, d < 0) << it.getCoord();
+    if (std::abs(d) > 1e-6) {
+      EXPECT_EQ(*it < 0, d < 0) << it.getCoord();
+    }
   }
 }
 

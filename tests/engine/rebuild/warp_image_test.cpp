@@ -135,9 +135,15 @@ TEST(WarpImage, SurfacesAreOfLikeDepth) {
       for (int i = 0; i < on.size[0]; ++i) {
         const double r = on.toWorld(Vec3d(i, j, k)).length(), value = values[on.index(i, j, k)];
         // The surface is a voxel wide, and known to a fraction of one.
-        if (r < 1.1 - kSpacing) ASSERT_GT(value, 900) << r;
-        if (r > 1.1 + kSpacing) ASSERT_LT(value, 100) << r;
-        if (std::abs(r - 1.1) > 0.1 * kSpacing) ASSERT_EQ(value > 500, r < 1.1) << r;
+        if (r < 1.1 - kSpacing) {
+          ASSERT_GT(value, 900) << r;
+        }
+        if (r > 1.1 + kSpacing) {
+          ASSERT_LT(value, 100) << r;
+        }
+        if (std::abs(r - 1.1) > 0.1 * kSpacing) {
+          ASSERT_EQ(value > 500, r < 1.1) << r;
+        }
       }
 }
 

@@ -72,7 +72,9 @@ TEST(WarpLabels, DepthsAreBlended) {
       for (int i = 0; i < 28; ++i) {
         const Vec3d p = lattice.toWorld(Vec3d(i, j, k));
         const double toRim = std::min(std::abs(p.length() - 8), std::abs(p.length() - 4));
-        if (toRim > 0.75) ASSERT_EQ(numbers[lattice.index(i, j, k)], nested(p, 8)) << p;
+        if (toRim > 0.75) {
+          ASSERT_EQ(numbers[lattice.index(i, j, k)], nested(p, 8)) << p;
+        }
       }
 }
 
@@ -101,8 +103,9 @@ TEST(WarpLabels, NeighboursStayNeighbours) {
           const bool inside = std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])}) < 7;
           const int found = numbers[lattice.index(i, j, k)];
           ASSERT_EQ(found != 0, inside) << p;
-          if (inside && std::abs(p[0] + 3 - 6 * t) > 1)
+          if (inside && std::abs(p[0] + 3 - 6 * t) > 1) {
             ASSERT_EQ(found, p[0] < 6 * t - 3 ? 1 : 2) << p << " " << t;
+          }
         }
   }
 }
@@ -121,8 +124,12 @@ TEST(WarpLabels, WhatIsAbsentShrinks) {
         numbersOf(warpLabels(carried, shiftedNodes(lattice, {Vec3d(0.0), Vec3d(0.0)}), lattice));
     const std::ptrdiff_t count = std::count(numbers.begin(), numbers.end(), 3);
     EXPECT_LT(count, before + (t == 1)) << t;
-    if (t == 0) EXPECT_GT(count, 300);
-    if (t == 1) EXPECT_EQ(count, 0);
+    if (t == 0) {
+      EXPECT_GT(count, 300);
+    }
+    if (t == 1) {
+      EXPECT_EQ(count, 0);
+    }
     before = count;
   }
 }
