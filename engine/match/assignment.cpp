@@ -5,7 +5,7 @@
 namespace slicemorph {
 
 std::vector<int> assign(const std::vector<std::vector<double>>& cost) {
-  const int n = int(cost.size()), m = int(cost[0].size());
+  const int n = int(cost.size()), m = n > 0 ? int(cost[0].size()) : 0;
   std::vector<double> u(n + 1, 0), v(m + 1, 0);
   std::vector<int> row(m + 1, 0), way(m + 1, 0);
   for (int i = 1; i <= n; ++i) {

@@ -18,7 +18,7 @@ using Features = Eigen::Matrix<float, Eigen::Dynamic, 6, Eigen::RowMajor>;
 constexpr int kIterations = 25;
 /// Exponent of the unbalanced update: below 1, mass that has no partner may stay at home.
 constexpr float kBalance = 0.92f;
-/// A quarter turn of the normal costs as much as this many blur lengths.
+/// A turn of the normal by 60 degrees costs as much as a distance of this many blur lengths.
 constexpr double kNormalPrice = 1.1;
 constexpr int kBlock = 64;
 

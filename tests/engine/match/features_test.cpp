@@ -1,199 +1,172 @@
-// What an artist says: points, lines and disks that correct a match. 128 voxels along the longest side.
-#include "engine/measure/measure.h"
-#include "engine/volume/voxelise.h"
-#include "slicemorph/slicemorph.h"
-#include "tests/support/same_values.h"
-#include "tests/support/section_parts.h"
-#include "tests/support/shapes.h"
+// How an artist's points, lines and disks become correspondences; what they do to a morph: engine/features_test.
+#include "engine/match/features.h"
+#include "tests/support/fields.h"
 
 #include <gtest/gtest.h>
 
-#include <array>
-#include <cstdio>
+#include <cmath>
 
 namespace slicemorph {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-using shapes::capsule;
-using shapes::Distance;
-using shapes::joined;
+constexpr double kScale = 0.5;
 
-constexpr double kLegLength = 0.62;
-
-Vec3d hip(int leg) { return {leg < 2 ? 0.42 : -0.48, leg % 2 ? 0.13 : -0.13, 0.4}; }
-
-/// Place on a leg's axis, `share` of the way down; `swing`: degrees forwards.
-Vec3d onLeg(int leg, double swing, double share) {
-  const double a = swing * kPi / 180;
-  return hip(leg) + share * kLegLength * Vec3d(std::sin(a), 0, -std::cos(a));
+Fields twoBalls() {
+  return Fields(2, shapes::fieldOf(shapes::sphere({0, 0, 0}, 1), shapes::cube({0, 0, 0}, 1.2), 0.05));
 }
 
-using Swing = std::array<double, 4>;
-
-Object quadruped(const Swing& swing) {
-  std::vector<Distance> parts{
-      capsule({-0.55, 0, 0.45}, {0.5, 0, 0.45}, 0.17), capsule({0.5, 0, 0.5}, {0.78, 0, 0.85}, 0.09),
-      capsule({0.78, 0, 0.85}, {0.98, 0, 0.8}, 0.1), capsule({-0.6, 0, 0.5}, {-0.85, 0, 0.3}, 0.05)};
-  for (int leg = 0; leg < 4; ++leg)
-    parts.push_back(capsule(hip(leg), onLeg(leg, swing[size_t(leg)], 1), 0.065));
-  return {"quadruped",
-          shapes::levelSet(joined(parts), openvdb::BBoxd(Vec3d(-1.2, -0.4, -0.4), Vec3d(1.2, 0.4, 1.1)),
-                           1.9 / 128)};
-}
-
-/// Two lines a leg: from the hip to the knee and from the knee to the foot.
-std::vector<Feature> legLines(const Swing& a, const Swing& b) {
-  std::vector<Feature> lines;
-  for (int leg = 0; leg < 4; ++leg)
-    for (int half = 0; half < 2; ++half) {
-      Feature line{"leg " + std::to_string(leg) + (half ? " below" : " above"), Feature::Kind::kLine, {}};
-      for (const Swing& s : {a, b})
-        line.places.push_back(
-            {onLeg(leg, s[size_t(leg)], 0.5 * half), onLeg(leg, s[size_t(leg)], 0.5 * half + 0.5)});
-      lines.push_back(std::move(line));
-    }
-  return lines;
-}
-
-/// Legs that swing by 50 degrees and cross keep apart at all of 25 times.
-TEST(Features, LinesKeepFourLegs) {
-  const Swing still{0, 0, 0, 0}, running{50, -50, 50, -50};
-  const Object a = quadruped(still), b = quadruped(running);
-  MorphOptions options;
-  options.features = legLines(still, running);
-  const MorphPlan plan({a, b}, options);
-  for (const std::string& note : plan.notes()) std::printf("  %s\n", note.c_str());
-  const double volumeA = measureShape(*a.levelSet).volume, volumeB = measureShape(*b.levelSet).volume;
-  for (int i = 0; i < 25; ++i) {
-    const double t = i / 24.0;
-    const InBetween frame = plan.frame({1 - t, t});
-    const ShapeMeasures m = measureShape(*frame.surface);
-    const double volume = m.volume / ((1 - t) * volumeA + t * volumeB);
-    // Where the legs have left the body, half way down, and above the highest feet.
-    const int upper = sectionParts(*frame.surface, 2, 0.2), middle = sectionParts(*frame.surface, 2, 0.1),
-              low = sectionParts(*frame.surface, 2, 0.0);
-    std::printf("  t %.3f: pieces %d, genus %d, legs %d, %d and %d, volume %.3f, fold %.4f\n", t, m.pieces,
-                m.genus, upper, middle, low, volume, frame.foldShare);
-    EXPECT_EQ(m.pieces, 1) << "t " << t;
-    EXPECT_EQ(upper, 4) << "t " << t;
-    EXPECT_EQ(middle, 4) << "t " << t;
-    EXPECT_EQ(low, 4) << "t " << t;
-    EXPECT_EQ(m.genus, 0) << "t " << t;
-    EXPECT_GE(volume, 0.93) << "t " << t;
-  }
-}
-
-/// Thick at one end, thin at the other, with a fin on top so that no other symmetry is left.
-Object fish(double thickAt) {
-  const double s = thickAt;
-  const Distance shape = joined({capsule({0.6 * s, 0, 0}, {0.3 * s, 0, 0}, 0.35),
-                                 capsule({0.4 * s, 0, 0}, {-0.9 * s, 0, 0}, 0.16),
-                                 capsule({0.2 * s, 0, 0.2}, {0, 0, 0.5}, 0.1)});
-  return {"fish",
-          shapes::levelSet(shape, openvdb::BBoxd(Vec3d(-1.3, -0.6, -0.6), Vec3d(1.3, 0.6, 0.8)), 2.0 / 128)};
+/// The second chart lies elsewhere and is turned about z by a quarter.
+std::vector<Chart> twoCharts() {
+  Chart second = shapes::straightChart({0.2, 0, 0.1}, kScale);
+  second.axes = rotationFromVector({0, 0, M_PI / 2});
+  return {shapes::straightChart({0, 0, 0}, kScale), second};
 }
 
 Feature point(const std::string& name, const Vec3d& a, const Vec3d& b) {
   return {name, Feature::Kind::kPoint, {{a}, {b}}};
 }
 
-/// The shapes alone say thick to thick. Three points say that one's thick end is the other's thin one.
-TEST(Features, ThreePointsTurnAMatchRound) {
-  const Object a = fish(1), b = fish(1);
-  const Object thinNose = {"thin nose", fish(-1).levelSet};
-  const Vec3d nose(0.95, 0, 0), tail(-1.06, 0, 0), fin(0, 0, 0.6);
-  const Vec3d thinTail(1.06, 0, 0);  // of the other one: its thin end is at +x
-  const auto arrives = [&](const MorphPlan& plan) { return plan.correspond({nose, tail}, 0, 1); };
-  const std::vector<Vec3d> wrong = arrives(MorphPlan({a, thinNose}));
-  EXPECT_GE((wrong[0] - thinTail).length(), 1.0) << "the shapes alone should match thick to thick";
-  MorphOptions options;
-  options.features = {point("nose", nose, thinTail), point("tail", tail, {-0.95, 0, 0}),
-                      point("fin", fin, fin)};
-  const MorphPlan plan({a, thinNose}, options);
-  const std::vector<Vec3d> right = arrives(plan);
-  const double h = a.levelSet->voxelSize()[0];
-  std::printf("  nose off by %.2f voxels, tail by %.2f (without %.1f)\n", (right[0] - thinTail).length() / h,
-              (right[1] - Vec3d(-0.95, 0, 0)).length() / h, (wrong[0] - thinTail).length() / h);
-  EXPECT_LE((right[0] - thinTail).length() / h, 2);
-  EXPECT_LE((right[1] - Vec3d(-0.95, 0, 0)).length() / h, 2);
-  const InBetween half = plan.frame({0.5, 0.5});
-  EXPECT_EQ(measureShape(*half.surface).pieces, 1);
-  EXPECT_LE(half.foldShare, 0.001);
+TEST(FeaturePoints, PointsAreMarksInTheirCharts) {
+  const std::vector<Chart> charts = twoCharts();
+  const Vec3d a(0.9, 0.1, 0), b(0, 0.9, -0.1);
+  const FeaturePoints placed = placeFeatures({point("nose", a, b)}, twoBalls(), charts);
+  ASSERT_EQ(placed.marks.size(), 1u);
+  EXPECT_TRUE(placed.lines.empty());
+  const Vec3d own = a / kScale, other = charts[1].axes.transpose() * (b - charts[1].center) / kScale;
+  EXPECT_LE((placed.marks[0].at[0] - own).length(), 1e-12);
+  EXPECT_LE((placed.marks[0].at[1] - other).length(), 1e-12);
+  EXPECT_LE((placed.marks[0].middle - 0.5 * (own + other)).length(), 1e-12);
 }
 
-/// One that lies on the spine of both, three times: points in a line say which way round, too.
-TEST(Features, PointsInALineTurnItToo) {
-  const Object a = fish(1), b = {"thin nose", fish(-1).levelSet};
-  MorphOptions options;
-  options.features = {point("nose", {0.95, 0, 0}, {1.06, 0, 0}), point("middle", {0, 0, 0}, {0, 0, 0}),
-                      point("tail", {-1.06, 0, 0}, {-0.95, 0, 0})};
-  const std::vector<Vec3d> right = MorphPlan({a, b}, options).correspond({{0.95, 0, 0}}, 0, 1);
-  EXPECT_LE((right[0] - Vec3d(1.06, 0, 0)).length() / a.levelSet->voxelSize()[0], 2);
-}
-
-TEST(Features, AFarOneChangesNothing) {
-  const Object a = fish(1), b = quadruped({0, 0, 0, 0});
-  const FloatGrid::Ptr without = MorphPlan({a, b}).frame({0.5, 0.5}).surface;
-  for (double far : {2.0, 10.0}) {
-    MorphOptions options;
-    options.features = {point("moon", {0, 0, far}, {far, 0, 0})};
-    const MorphPlan plan({a, b}, options);
-    const FloatGrid::Ptr with = plan.frame({0.5, 0.5}).surface;
-    const SurfaceDistance d = surfaceDistance(surfaceOf(*with), surfaceOf(*without));
-    EXPECT_LE(d.max / a.levelSet->voxelSize()[0], 0.1);
-    bool prescribed = false;
-    for (const std::string& note : plan.notes()) told |= note.find("'moon'") != std::string::npos;
-    EXPECT_TRUE(prescribed);
+/// A disk's centre, a place on either side at half its radius, and eight on its rim, at right angles to its
+/// normal and none of them spun against the other object's.
+TEST(FeaturePoints, DisksAreAStarOfMarks) {
+  Feature disk{"ring", Feature::Kind::kDisk, {{{0.5, 0, 0}}, {{0, 0.6, 0}}}};
+  disk.normals = {{2, 0, 0}, {0, 5, 0}}, disk.radii = {0.3, 0.4};
+  const std::vector<Chart> charts(2, shapes::straightChart({0, 0, 0}, kScale));
+  const FeaturePoints placed = placeFeatures({disk}, twoBalls(), charts);
+  ASSERT_EQ(placed.marks.size(), 11u);
+  const Mat3d turn = rotationFromVector({0, 0, M_PI / 2});  // the least that takes one normal to the other
+  for (size_t k = 0; k < 2; ++k) {
+    const Vec3d centre = kScale * placed.marks[0].at[k], normal = disk.normals[k].unit();
+    EXPECT_LE((centre - disk.places[k][0]).length(), 1e-9);
+    for (size_t i = 1; i < placed.marks.size(); ++i) {
+      const Vec3d off = kScale * placed.marks[i].at[k] - centre;
+      EXPECT_NEAR(off.length(), (i < 3 ? 0.5 : 1) * disk.radii[k], 1e-9) << i;
+      EXPECT_NEAR(std::abs(off.dot(normal)), i < 3 ? off.length() : 0, 1e-9) << i;
+    }
+  }
+  for (size_t i = 1; i < placed.marks.size(); ++i) {
+    const Vec3d a = placed.marks[i].at[0] - placed.marks[0].at[0],
+                b = placed.marks[i].at[1] - placed.marks[0].at[1];
+    EXPECT_LE((turn * a * (disk.radii[1] / disk.radii[0]) - b).length(), 1e-6) << i;
   }
 }
 
-/// Two that go crosswise: a warning names both, and nothing folds.
-TEST(Features, ContradictionsAreNamed) {
-  const Object a = fish(1), b = quadruped({0, 0, 0, 0});
-  MorphOptions options;
-  options.features = {
-      point("left", {0.5, 0.3, 0.1}, {0.5, -0.17, 0.45}), point("right", {0.5, -0.3, 0.1}, {0.5, 0.17, 0.45}),
-      point("nose", {0.95, 0, 0}, {1.08, 0, 0.78}),       point("tail", {-1.06, 0, 0}, {-0.9, 0, 0.3}),
-      point("top", {0.4, 0, 0.35}, {0.4, 0, 0.62}),       point("below", {0.4, 0, -0.35}, {0.4, 0, 0.28})};
-  const MorphPlan plan({a, b}, options);
-  bool prescribed = false;
-  for (const std::string& note : plan.notes()) {
-    std::printf("  %s\n", note.c_str());
-    told |= note.rfind("warning: ", 0) == 0 && note.find("'left'") != std::string::npos &&
-            note.find("'right'") != std::string::npos;
-  }
-  EXPECT_TRUE(prescribed);
-  for (double t : {0.25, 0.5, 0.75}) {
-    const InBetween frame = plan.frame({1 - t, t});
-    EXPECT_EQ(frame.foldShare, 0) << "t " << t;
-    EXPECT_EQ(measureShape(*frame.surface).pieces, 1) << "t " << t;
-  }
+Feature line(const std::string& name, const std::vector<Vec3d>& a, const std::vector<Vec3d>& b) {
+  return {name, Feature::Kind::kLine, {a, b}};
 }
 
-/// A disk says where a section is and how wide: the neck of one goes to the neck of the other, elsewhere
-/// along it.
-TEST(Features, ADiskMovesASection) {
-  const auto bar = [](double neck) {
-    const Distance shape = [=](const Vec3d& p) {
-      const double waist = 0.4 - 0.15 * std::exp(-std::pow((p[0] - neck) / 0.2, 2));
-      const double r = std::hypot(p[1], p[2]) - waist, x = std::abs(p[0]) - 1.5;
-      return std::hypot(std::max(r, 0.0), std::max(x, 0.0)) + std::min(std::max(r, x), 0.0);
-    };
-    return Object{
-        "bar",
-        shapes::levelSet(shape, openvdb::BBoxd(Vec3d(-1.8, -0.6, -0.6), Vec3d(1.8, 0.6, 0.6)), 3.0 / 128)};
-  };
-  const Object a = bar(-0.5), b = bar(0.5);
-  Feature disk{"waist", Feature::Kind::kDisk, {{{-0.5, 0, 0}}, {{0.5, 0, 0}}}};
-  disk.normals = {{1, 0, 0}, {1, 0, 0}}, disk.radii = {0.25, 0.25};
-  MorphOptions options;
-  options.features = {disk};
-  const std::vector<Vec3d> there =
-      MorphPlan({a, b}, options).correspond({{-0.5, 0.25, 0}, {-0.5, 0, -0.25}}, 0, 1);
-  const double h = a.levelSet->voxelSize()[0];
-  EXPECT_LE((there[0] - Vec3d(0.5, 0.25, 0)).length() / h, 2);
-  EXPECT_LE((there[1] - Vec3d(0.5, 0, -0.25)).length() / h, 2);
+/// Lines that go on in each other on both objects are one, in whatever order they are named, and reach from
+/// the end that moves less.
+TEST(FeaturePoints, LinesThatFollowAreOne) {
+  const std::vector<Chart> charts(2, shapes::straightChart({0, 0, 0}, kScale));
+  const Vec3d hip(0, 0, 0), knee[2] = {{0.4, 0, 0}, {0.3, 0.3, 0}}, foot[2] = {{0.8, 0, 0}, {0.3, 0.8, 0}};
+  for (bool swapped : {false, true}) {
+    std::vector<Feature> features{line("thigh", {hip, knee[0]}, {hip, knee[1]}),
+                                  line("shin", {knee[0], foot[0]}, {knee[1], foot[1]})};
+    if (swapped) std::swap(features[0], features[1]);
+    const FeaturePoints placed = placeFeatures(features, twoBalls(), charts);
+    for (size_t k = 0; k < 2; ++k) {
+      ASSERT_EQ(placed.limbs[k].size(), 1u);
+      EXPECT_LE((kScale * placed.limbs[k][0].chart.front() - hip).length(), 1e-9);
+      EXPECT_LE((kScale * placed.limbs[k][0].chart.back() - foot[k]).length(), 1e-9);
+    }
+    EXPECT_EQ(placed.lines.size(), 5 * placed.limbs[0][0].chart.size());
+  }
+  // Said from the foot to the hip, it still swings about the hip.
+  const FeaturePoints back = placeFeatures({line("leg", {foot[0], hip}, {foot[1], hip})}, twoBalls(), charts);
+  EXPECT_LE(back.limbs[1][0].chart.front().length(), 1e-9);
+}
+
+/// As thick as its way to the surface: on the axis of a ball of radius 1, one less the distance from the middle.
+TEST(FeaturePoints, LinesAreAsThickAsTheyAreDeep) {
+  const std::vector<Chart> charts(2, shapes::straightChart({0, 0, 0}, kScale));
+  const std::vector<Vec3d> along{{0.1, 0, 0}, {0.7, 0, 0}};
+  const PlacedLimb limb = placeFeatures({line("spike", along, along)}, twoBalls(), charts).limbs[0][0];
+  for (size_t i = 0; i < limb.chart.size(); ++i)
+    EXPECT_NEAR(kScale * limb.radius[i], 1 - kScale * limb.chart[i].length(), 0.02) << i;  // coarse distances
+}
+
+TEST(FeaturePoints, PlacesAlongALine) {
+  const std::vector<Vec3d> bent{{0, 0, 0}, {3, 0, 0}, {3, 1, 0}};
+  EXPECT_LE((placeAlong(bent, 0) - bent[0]).length(), 1e-12);
+  EXPECT_LE((placeAlong(bent, 0.5) - Vec3d(2, 0, 0)).length(), 1e-9);
+  EXPECT_LE((placeAlong(bent, 0.875) - Vec3d(3, 0.5, 0)).length(), 1e-9);
+  EXPECT_LE((placeAlong(bent, 1) - bent[2]).length(), 1e-12);
+  EXPECT_EQ(placeAlong({{7, 8, 9}}, 0.3), Vec3d(7, 8, 9));
+}
+
+PlacedLimb straightLimb(double y) {
+  PlacedLimb limb;
+  for (int i = 0; i < 13; ++i) limb.chart.emplace_back(0.1 * i, y, 0), limb.radius.push_back(0.1);
+  limb.middle = limb.chart;
+  return limb;
+}
+
+TEST(FeaturePoints, ALimbAlongALineIsPrescribed) {
+  EXPECT_TRUE(isPrescribedBy(straightLimb(0), {straightLimb(2), straightLimb(0.14)}));
+  EXPECT_FALSE(isPrescribedBy(straightLimb(0), {straightLimb(0.16)}));
+  EXPECT_FALSE(isPrescribedBy(straightLimb(0), {}));
+  // Near its root alone all limbs of a body meet.
+  PlacedLimb root = straightLimb(0);
+  root.chart.resize(4);
+  EXPECT_FALSE(isPrescribedBy(straightLimb(0), {root}));
+}
+
+TEST(FeaturePoints, WhatLiesFarFromAllSurfacesIsLeftOut) {
+  Notes notes;
+  // A tenth of the diagonal of a ball's box is 0.35.
+  const std::vector<Feature> kept =
+      featuresInReach({point("far", {1.5, 0, 0}, {0, 0, 1.5}), point("deep", {0, 0, 0}, {9, 9, 9}),
+                       point("near", {9, 0, 0}, {0, 0, 1.2})},
+                      twoBalls(), notes);
+  ASSERT_EQ(kept.size(), 2u);
+  EXPECT_EQ(kept[0].name, "deep");
+  EXPECT_EQ(kept[1].name, "near");
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes[0].sentence().find("far"), std::string::npos);
+}
+
+Displacements constantMap(const Vec3d& first, const Vec3d& second) {
+  const Lattice lattice = Lattice::over({Vec3d(-4), Vec3d(4)}, 0.5);
+  return {lattice,
+          {VectorField(lattice.count(), openvdb::Vec3s(first)),
+           VectorField(lattice.count(), openvdb::Vec3s(second))}};
+}
+
+TEST(FeaturePoints, WhatAMapMeetsIsNoContradiction) {
+  const std::vector<Chart> charts(2, shapes::straightChart({0, 0, 0}, kScale));
+  const Vec3d way(0.25, 0, 0);
+  const Displacements map = constantMap(way / kScale, -way / kScale);
+  EXPECT_TRUE(contradictions({point("nose", way, -way)}, charts, map, 2).empty());
+  EXPECT_TRUE(contradictions({}, charts, map, 2).empty());
+}
+
+/// Missed by half the way on either side of the middle, in world units; and two that are to change places
+/// against each other are named together.
+TEST(FeaturePoints, WhatAMapMissesIsAWarning) {
+  const std::vector<Chart> charts(2, shapes::straightChart({0, 0, 0}, kScale));
+  const Displacements still = constantMap(Vec3d(0.0), Vec3d(0.0));
+  const Vec3d a(0.3, 0, 0), b(-0.3, 0, 0);
+  const Notes one = contradictions({point("nose", a, b)}, charts, still, 2);
+  ASSERT_EQ(one.size(), 1u);
+  EXPECT_EQ(one[0].code, "features.contradict");
+  EXPECT_EQ(one[0].severity, Severity::kWarning);
+  EXPECT_NE(one[0].text.find("'nose' is missed by 0.3 world units"), std::string::npos) << one[0].text;
+  const Notes two = contradictions({point("left", a, b), point("right", b, a)}, charts, still, 2);
+  ASSERT_EQ(two.size(), 1u);  // once for both
+  EXPECT_NE(two[0].text.find("'left' and 'right'"), std::string::npos) << two[0].text;
 }
 
 }  // namespace

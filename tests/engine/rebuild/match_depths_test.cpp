@@ -1,0 +1,136 @@
+// Two balls of different sizes about one centre: which places are of like depth is known.
+#include "engine/rebuild/match_depths.h"
+#include "tests/support/fields.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace slicemorph {
+namespace {
+
+constexpr double kVoxel = 0.05;
+
+/// Balls of radius 1 and 1.2, half of each, that are laid on each other without a displacement.
+class MatchDepthsOfBalls : public testing::Test {
+ protected:
+  void SetUp() override {
+    for (double radius : {1.0, 1.2}) {
+      fields.push_back(
+          shapes::fieldOf(shapes::sphere({0, 0, 0}, radius), shapes::cube({0, 0, 0}, 1.4), kVoxel));
+      CarriedImage carried;
+      carried.shape = images.size(), carried.weight = 0.5, carried.field = fields.back().get();
+      carried.anchor = fields.back()->anchor();
+      images.push_back(carried);
+    }
+    nodes.map.step = 1, nodes.map.objects = 2, nodes.map.origin = openvdb::Coord(-9),
+    nodes.map.size = openvdb::Coord(19);
+    for (auto c = openvdb::CoordBBox(openvdb::Coord(-9), openvdb::Coord(9)).begin(); c; ++c)
+      nodes.map.known.push_back(1);
+    nodes.map.at.resize(2 * nodes.map.known.size());
+    for (auto c = openvdb::CoordBBox(openvdb::Coord(-9), openvdb::Coord(9)).begin(); c; ++c)
+      for (size_t k = 0; k < 2; ++k)
+        nodes.map.at[2 * nodes.map.index((*c)[0], (*c)[1], (*c)[2]) + k] =
+            openvdb::Vec3s(kSpacing * (*c).asVec3d() - images[k].anchor);
+  }
+  std::vector<MatchDepths::Place> placesAt(const Vec3d& p) const {
+    std::vector<MatchDepths::Place> places(2);
+    for (size_t k = 0; k < 2; ++k) places[k].at = openvdb::Vec3s(p - images[k].anchor);
+    return places;
+  }
+  static constexpr double kSpacing = 0.2;
+  Fields fields;
+  std::vector<CarriedImage> images;
+  ImageNodes nodes;
+};
+
+/// The in-between is a ball of radius 1.1. On its surface every image is looked up on its own object's surface, in
+/// the same direction.
+TEST_F(MatchDepthsOfBalls, OnTheSurfaceAllAreOnTheirOwn) {
+  const MatchDepths depths(images, nodes);
+  for (const Vec3d& way : {Vec3d(1, 0, 0), Vec3d(0.6, 0, -0.8), Vec3d(1, 2, 3).unit()}) {
+    auto places = placesAt(1.1 * way);
+    depths.measure(places);
+    EXPECT_NEAR(places[0].distance, 0.1, 0.1 * kVoxel);
+    EXPECT_NEAR(places[1].distance, -0.1, 0.1 * kVoxel);
+    EXPECT_NEAR(depths.match(places), 0, 0.1 * kVoxel);
+    for (size_t k = 0; k < 2; ++k) {
+      const Vec3d at = Vec3d(places[k].at) + images[k].anchor;
+      // By way of the nearest surface point, which is exact to about a voxel along the surface.
+      EXPECT_NEAR(at.length(), k == 0 ? 1 : 1.2, 0.2 * kVoxel) << way;
+      EXPECT_LE((at - at.length() * way).length(), 1.5 * kVoxel) << way;
+    }
+  }
+}
+
+/// Half a voxel inside, every image is half a voxel inside; far from the surface nothing moves.
+TEST_F(MatchDepthsOfBalls, DepthsAreThoseOfTheInBetween) {
+  const MatchDepths depths(images, nodes);
+  auto places = placesAt({0, 1.1 - 0.5 * kVoxel, 0});
+  depths.measure(places);
+  EXPECT_NEAR(depths.match(places), -0.5 * kVoxel, 0.1 * kVoxel);
+  depths.measure(places);
+  for (const auto& place : places) EXPECT_NEAR(place.distance, -0.5 * kVoxel, 0.2 * kVoxel);
+  for (double r : {0.5, 1.7}) {
+    auto far = placesAt({r, 0, 0});
+    const auto before = far;
+    depths.measure(far);
+    EXPECT_NEAR(depths.match(far), r - 1.1, 0.2 * kVoxel);
+    for (size_t k = 0; k < 2; ++k) EXPECT_EQ(far[k].at, before[k].at);
+  }
+}
+
+/// Between the two surfaces one image shows its inside where the in-between is outside: it is taken outside.
+TEST_F(MatchDepthsOfBalls, NothingIsSeenFromTheOtherSide) {
+  const MatchDepths depths(images, nodes);
+  for (double r : {1.03, 1.07, 1.13, 1.17}) {
+    auto places = placesAt({r, 0, 0});
+    depths.measure(places);
+    const float blended = depths.match(places);
+    depths.measure(places);
+    for (const auto& place : places) EXPECT_EQ(place.distance < 0, blended < 0) << r;
+  }
+}
+
+/// No cell that a surface passes may be left out.
+TEST_F(MatchDepthsOfBalls, CellsNearASurfaceAreFound) {
+  const MatchDepths depths(images, nodes);
+  size_t far = 0;
+  for (auto c = openvdb::CoordBBox(openvdb::Coord(-9), openvdb::Coord(8)).begin(); c; ++c) {
+    double low = 1e30, high = 0;
+    for (int n = 0; n < 8; ++n) {
+      const double r = kSpacing * (*c).offsetBy(n & 1, n >> 1 & 1, n >> 2).asVec3d().length();
+      low = std::min(low, r), high = std::max(high, r);
+    }
+    if (low < 1.2 && high > 1) {
+      EXPECT_TRUE(depths.near(*c)) << *c;
+    }
+    far += !depths.near(*c);
+  }
+  EXPECT_GT(far, 100u);
+}
+
+TEST_F(MatchDepthsOfBalls, LinesThroughASurfaceAreNearIt) {
+  const MatchDepths depths(images, nodes);
+  const auto near = [&](double from, double to) {
+    auto first = placesAt({from, 0, 0}), last = placesAt({to, 0, 0});
+    depths.measure(first), depths.measure(last);
+    return depths.near(first, last);
+  };
+  EXPECT_TRUE(near(0.9, 1.05));
+  EXPECT_TRUE(near(1.05, 1.3));
+  EXPECT_TRUE(near(0.9, 0.95));  // within reach of three voxels
+  EXPECT_FALSE(near(0.3, 0.4));
+  EXPECT_FALSE(near(1.6, 1.7));
+}
+
+/// One image alone, and images without an object, have nothing to be matched with.
+TEST_F(MatchDepthsOfBalls, NothingToMatchIsNowhereNear) {
+  images[1].field = nullptr;
+  EXPECT_FALSE(MatchDepths(images, nodes).near({5, 0, 0}));
+  images.pop_back();
+  EXPECT_FALSE(MatchDepths(images, nodes).near({5, 0, 0}));
+}
+
+}  // namespace
+}  // namespace slicemorph

@@ -1,0 +1,141 @@
+// Functions that are distances but for a factor become distances again; signs are kept.
+#include "engine/rebuild/redistance.h"
+#include "tests/support/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+namespace slicemorph {
+namespace {
+
+constexpr float kVoxel = 0.1f;
+
+/// `function` on all leaves within `reach` voxels of the shape's surface, a box of +-`leaves` leaves about the
+/// world's origin.
+SparseValues valuesOf(const shapes::Distance& shape, const shapes::Distance& function, int leaves = 4) {
+  std::vector<openvdb::Coord> origins;
+  for (auto c = openvdb::CoordBBox(openvdb::Coord(-leaves), openvdb::Coord(leaves - 1)).begin(); c; ++c) {
+    const openvdb::Coord origin((*c)[0] * 8, (*c)[1] * 8, (*c)[2] * 8);
+    if (std::abs(shape(double(kVoxel) * (origin.asVec3d() + Vec3d(3.5)))) < double(kVoxel) * 14)
+      origins.push_back(origin);
+  }
+  SparseValues values(origins, kVoxel);
+  for (size_t i = 0; i < origins.size(); ++i)
+    for (int n = 0; n < 512; ++n)
+      values.leaf(i)[n] =
+          float(function(double(kVoxel) * origins[i].offsetBy(n / 64, n / 8 % 8, n % 8).asVec3d()));
+  return values;
+}
+
+FloatGrid::Ptr made(const SparseValues& values) {
+  return redistance(values, *openvdb::math::Transform::createLinearTransform(double(kVoxel)));
+}
+
+/// Off from the shape's distance at most, voxels, over the active voxels that `counts`; every voxel within the
+/// band less that is active, and every sign is the function's.
+double missOf(
+    const FloatGrid& grid, const shapes::Distance& shape,
+    const std::function<bool(const Vec3d&)>& counts = [](const Vec3d&) { return true; }) {
+  double most = 0;
+  EXPECT_EQ(grid.getGridClass(), openvdb::GRID_LEVEL_SET);
+  EXPECT_FLOAT_EQ(grid.background(), 3 * kVoxel);
+  for (auto it = grid.cbeginValueOn(); it; ++it) {
+    const Vec3d p = grid.indexToWorld(it.getCoord());
+    EXPECT_LT(std::abs(*it), 3 * kVoxel);
+    if (counts(p)) most = std::max(most, std::abs(double(*it) - shape(p)) / double(kVoxel));
+  }
+  for (auto c = openvdb::CoordBBox(openvdb::Coord(-30), openvdb::Coord(30)).begin(); c; ++c) {
+    const Vec3d p = grid.indexToWorld(*c);
+    const double d = shape(p);
+    if (std::abs(d) > 1e-4) {
+      EXPECT_EQ(grid.tree().getValue(*c) < 0, d < 0) << p;
+    }
+    if (counts(p) && std::abs(d) < (kHalfWidth - most - 0.01) * double(kVoxel)) {
+      EXPECT_TRUE(grid.tree().isValueOn(*c)) << p;
+    }
+  }
+  return most;
+}
+
+/// A plane, of any slope: both steps are exact.
+TEST(Redistance, PlanesAreExact) {
+  const Vec3d normal = Vec3d(1, 2, -0.5).unit();
+  const shapes::Distance plane = [=](const Vec3d& p) { return p.dot(normal) - 0.04; };
+  for (double factor : {0.7, 1.0, 1.3}) {
+    const FloatGrid::Ptr grid = made(valuesOf(plane, [&](const Vec3d& p) { return factor * plane(p); }));
+    // Where the values end, at the box's sides, what is around is not known.
+    const auto within = [](const Vec3d& p) {
+      return std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])}) < 2.3;
+    };
+    double most = 0;
+    for (auto it = grid->cbeginValueOn(); it; ++it) {
+      const Vec3d p = grid->indexToWorld(it.getCoord());
+      if (within(p)) most = std::max(most, std::abs(double(*it) - plane(p)) / double(kVoxel));
+    }
+    EXPECT_LE(most, 1e-3) << factor;
+  }
+}
+
+/// Of radius 20 voxels: central differences and trilinear values lose a voxel's square over 8 radii in each of
+/// three directions, twice.
+TEST(Redistance, SpheresOfAnySlope) {
+  const shapes::Distance sphere = shapes::sphere({0.03, -0.02, 0.05}, 2);
+  for (double factor : {0.7, 1.0, 1.3})
+    EXPECT_LE(missOf(*made(valuesOf(sphere, [&](const Vec3d& p) { return factor * sphere(p); })), sphere),
+              2 * 3 / (8 * 20.0 - 3))
+        << factor;
+}
+
+/// A factor that changes by a fifth over four voxels' way of its sine. One step would err by d^2 / 2 times the
+/// change of the factor over the factor: at three voxels 9 / 2 * 0.2 / 4 = 0.22 voxels; the second leaves the
+/// square of its share, and the sphere's own error.
+TEST(Redistance, FactorsMayChange) {
+  const shapes::Distance sphere = shapes::sphere({0, 0, 0}, 2);
+  const auto warped = [&](const Vec3d& p) { return sphere(p) * (1 + 0.2 * std::sin(p[0] / 0.4)); };
+  EXPECT_LE(missOf(*made(valuesOf(sphere, warped)), sphere), 0.22);
+}
+
+/// Inside a box distances have creases, where gradients are those of neither face: right within a voxel's half,
+/// and exact next to faces.
+TEST(Redistance, BoxesKeepTheirFaces) {
+  const shapes::Distance box = shapes::box({1.5, 1.23, 0.97}, 0.001);
+  const FloatGrid::Ptr grid = made(valuesOf(box, box));
+  EXPECT_LE(missOf(*grid, box), 0.5);
+  EXPECT_LE(missOf(*grid, box,
+                   [](const Vec3d& p) {
+                     return std::abs(p[1]) < 0.7 &&
+                            std::abs(p[2]) < 0.5;  // before and behind the faces across x
+                   }),
+            1e-2);
+}
+
+/// A gap of one voxel's width stays open: signs are kept whatever gradients say.
+TEST(Redistance, ThinGapsStayOpen) {
+  const shapes::Distance sheets = [](const Vec3d& p) { return 0.05 - std::abs(std::abs(p[0]) - 0.1); };
+  const FloatGrid::Ptr grid = made(valuesOf(shapes::sphere({0, 0, 0}, 1), sheets));
+  for (auto it = grid->cbeginValueOn(); it; ++it) {
+    const double d = sheets(grid->indexToWorld(it.getCoord()));
+    if (std::abs(d) > 1e-6) {
+      EXPECT_EQ(*it < 0, d < 0) << it.getCoord();
+    }
+  }
+}
+
+TEST(Redistance, NothingIsAnEmptyGrid) {
+  const FloatGrid::Ptr grid = made(SparseValues({}, kVoxel));
+  EXPECT_EQ(grid->activeVoxelCount(), 0u);
+  EXPECT_EQ(grid->getName(), "surface");
+}
+
+TEST(Redistance, LeavesAreFoundByTheirOrigin) {
+  SparseValues values({{0, 0, 0}, {-8, 16, 0}}, kVoxel);
+  EXPECT_EQ(values.find({-8, 16, 0}), values.leaf(1));
+  EXPECT_EQ(values.find({8, 0, 0}), nullptr);
+  EXPECT_EQ(values.leaf(0)[17], SparseValues::kUnknown);
+}
+
+}  // namespace
+}  // namespace slicemorph
