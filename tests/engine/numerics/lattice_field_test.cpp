@@ -1,4 +1,4 @@
-#include "engine/numerics/lattice.h"
+#include "engine/numerics/lattice_field.h"
 
 #include <gtest/gtest.h>
 
