@@ -11,6 +11,8 @@ namespace slicemorph {
 
 namespace {
 
+using openvdb::Coord;
+
 constexpr size_t kWholeLatticeNodes = 60000;
 
 // How strongly the contours, and the planes' distances around them, hold against the bending of one node.
