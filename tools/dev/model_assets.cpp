@@ -4,7 +4,7 @@
 // y, front is x.
 
 #include "engine/volume/voxelise.h"
-#include "io/mesh/mesh_writer.h"
+#include "slicemorph/io/mesh_writer.h"
 
 #include <openvdb/tools/Dense.h>
 #include <tbb/parallel_for.h>

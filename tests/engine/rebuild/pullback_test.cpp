@@ -2,7 +2,7 @@
 #include "engine/spine/chart.h"
 #include "engine/volume/level_set.h"
 #include "engine/volume/voxelise.h"
-#include "io/input.h"
+#include "slicemorph/io/input.h"
 #include "slicemorph/slicemorph.h"
 #include "tests/support/bent_shapes.h"
 #include "tests/support/same_values.h"
