@@ -155,7 +155,7 @@ void AtomicFile::discard() noexcept {
 void AtomicFile::fail(const char* what) {
   const std::string reason = std::strerror(errno);
   discard();
-  throw IoError(path_ + " " + what + ": " + reason);
+  throw IoError(path_, std::string(what) + ": " + reason);
 }
 
 }  // namespace slicemorph

@@ -1,12 +1,11 @@
-#include "io/file_info.h"
+#include "slicemorph/io/file_info.h"
 
 #include "engine/volume/image_shape.h"
 #include "engine/volume/level_set.h"
-#include "io/input.h"
+#include "io/format.h"
 #include "io/mesh/mesh_reader.h"
 #include "io/paths.h"
 #include "io/vdb/grid_choice.h"
-#include "io/vdb/vdb_reader.h"
 #include "slicemorph/errors.h"
 
 #include <algorithm>
@@ -17,8 +16,8 @@
 namespace slicemorph {
 namespace {
 
-MeshInfo describeMesh(const std::string& path) {
-  const StoredMesh stored = readPolygons(path);
+MeshInfo describeMesh(const InputSpec& input) {
+  const StoredMesh stored = readPolygons(input);
   const MeshTopology found = inspectMesh(stored.mesh);
   MeshInfo info;
   info.points = stored.points;
@@ -37,8 +36,8 @@ MeshInfo describeMesh(const std::string& path) {
     info.boxMax = box.max();
   }
   try {
-    info.notes = closeSurface(path, stored).notes;
-  } catch (const std::runtime_error& error) {
+    info.notes = closeSurface(input.path, stored).notes;
+  } catch (const Error& error) {
     info.problem = error.what();
   }
   return info;
@@ -133,18 +132,18 @@ std::string chosenGrid(const VdbFile& file, const std::string& path, const std::
   return "";
 }
 
-VdbInfo describeVdb(const InputName& name) {
-  const VdbFile file(name.path);
+VdbInfo describeVdb(const InputSpec& input) {
+  const VdbFile file(input.path);
   VdbInfo info;
   info.fileVersion = file.fileVersion();
   info.libraryVersion = file.libraryVersion();
-  if (!name.grid.empty()) {
-    info.grids.push_back(describeGrid(file, findGrid(file, name)));
+  if (!input.selection.empty()) {
+    info.grids.push_back(describeGrid(file, findGrid(file, input)));
     if (info.grids[0].problem.empty()) info.chosen = info.grids[0].name;
     return info;
   }
   for (size_t i = 0; i < file.entries().size(); ++i) info.grids.push_back(describeGrid(file, i));
-  info.chosen = chosenGrid(file, name.path, info.grids);
+  info.chosen = chosenGrid(file, input.path, info.grids);
   return info;
 }
 
@@ -183,34 +182,24 @@ ImageInfo describeImage(const ImageFile& file) {
 
 }  // namespace
 
-FileInfo describeFile(const std::string& input, const ImageOptions& options) {
+FileInfo describeFile(const InputSpec& input, const ImageOptions& options) {
   initialiseVdb();
-  if (isImageInput(input)) {
-    FileInfo info;
-    info.kind = FileInfo::Kind::kImage;
-    info.path = splitImageInput(input).path;
+  FileInfo info;
+  info.contents = input.contents;
+  info.path = input.path;
+  if (input.isImage()) {
     for (const std::string& file : filesOfInput(input)) info.bytes += std::filesystem::file_size(file);
     for (const ImageFile& file : listImages(input, options)) info.images.push_back(describeImage(file));
     info.format = info.images[0].format;
     return info;
   }
-  const InputName name = splitInput(input);
-  const std::string extension = extensionOf(name.path);
-  FileInfo info;
-  info.path = name.path;
-  info.bytes = sizeOfInput(name.path);
-  if (extension != ".vdb" && !isMeshExtension(extension)) {
-    throw InputError(name.path + ": cannot read the extension '" + extension +
-                     "'; use .vdb, .obj, .ply, .stl, .off, .glb or an image (.nii .nii.gz .nrrd .nhdr .mha "
-                     ".mhd, a DICOM folder)");
-  }
-  info.format = extension.substr(1);
-  if (extension == ".vdb") {
-    info.kind = FileInfo::Kind::kVdb;
-    info.vdb = describeVdb(name);
-  } else {
-    info.mesh = describeMesh(name.path);
-  }
+  info.bytes = sizeOfInput(input.path);
+  if (input.contents != Contents::kMesh && input.contents != Contents::kGrids) refuseAsShape(input);
+  info.format = input.format->name;
+  if (input.isGrids())
+    info.vdb = describeVdb(input);
+  else
+    info.mesh = describeMesh(input);
   return info;
 }
 

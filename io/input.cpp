@@ -1,14 +1,12 @@
-#include "io/input.h"
+#include "slicemorph/io/input.h"
 
 #include "engine/volume/image_shape.h"
 #include "engine/volume/level_set.h"
 #include "engine/volume/surface_colors.h"
 #include "engine/volume/voxelise.h"
+#include "io/format.h"
 #include "io/mesh/mesh_reader.h"
-#include "io/paths.h"
-#include "io/sequence.h"
 #include "io/vdb/grid_choice.h"
-#include "io/vdb/vdb_reader.h"
 #include "slicemorph/errors.h"
 
 #include <tbb/parallel_for.h>
@@ -47,9 +45,9 @@ double voxelSizeFor(const Mesh& mesh, int resolution) {
   return box.extents()[int(box.maxExtent())] / resolution;
 }
 
-LoadedObject loadMesh(const std::string& path, const LoadOptions& options) {
-  const StoredMesh stored = readPolygons(path);
-  RepairedMesh repaired = closeSurface(path, stored);
+LoadedObject loadMesh(const InputSpec& input, const LoadOptions& options) {
+  const StoredMesh stored = readPolygons(input);
+  RepairedMesh repaired = closeSurface(input.path, stored);
   const int resolution = options.resolution ? options.resolution : kDefaultResolution;
   LoadedObject loaded;
   loaded.object.levelSet = voxelise(
@@ -88,12 +86,12 @@ openvdb::Vec3SGrid::ConstPtr colorsBeside(const VdbFile& file, const FloatGrid& 
   return colors ? colorsAround(levelSet, *colors) : nullptr;
 }
 
-LoadedObject loadVdb(const InputName& name, const LoadOptions& options) {
-  const auto opened = std::make_shared<const VdbFile>(name.path);
+LoadedObject loadVdb(const InputSpec& input, const LoadOptions& options) {
+  const auto opened = std::make_shared<const VdbFile>(input.path);
   const VdbFile& file = *opened;
-  const bool named = !name.grid.empty();
+  const bool named = !input.selection.empty();
   std::string passedOver;
-  for (size_t index : named ? std::vector<size_t>{findGrid(file, name)} : gridsToTry(file, name.path)) {
+  for (size_t index : named ? std::vector<size_t>{findGrid(file, input)} : gridsToTry(file, input.path)) {
     const std::string grid = file.entries()[index].name;
     try {
       LoadedObject loaded = loadGrid(asFloatGrid(file.read(index)), options);
@@ -102,13 +100,15 @@ LoadedObject loadVdb(const InputName& name, const LoadOptions& options) {
       loaded.named = named;
       if (!loaded.fog) loaded.colors = colorsBeside(file, *loaded.object.levelSet);
       if (!named && file.entries().size() > 1) {
-        loaded.notes.insert(loaded.notes.begin(), "took grid '" + grid + "' of " +
-                                                      std::to_string(file.entries().size()) + passedOver);
+        loaded.notes.insert(
+            loaded.notes.begin(),
+            Note("vdb.grid-chosen", Severity::kNote, "",
+                 "took grid '" + grid + "' of " + std::to_string(file.entries().size()) + passedOver));
       }
       return loaded;
     } catch (const GeometryError& error) {
-      if (named) throw GeometryError("grid '" + grid + "': " + error.what());
-      passedOver += "; '" + grid + "' is no shape: " + error.what();
+      if (named) throw GeometryError(input.path + ": grid '" + grid + "'", error.what());
+      passedOver += "; '" + grid + std::string("' is no shape: ") + error.what();
     }
   }
   throw GeometryError("no grid is a shape" + passedOver);
@@ -128,25 +128,30 @@ FloatGrid::Ptr levelSetOf(const FloatGrid::Ptr& shape, double iso, double voxelS
   return toLevelSet(shape, voxelSize, iso).grid;
 }
 
-LoadedObject loadImage(const std::string& input, const LoadOptions& options) {
+LoadedObject loadLabels(LoadedObject loaded, const LoadOptions& options) {
+  const Image& image = *loaded.image;
+  const size_t count = labelsOf(image).size();
+  if (count == 0) throw GeometryError("the label map is empty: every voxel is 0");
+  loaded.labels = true;
+  loaded.notes.emplace_back(
+      "image.read-as-labels", Severity::kNote, "",
+      "read as a map of " + std::to_string(count) + (count == 1 ? " label" : " labels") +
+          (options.imageKind == ImageKind::kAuto ? " (--image grey reads grey values)" : ""));
+  const FloatGrid::Ptr shape = shapeOfLabels(image);
+  loaded.object.levelSet = levelSetOf(shape, 0.5, voxelSizeFor(image, *shape, options));
+  return loaded;
+}
+
+LoadedObject loadImage(const InputSpec& input, const LoadOptions& options) {
   ImageFile file = readImage(input, options.image);
   LoadedObject loaded;
   loaded.notes = std::move(file.notes);
   loaded.image = std::make_shared<const Image>(std::move(file.image));
   const Image& image = *loaded.image;
   const bool isoGiven = options.isoGiven || options.iso != 0;
-  loaded.labels = options.imageKind == ImageKind::kLabels ||
-                  (options.imageKind == ImageKind::kAuto && !isoGiven && looksLikeLabels(image));
-  if (loaded.labels) {
-    const size_t count = labelsOf(image).size();
-    if (count == 0) throw GeometryError("the label map is empty: every voxel is 0");
-    loaded.notes.push_back(
-        "read as a map of " + std::to_string(count) + (count == 1 ? " label" : " labels") +
-        (options.imageKind == ImageKind::kAuto ? " (--image grey reads grey values)" : ""));
-    const FloatGrid::Ptr shape = shapeOfLabels(image);
-    loaded.object.levelSet = levelSetOf(shape, 0.5, voxelSizeFor(image, *shape, options));
-    return loaded;
-  }
+  const bool labels = options.imageKind == ImageKind::kLabels ||
+                      (options.imageKind == ImageKind::kAuto && !isoGiven && looksLikeLabels(image));
+  if (labels) return loadLabels(std::move(loaded), options);
   const double iso = loaded.iso = isoGiven ? options.iso : otsuValue(image);
   const FloatGrid::Ptr shape = shapeAbove(image, iso);
   const double voxelSize = voxelSizeFor(image, *shape, options);
@@ -156,48 +161,93 @@ LoadedObject loadImage(const std::string& input, const LoadOptions& options) {
   if (!isoGiven) {
     std::ostringstream note;
     note << "its shape is what is above " << iso << " (found from its values; --iso sets another)";
-    loaded.notes.push_back(note.str());
+    loaded.notes.emplace_back("image.iso-found", Severity::kNote, "", note.str());
   }
   return loaded;
 }
 
-/// The engine does not know the file's name: it is put in front where a message lacks it.
+std::map<std::int64_t, size_t> voxelsByLabel(const Image& image) {
+  std::map<std::int64_t, size_t> counts;
+  std::visit(
+      [&](const auto& values) {
+        for (const auto v : values)
+          if (v != 0) ++counts[std::int64_t(v)];
+      },
+      image.values);
+  return counts;
+}
+
+/// Labels that more than one of the maps has, the largest first. None where there is one label in all: it is the
+/// shape itself.
+std::vector<std::int64_t> sharedLabels(const std::vector<LoadedObject>& objects) {
+  // More surfaces cost time and steer no better.
+  constexpr size_t kMostLabelSurfaces = 24;
+  struct Found {
+    size_t objects = 0;
+    double volume = 0;
+  };
+  std::map<std::int64_t, Found> found;
+  for (const LoadedObject& object : objects) {
+    const ImageLattice& lattice = object.image->lattice;
+    const double voxel = std::abs(lattice.step[0].dot(lattice.step[1].cross(lattice.step[2])));
+    for (const auto& [label, count] : voxelsByLabel(*object.image))
+      ++found[label].objects, found[label].volume += double(count) * voxel;
+  }
+  std::vector<std::pair<double, std::int64_t>> shared;
+  for (const auto& [label, about] : found)
+    if (about.objects > 1 && found.size() > 1) shared.emplace_back(-about.volume, label);
+  std::sort(shared.begin(), shared.end());
+  shared.resize(std::min(shared.size(), kMostLabelSurfaces));
+  std::vector<std::int64_t> labels;
+  for (const auto& [volume, label] : shared) labels.push_back(label);
+  return labels;
+}
+
+LoadedObject load(const InputSpec& input, const LoadOptions& options) {
+  checkOptions(options);
+  LoadedObject loaded;
+  switch (input.contents) {
+    case Contents::kImage:
+      loaded = loadImage(input, options);
+      loaded.object.name = input.text;
+      return loaded;
+    case Contents::kGrids:
+      loaded = loadVdb(input, options);
+      break;
+    case Contents::kMesh:
+      loaded = loadMesh(input, options);
+      break;
+    default:
+      refuseAsShape(input);
+  }
+  loaded.object.name = std::filesystem::path(input.path).stem().string();
+  return loaded;
+}
+
+/// The engine does not know the file's name: its errors are about nothing yet.
 template <typename Error>
 [[noreturn]] void rethrow(const std::string& path, const Error& error) {
-  const std::string what = error.what();
-  throw Error(what.find(path) == std::string::npos ? path + ": " + what : what);
+  if (!error.note().about.empty()) throw error;
+  throw Error(path, error.note().text);
 }
 
 }  // namespace
 
-LoadedObject loadObject(const std::string& input, const LoadOptions& options) {
+LoadedObject loadObject(const InputSpec& input, const LoadOptions& options) {
   initialiseVdb();
-  const InputName name = splitInput(input);
-  const std::string extension = extensionOf(name.path);
   try {
-    checkOptions(options);
-    if (isImageInput(input)) {
-      LoadedObject loaded = loadImage(input, options);
-      loaded.object.name = input;
-      return loaded;
-    }
-    if (extension != ".vdb" && !isMeshExtension(extension)) {
-      sizeOfInput(name.path);  // a missing file or a folder is the better message
-      throw InputError(name.path + ": cannot read the extension '" + extension +
-                       "'; use .vdb, .obj, .ply, .stl, .off, .glb, or an image: .nii .nii.gz .nrrd .nhdr "
-                       ".mha .mhd, a DICOM "
-                       "folder, name.####.tif|png|exr");
-    }
-    LoadedObject loaded = extension == ".vdb" ? loadVdb(name, options) : loadMesh(name.path, options);
-    loaded.object.name = std::filesystem::path(name.path).stem().string();
-    return loaded;
+    return load(input, options);
   } catch (const GeometryError& error) {
-    rethrow(name.path, error);
+    rethrow(input.path, error);
   } catch (const InputError& error) {
-    rethrow(name.path, error);
+    rethrow(input.path, error);
   } catch (const std::bad_alloc&) {
-    throw IoError(name.path + " cannot be read: there is not enough memory; use a larger voxel size");
+    throw IoError(input.path, "cannot be read: there is not enough memory; use a larger voxel size");
   }
+}
+
+LoadedObject loadObject(const std::string& text, const LoadOptions& options) {
+  return loadObject(parseInput(text), options);
 }
 
 LoadOptions optionsOfInput(const LoadOptions& options, size_t input) {
@@ -210,64 +260,21 @@ LoadOptions optionsOfInput(const LoadOptions& options, size_t input) {
 }
 
 void addLabelSurfaces(std::vector<LoadedObject>& objects) {
-  constexpr size_t kMost = 24;
-  std::map<std::int64_t, std::pair<size_t, double>>
-      found;  // per label: objects that have it, its volume in them
-  for (const LoadedObject& object : objects) {
+  for (const LoadedObject& object : objects)
     if (!object.labels) return;
-    std::map<std::int64_t, size_t> counts;
-    std::visit(
-        [&](const auto& values) {
-          for (const auto v : values)
-            if (v != 0) ++counts[std::int64_t(v)];
-        },
-        object.image->values);
-    const ImageLattice& lattice = object.image->lattice;
-    const double voxel = std::abs(lattice.step[0].dot(lattice.step[1].cross(lattice.step[2])));
-    for (const auto& [label, count] : counts)
-      ++found[label].first, found[label].second += double(count) * voxel;
-  }
-  if (found.size() < 2) return;  // the shape itself
-  std::vector<std::pair<double, std::int64_t>> shared;
-  for (const auto& [label, about] : found)
-    if (about.first > 1) shared.emplace_back(-about.second, label);
-  std::sort(shared.begin(), shared.end());
-  shared.resize(std::min(shared.size(), kMost));
+  const std::vector<std::int64_t> shared = sharedLabels(objects);
   for (LoadedObject& object : objects) {
     const std::vector<std::int64_t> own = labelsOf(*object.image);
     object.object.inner.assign(shared.size(), nullptr);
     const double voxelSize = object.object.levelSet->voxelSize()[0];
     tbb::parallel_for(size_t(0), shared.size(), [&](size_t n) {
-      if (!std::binary_search(own.begin(), own.end(), shared[n].second)) return;
+      if (!std::binary_search(own.begin(), own.end(), shared[n])) return;
       try {
-        object.object.inner[n] = levelSetOf(shapeOfLabel(*object.image, shared[n].second), 0.5, voxelSize);
+        object.object.inner[n] = levelSetOf(shapeOfLabel(*object.image, shared[n]), 0.5, voxelSize);
       } catch (const GeometryError&) {  // too thin for the voxel size: it goes along with the others
       }
     });
   }
-}
-
-bool isMovingInput(const std::string& input) { return isSequenceInput(input) && !isImageInput(input); }
-
-std::vector<std::string> filesOfInput(const std::string& input) {
-  namespace fs = std::filesystem;
-  std::vector<std::string> files;
-  if (isSequenceInput(input)) {
-    for (const SequenceFile& file : findSequence(splitSequenceInput(input).path)) files.push_back(file.path);
-  } else {
-    const std::string path = isImageInput(input) ? splitImageInput(input).path : splitInput(input).path;
-    std::error_code error;
-    if (isImageInput(input) && fs::is_directory(path, error)) {
-      for (const auto& entry : fs::directory_iterator(path, error))
-        if (entry.is_regular_file()) files.push_back(entry.path().string());
-      if (error || files.empty()) throw IoError(path + ": no files in this folder");
-      std::sort(files.begin(), files.end());
-      return files;
-    }
-    files.push_back(path);
-  }
-  for (const std::string& file : files) sizeOfInput(file);
-  return files;
 }
 
 }  // namespace slicemorph

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "io/exr/exr_slice.h"
-#include "io/input.h"
+#include "slicemorph/io/input.h"
 #include "slicemorph/note.h"
 
 namespace slicemorph {
@@ -19,7 +19,7 @@ struct InputGrids {
 /// a mesh's `surface`, an image's `image` or `labels`. With an iso value the `surface` at it comes too.
 /// `wanted`: only these; empty: all. `needsShape`: fill `shape` whatever is wanted. The files must not change
 /// while the grids live. Throws as loadObject does; InputError for an unknown grid, listing what is there.
-InputGrids readInputGrids(const std::string& input, const std::vector<std::string>& wanted,
+InputGrids readInputGrids(const InputSpec& input, const std::vector<std::string>& wanted,
                           const LoadOptions& options, bool needsShape = false);
 
 }  // namespace slicemorph

@@ -1,11 +1,12 @@
-#include "io/output.h"
+#include "slicemorph/io/output.h"
 
 #include "engine/volume/surface_colors.h"
 #include "engine/volume/voxelise.h"
-#include "io/mesh/mesh_writer.h"
+#include "io/format.h"
 #include "io/paths.h"
-#include "io/vdb/vdb_writer.h"
 #include "slicemorph/errors.h"
+#include "slicemorph/io/mesh_writer.h"
+#include "slicemorph/io/vdb_writer.h"
 
 #include <unistd.h>
 
@@ -35,27 +36,25 @@ std::string OutputName::path(int frame) const {
 std::string OutputName::extension() const { return extensionOf(pattern_); }
 
 void checkSurfaceOutput(const std::string& path) {
-  const std::string extension = extensionOf(path);
-  if (extension != ".vdb" && extension != ".obj" && extension != ".ply" && extension != ".stl" &&
-      extension != ".glb") {
+  const Format* format = formatToWrite(path);
+  if (!format || (format->contents != Contents::kGrids && format->contents != Contents::kMesh)) {
+    const std::string extension = extensionOf(path);
     throw InputError(
-        path + ": cannot write " +
-        (extension.empty() ? "a file without an extension" : "the extension '" + extension + "'") +
-        "; use .vdb, .obj, .ply, .stl, .glb, or .nii.gz, .nrrd, .mha for images");
+        path, "cannot write " +
+                  (extension.empty() ? "a file without an extension" : "the extension '" + extension + "'") +
+                  "; use " + writableList(Contents::kGrids, ", ") + ", " +
+                  writableList(Contents::kMesh, ", ") + ", or " + writableList(Contents::kImage, ", ") +
+                  " for images");
   }
   std::filesystem::path folder = std::filesystem::path(path).parent_path();
   if (folder.empty()) folder = ".";
   std::error_code ignored;
-  if (!std::filesystem::exists(folder, ignored)) {
-    throw IoError(path + ": the folder " + folder.string() + " does not exist");
-  }
-  if (!std::filesystem::is_directory(folder, ignored))
-    throw IoError(path + ": " + folder.string() + " is no folder");
-  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
-    throw IoError(path + ": the folder " + folder.string() +
-                  " cannot be written to: " + std::strerror(errno));
-  }
-  if (std::filesystem::is_directory(path, ignored)) throw IoError(path + " is a folder, not a file");
+  if (!std::filesystem::exists(folder, ignored))
+    throw IoError(path, "the folder " + folder.string() + " does not exist");
+  if (!std::filesystem::is_directory(folder, ignored)) throw IoError(path, folder.string() + " is no folder");
+  if (::access(folder.c_str(), W_OK | X_OK) != 0)
+    throw IoError(path, "the folder " + folder.string() + " cannot be written to: " + std::strerror(errno));
+  if (std::filesystem::is_directory(path, ignored)) throw IoError(path, "is a folder, not a file");
 }
 
 FloatGrid::Ptr surfaceGrid(const FloatGrid& levelSet, const SurfaceOutput& options) {
@@ -72,7 +71,7 @@ FloatGrid::Ptr surfaceGrid(const FloatGrid& levelSet, const SurfaceOutput& optio
 
 void writeSurface(const std::string& path, const FloatGrid& levelSet, const SurfaceOutput& options) {
   checkSurfaceOutput(path);
-  if (extensionOf(path) == ".vdb") {
+  if (formatToWrite(path)->contents == Contents::kGrids) {
     openvdb::GridCPtrVec grids{surfaceGrid(levelSet, options)};
     if (options.colors) grids.push_back(options.colors);
     writeVdb(path, grids, options.vdb);

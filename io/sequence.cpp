@@ -1,7 +1,7 @@
 #include "io/sequence.h"
 
-#include "io/output.h"
 #include "slicemorph/errors.h"
+#include "slicemorph/io/output.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -29,7 +29,7 @@ std::vector<SequenceFile> findSequence(const std::string& pattern) {
     const std::string path = (parent / file).string();
     if (OutputName(pattern).path(number) == path) files.push_back({number, path});
   }
-  if (files.empty()) throw IoError(pattern + ": no such files");
+  if (files.empty()) throw IoError(pattern, "no such files");
   std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) { return a.number < b.number; });
   return files;
 }

@@ -1,29 +1,16 @@
 #include "io/contours/contour_reader.h"
 
-#include "io/contours/csl_reader.h"
 #include "io/contours/rtstruct_reader.h"
-
-#include <algorithm>
-#include <cctype>
-#include <filesystem>
+#include "io/format.h"
 
 namespace slicemorph {
 
-namespace {
-
-bool isCsl(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  return extension == ".csl";
+ContourFile readContours(const InputSpec& input) {
+  // A structure set that is too damaged to be known is told so by its own reader.
+  const bool known = input.format && input.format->readContours;
+  return known ? input.format->readContours(input.path) : readRtStructureSet(input.path);
 }
 
-}  // namespace
-
-bool isContourFile(const std::string& path) { return isCsl(path) || isRtStructureSet(path); }
-
-ContourFile readContours(const std::string& path) {
-  return isCsl(path) ? readCsl(path) : readRtStructureSet(path);
-}
+ContourFile readContours(const std::string& text) { return readContours(parseInput(text)); }
 
 }  // namespace slicemorph

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/reconstruct/contour_planes.h"
+#include "slicemorph/io/input_spec.h"
 #include "slicemorph/note.h"
 
 namespace slicemorph {
@@ -10,12 +11,10 @@ struct ContourFile {
   Notes notes;                   ///< what was left out or repaired, one sentence each
 };
 
-/// True for `.csl`, and for a `.dcm` or other file that is a DICOM RT structure set.
-bool isContourFile(const std::string& path);
-
 /// Reads a `.csl` file, or else a DICOM RT structure set. World: the file's own coordinates (DICOM: the
 /// patient's, LPS millimetres). Throws IoError naming the file (and region and plane): missing, cut short,
 /// damaged, not of that kind, points off their plane, without a single closed contour.
-ContourFile readContours(const std::string& path);
+ContourFile readContours(const InputSpec& input);
+ContourFile readContours(const std::string& text);
 
 }  // namespace slicemorph

@@ -33,8 +33,7 @@ class Parser {
  public:
   explicit Parser(const std::string& path) : path_(path) {
     text_ = readWholeFile(path);
-    if (text_.compare(0, 4, "CSLC") != 0)
-      throw IoError(path + " is no CSL file: it does not begin with CSLC");
+    if (text_.compare(0, 4, "CSLC") != 0) throw IoError(path, "is no CSL file: it does not begin with CSLC");
     at_ = 4;
   }
 
@@ -43,7 +42,7 @@ class Parser {
     whole("the number of labels", 1, kMostLabels);
     std::vector<StoredPlane> planes;
     for (long i = 0; i < count; ++i) {
-      place_ = ", plane " + std::to_string(i + 1);
+      plane_ = ", plane " + std::to_string(i + 1);
       planes.push_back(plane());
     }
     if (!word().empty()) fail("there is more after the last plane");
@@ -64,7 +63,7 @@ class Parser {
     return uses > 1;
   }
 
-  [[noreturn]] void fail(const std::string& why) const { throw IoError(path_ + place_ + ": " + why); }
+  [[noreturn]] void fail(const std::string& why) const { throw IoError(path_ + plane_, why); }
 
   std::string word() {
     while (at_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[at_]))) ++at_;
@@ -129,7 +128,7 @@ class Parser {
     return c;
   }
 
-  std::string path_, text_, place_;
+  std::string path_, text_, plane_;
   size_t at_ = 0;
 };
 
@@ -137,14 +136,15 @@ void checkPlanes(const std::string& path, const std::vector<StoredPlane>& planes
   openvdb::BBoxd box;
   for (const StoredPlane& plane : planes)
     for (const Vec3d& p : plane.points) box.expand(p);
-  if (box.empty()) throw IoError(path + ": no plane has a contour");
+  if (box.empty()) throw IoError(path, "no plane has a contour");
   const double allowed = kOffPlane * box.extents().length();
   for (size_t i = 0; i < planes.size(); ++i)
     for (const Vec3d& p : planes[i].points) {
       const double off = std::abs(planes[i].normal.dot(p) + planes[i].offset);
       if (off > allowed)
-        throw IoError(path + ", plane " + std::to_string(i + 1) + ": a point lies " + std::to_string(off) +
-                      " off its plane; at most " + std::to_string(allowed) + " is taken for rounding");
+        throw IoError(path + ", plane " + std::to_string(i + 1),
+                      "a point lies " + std::to_string(off) + " off its plane; at most " +
+                          std::to_string(allowed) + " is taken for rounding");
     }
 }
 
@@ -180,8 +180,8 @@ ContourSet setOf(const std::string& path, const std::vector<StoredPlane>& planes
     set.planes.push_back(std::move(contours));
   }
   if (small > 0)
-    notes.push_back(path + ", " + set.name + ": " + std::to_string(small) +
-                    " contours of less than three points left out");
+    notes.emplace_back("contours.small-left-out", Severity::kNote, path + ", " + set.name,
+                       std::to_string(small) + " contours of less than three points left out");
   return set;
 }
 
@@ -197,9 +197,10 @@ ContourFile readCsl(const std::string& path) {
       if (c.parent < 0) labels.insert(c.label);
   ContourFile file;
   if (parser.endsInLine())
-    file.notes.push_back(path + ": the last line has no end; the file may have been cut short");
+    file.notes.emplace_back("contours.maybe-cut-short", Severity::kWarning, path,
+                            "the last line has no end; the file may have been cut short");
   for (int label : labels) file.sets.push_back(setOf(path, planes, label, file.notes));
-  if (file.sets.empty()) throw IoError(path + ": no plane has a contour");
+  if (file.sets.empty()) throw IoError(path, "no plane has a contour");
   return file;
 }
 

@@ -40,8 +40,7 @@ std::vector<double> numbersOf(const std::string& text, const std::string& where)
     const double value = std::strtod(at, &end);
     while (*end == ' ') ++end;
     if (end == at || !std::isfinite(value) || (*end && *end != '\\'))
-      throw IoError(where + ": its data hold '" + std::string(at).substr(0, 20) +
-                    "', which is no coordinate");
+      throw IoError(where, "its data hold '" + std::string(at).substr(0, 20) + "', which is no coordinate");
     numbers.push_back(value);
     at = *end ? end + 1 : end;
   }
@@ -52,8 +51,9 @@ Loop loopOf(const DicomElements& item, const std::string& where) {
   const std::vector<double> numbers = numbersOf(item.text(kPoints), where);
   const std::string count = item.text(kPointCount);
   if (numbers.size() % 3 != 0 || (!count.empty() && std::atol(count.c_str()) != long(numbers.size() / 3)))
-    throw IoError(where + ": has " + std::to_string(numbers.size()) + " coordinates where " +
-                  (count.empty() ? std::string("three a point") : count + " points") + " are announced");
+    throw IoError(where, "has " + std::to_string(numbers.size()) + " coordinates where " +
+                             (count.empty() ? std::string("three a point") : count + " points") +
+                             " are announced");
   Loop loop;
   for (size_t n = 0; n < numbers.size(); n += 3)
     loop.points.emplace_back(numbers[n], numbers[n + 1], numbers[n + 2]);
@@ -111,12 +111,14 @@ class RegionReader {
       say(count, " contours of type " + kind + " left out: they enclose nothing");
     say(few, " contours of less than three points or without area left out");
     arrange(loops);
-    if (set_.planes.empty()) notes_.push_back(where_ + ": has no closed contour");
+    if (set_.planes.empty())
+      notes_.emplace_back("contours.none-closed", Severity::kWarning, where_, "has no closed contour");
   }
 
  private:
   void say(int count, const std::string& what) {
-    if (count > 0) notes_.push_back(where_ + ": " + std::to_string(count) + what);
+    if (count > 0)
+      notes_.emplace_back("contours.left-out", Severity::kNote, where_, std::to_string(count) + what);
   }
 
   /// Groups the contours by plane, in order along each normal. Most regions have one normal: that of the
@@ -134,9 +136,9 @@ class RegionReader {
       const Vec3d normal = fits ? usual : own;
       const double off = offPlane(loops[i], normal);
       if (off > kOffPlane)
-        throw IoError(where_ + ": a contour near (" + placeOf(loops[i].middle) +
-                      ") is not flat: a point lies " + std::to_string(off) + " mm off its plane, more than " +
-                      std::to_string(kOffPlane));
+        throw IoError(where_, "a contour near (" + positionOf(loops[i].middle) +
+                                  ") is not flat: a point lies " + std::to_string(off) +
+                                  " mm off its plane, more than " + std::to_string(kOffPlane));
       moved += off > kRounding;
       add(loops[i], normal);
     }
@@ -146,7 +148,7 @@ class RegionReader {
                        return a.origin.dot(usual) < b.origin.dot(usual);
                      });
   }
-  static std::string placeOf(const Vec3d& p) {
+  static std::string positionOf(const Vec3d& p) {
     return std::to_string(p[0]) + ", " + std::to_string(p[1]) + ", " + std::to_string(p[2]);
   }
   void add(const Loop& loop, const Vec3d& normal) {
@@ -176,34 +178,35 @@ std::vector<ContourSet> regionsOf(const std::string& path, const DicomElements& 
     if (set.name.empty()) set.name = "ROI " + std::to_string(set.label);
     sets.push_back(std::move(set));
   }
-  if (sets.empty()) throw IoError(path + ": the structure set names no region of interest");
+  if (sets.empty()) throw IoError(path, "the structure set names no region of interest");
   return sets;
 }
 
 ContourFile contoursOf(const std::string& path, const DicomElements& all) {
   if (all.text(kSopClass) != kStructureSet)
-    throw IoError(path + " is DICOM, but no RT structure set (its SOP class is '" + all.text(kSopClass) +
-                  "')");
+    throw IoError(path, "is DICOM, but no RT structure set (its SOP class is '" + all.text(kSopClass) + "')");
   if (!all.has(kRegionContours) || !all.has(kObservations))
-    throw IoError(path + ": the file ends before its contours and observations do: it was cut short");
+    throw IoError(path, "the file ends before its contours and observations do: it was cut short");
   ContourFile file;
   if (!all.has(kApproval))
-    file.notes.push_back(path + ": has no approval status, as a file has that was cut short");
+    file.notes.emplace_back("contours.maybe-cut-short", Severity::kWarning, path,
+                            "has no approval status, as a file has that was cut short");
   file.sets = regionsOf(path, all);
   for (const DicomElements& item : all.items(kRegionContours)) {
     const int number = std::atoi(item.text(kReference).c_str());
     const auto set = std::find_if(file.sets.begin(), file.sets.end(),
                                   [&](const ContourSet& s) { return s.label == number; });
     if (set == file.sets.end()) {
-      file.notes.push_back(path + ": contours of region " + std::to_string(number) +
-                           ", which is not named, left out");
+      file.notes.emplace_back(
+          "contours.left-out", Severity::kNote, path,
+          "contours of region " + std::to_string(number) + ", which is not named, left out");
       continue;
     }
     RegionReader(path, *set, file.notes).read(item);
   }
   const auto empty = [](const ContourSet& s) { return s.planes.empty(); };
   if (std::all_of(file.sets.begin(), file.sets.end(), empty))
-    throw IoError(path + ": no region has a closed contour");
+    throw IoError(path, "no region has a closed contour");
   return file;
 }
 
@@ -230,7 +233,7 @@ ContourFile readRtStructureSet(const std::string& path) {
   try {
     return contoursOf(path, DicomElements::ofFile(bytes));
   } catch (const DicomDamage& damage) {
-    throw IoError(path + ": " + damage.what());
+    throw IoError(path, damage.what());
   }
 }
 

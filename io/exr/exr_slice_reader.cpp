@@ -4,8 +4,8 @@
 #include "io/exr/exr_slice.h"
 #include "io/paths.h"
 #include "io/sequence.h"
-#include "io/vdb/vdb_reader.h"
 #include "slicemorph/errors.h"
+#include "slicemorph/io/vdb_reader.h"
 
 #include <ImfChannelList.h>
 #include <ImfDoubleAttribute.h>
@@ -35,9 +35,9 @@ auto guarded(const std::string& path, const Action& action) {
   try {
     return action();
   } catch (const Iex::BaseExc& error) {
-    throw IoError(path + " cannot be read: " + error.what());
+    throw IoError(path, std::string("cannot be read: ") + error.what());
   } catch (const std::bad_alloc&) {
-    throw IoError(path + " cannot be read: it is damaged, or larger than the memory");
+    throw IoError(path, "cannot be read: it is damaged, or larger than the memory");
   }
 }
 
@@ -51,8 +51,9 @@ class Part {
   std::string name() const { return path_ + (number_ > 0 ? " part " + std::to_string(number_ + 1) : ""); }
 
   [[noreturn]] void lacks(const std::string& attribute) const {
-    throw IoError(name() + " is no slice: the attribute '" + attribute +
-                  "' is missing or wrong; `slicemorph slice` writes the attributes that place it");
+    throw IoError(name(),
+                  "is no slice: the attribute '" + attribute +
+                      "' is missing or wrong; `slicemorph slice` writes the attributes that place it");
   }
 
   Vec3d vector(const std::string& attribute) const {
@@ -108,7 +109,7 @@ class Part {
     plane.height = window.max.y - window.min.y + 1;
     plane.origin = plane.toWorld(window.min.x, window.min.y);
     if (double(plane.width) * plane.height > double(1 << 28))
-      throw IoError(name() + " has more than 2^28 pixels");
+      throw IoError(name(), "has more than 2^28 pixels");
     return plane;
   }
 
@@ -153,7 +154,7 @@ Chosen chosenGrids(const Part& part, const std::vector<std::string>& wanted) {
   for (const std::string& name : there) list += (list.empty() ? "" : ", ") + name;
   for (const std::string& name : wanted)
     if (std::find(there.begin(), there.end(), name) == there.end())
-      throw InputError(part.name() + " has no grid '" + name + "'; there are " + list);
+      throw InputError(part.name(), "has no grid '" + name + "'; there are " + list);
   Chosen chosen;
   for (const std::string& name : there) {
     if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), name) == wanted.end()) continue;
@@ -174,8 +175,8 @@ std::vector<SectionValues> readPixels(Imf::MultiPartInputFile& file, int number,
     layers.push_back({int(channels.size()), std::vector<float>(channels.size() * count)});
     for (size_t c = 0; c < channels.size(); ++c) {
       if (!part.header().channels().findChannel(channels[c]))
-        throw IoError(part.name() + " has no channel '" + channels[c] +
-                      "', which its attribute 'sliceGrids' names");
+        throw IoError(part.name(),
+                      "has no channel '" + channels[c] + "', which its attribute 'sliceGrids' names");
       buffer.insert(channels[c], Imf::Slice::Make(Imf::FLOAT, layers[g].values.data() + c * count, window));
     }
   }
@@ -205,24 +206,24 @@ FileSlices readFile(const std::string& path, const Chosen& chosen) {
       for (size_t g = 0; g < chosen.names.size(); ++g)
         if (std::find(there.begin(), there.end(), chosen.names[g]) == there.end() ||
             part.text(chosen.names[g] + ".type") != chosen.like[g]->type())
-          throw IoError(part.name() + " is of another set of slices: it has no grid '" + chosen.names[g] +
-                        "' of the type " + chosen.like[g]->type());
+          throw IoError(part.name(), "is of another set of slices: it has no grid '" + chosen.names[g] +
+                                         "' of the type " + chosen.like[g]->type());
       slices.layers[size_t(n)] = readPixels(file, n, part, slices.planes[size_t(n)], chosen);
     }
     return slices;
   });
 }
 
-std::vector<std::string> pathsOf(const std::string& input) {
-  if (!isSequenceInput(input)) return {input};
+std::vector<std::string> pathsOf(const InputSpec& input) {
+  if (!input.isSequence) return {input.path};
   std::vector<std::string> paths;
-  for (const SequenceFile& file : findSequence(input)) paths.push_back(file.path);
+  for (const SequenceFile& file : findSequence(input.path)) paths.push_back(file.path);
   return paths;
 }
 
 }  // namespace
 
-ExrSlices readSliceExrs(const std::string& input, const std::vector<std::string>& wanted) {
+ExrSlices readSliceExrs(const InputSpec& input, const std::vector<std::string>& wanted) {
   initialiseVdb();
   const std::vector<std::string> paths = pathsOf(input);
   sizeOfInput(paths[0]);
@@ -244,12 +245,13 @@ ExrSlices readSliceExrs(const std::string& input, const std::vector<std::string>
   std::set<int> seen;
   for (const SectionPlane& plane : planes)
     if (!seen.insert(plane.index).second)
-      throw IoError(
-          input + ": slice " + std::to_string(plane.index + 1) +
-          " is there twice: these are slices of several volumes or frames; name the file or files of one");
+      throw IoError(input, "slice " + std::to_string(plane.index + 1) +
+                               " is there twice: these are slices of several volumes or frames; name the "
+                               "file or files of one");
   if (int(planes.size()) < planes[0].count)
-    result.notes.push_back("there are " + std::to_string(planes.size()) + " slices of " +
-                           std::to_string(planes[0].count) + "; gaps are bridged");
+    result.notes.emplace_back("slices.missing", Severity::kWarning, "",
+                              "there are " + std::to_string(planes.size()) + " slices of " +
+                                  std::to_string(planes[0].count) + "; gaps are bridged");
   for (const auto& like : chosen.like) result.grids.push_back({like, {}});
   for (size_t n : orderOfSections(planes)) {
     result.planes.push_back(planes[n]);

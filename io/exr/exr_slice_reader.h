@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/reconstruct/sections_to_grid.h"
+#include "slicemorph/io/input_spec.h"
 #include "slicemorph/note.h"
 
 #include <string>
@@ -17,6 +18,6 @@ struct ExrSlices {
 /// Reads EXR slices as io/exr/exr_slice.h says, float or half, tiled or not, whole or cropped. `wanted`: only
 /// these grids; empty: all. Throws IoError naming the file: missing, damaged, without an attribute or a
 /// channel, of another set than the first; InputError for a grid that is not there, listing those that are.
-ExrSlices readSliceExrs(const std::string& input, const std::vector<std::string>& wanted = {});
+ExrSlices readSliceExrs(const InputSpec& input, const std::vector<std::string>& wanted = {});
 
 }  // namespace slicemorph

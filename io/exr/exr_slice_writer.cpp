@@ -138,7 +138,7 @@ void writeFile(const std::string& path, const std::vector<Imf::Header>& headers,
     Imf::MultiPartOutputFile file(stream, headers.data(), int(headers.size()), false, threads);
     fill(file);
   } catch (const Iex::BaseExc& error) {
-    throw IoError(path + ": the EXR cannot be written: " + error.what());
+    throw IoError(path, std::string("the EXR cannot be written: ") + error.what());
   }
   stream.flush();
   output.commit();

@@ -48,7 +48,7 @@ void writeChannels(const std::string& path, Imf::Header header, const std::vecto
     file.setFrameBuffer(buffer);
     file.writePixels(header.dataWindow().max.y + 1);
   } catch (const Iex::BaseExc& error) {
-    throw IoError(path + ": the EXR cannot be written: " + error.what());
+    throw IoError(path, std::string("the EXR cannot be written: ") + error.what());
   }
   stream.flush();
   output.commit();

@@ -67,7 +67,7 @@ std::optional<Header> readHeader(const std::string& path) {
                         std::to_string(needed) + " are needed");
   } catch (const DicomDamage& damage) {
     if (!marked) return std::nullopt;
-    throw IoError(path + " is truncated or damaged: " + damage.what());
+    throw IoError(path, std::string("is truncated or damaged: ") + damage.what());
   }
   return header;
 }
@@ -79,7 +79,7 @@ std::vector<std::string> filesOf(const std::string& folder) {
     if (entry.is_regular_file(error) && entry.path().filename().string()[0] != '.' &&
         entry.path().filename() != "DICOMDIR")
       files.push_back(entry.path().string());
-  if (error) throw IoError(folder + " cannot be read: " + error.message());
+  if (error) throw IoError(folder, "cannot be read: " + error.message());
   std::sort(files.begin(), files.end());
   return files;
 }
@@ -109,8 +109,8 @@ Slice readSlice(const std::string& file) {
   try {
     io->ReadImageInformation();
     if (io->GetNumberOfComponents() != 1)
-      throw IoError(file + ": its pixels have " + std::to_string(io->GetNumberOfComponents()) +
-                    " components; only grey values can be read");
+      throw IoError(file, "its pixels have " + std::to_string(io->GetNumberOfComponents()) +
+                              " components; only grey values can be read");
     const unsigned dimensions = io->GetNumberOfDimensions();
     itk::ImageIORegion region(dimensions);
     size_t count = 1;
@@ -131,11 +131,11 @@ Slice readSlice(const std::string& file) {
     io->SetIORegion(region);
     slice.values = readValues(slice.type, count, [&](void* to) { io->Read(to); });
   } catch (const itk::ExceptionObject& error) {
-    throw IoError(file + " is truncated or damaged: " + reasonOf(error));
+    throw IoError(file, "is truncated or damaged: " + reasonOf(error));
   } catch (const IoError&) {
     throw;
   } catch (const std::exception& error) {
-    throw IoError(file + " is truncated or damaged: " + error.what());
+    throw IoError(file, std::string("is truncated or damaged: ") + error.what());
   }
   return slice;
 }
@@ -156,12 +156,14 @@ void order(const std::string& folder, std::vector<Slice>& slices, ImageFile& fil
               [](const Slice& a, const Slice& b) { return a.instance < b.instance; });
     for (size_t i = 0; i < slices.size(); ++i) {
       if (i > 0 && slices[i].instance == slices[i - 1].instance)
-        throw InputError(folder + ": its slices have no positions, and " + slices[i - 1].file + " and " +
-                         slices[i].file + " have the same instance number: their order is not known");
+        throw InputError(folder, "its slices have no positions, and " + slices[i - 1].file + " and " +
+                                     slices[i].file +
+                                     " have the same instance number: their order is not known");
       slices[i].position = slices[0].position + normal * (double(i) * slices[0].spacing[2]);
     }
-    file.notes.push_back("its slices have no positions: ordered by instance number, " +
-                         millimetres(slices[0].spacing[2]) + " apart");
+    file.notes.emplace_back("image.positions-missing", Severity::kWarning, "",
+                            "its slices have no positions: ordered by instance number, " +
+                                millimetres(slices[0].spacing[2]) + " apart");
     return;
   }
   const auto along = [&](const Slice& s) { return s.position.dot(normal); };
@@ -175,15 +177,18 @@ void order(const std::string& folder, std::vector<Slice>& slices, ImageFile& fil
       kept.push_back(std::move(slice));
     } else if (slice.values == kept.back().values) {
       if (++doubled <= 3)
-        file.notes.push_back(slice.file + " is a double of " + kept.back().file + ": left out");
+        file.notes.emplace_back("image.slice-doubled", Severity::kNote, slice.file,
+                                "is a double of " + kept.back().file + ": left out");
     } else {
       throw InputError(
-          folder + ": " + kept.back().file + " and " + slice.file + " lie at the same place (" +
-          millimetres(along(slice)) +
-          " along the stack) but differ: two acquisitions are mixed; put each in a folder of its own");
+          folder,
+          kept.back().file + " and " + slice.file + " lie at the same place (" + millimetres(along(slice)) +
+              " along the stack) but differ: two acquisitions are mixed; put each in a folder of its own");
     }
   }
-  if (doubled > 3) file.notes.push_back("and " + std::to_string(doubled - 3) + " more doubled slices");
+  if (doubled > 3)
+    file.notes.emplace_back("image.slice-doubled", Severity::kNote, "",
+                            "and " + std::to_string(doubled - 3) + " more doubled slices");
   slices = std::move(kept);
 }
 
@@ -227,17 +232,21 @@ DicomFolder scanDicomFolder(const std::string& folder) {
     if (!header) {
       ++others;
     } else if (!header->image) {
-      found.notes.push_back(files[i] + " holds no image (" +
-                            (header->modality.empty() ? "no modality" : header->modality) + "): passed over");
+      found.notes.emplace_back("image.file-passed-over", Severity::kNote, files[i],
+                               "holds no image (" +
+                                   (header->modality.empty() ? "no modality" : header->modality) +
+                                   "): passed over");
     } else {
       DicomSeries& series = groups[header->uid + " " + header->shape];
       series.uid = header->uid, series.modality = header->modality, series.description = header->description;
       series.files.push_back(files[i]);
     }
   }
-  if (others > 0) found.notes.push_back(std::to_string(others) + " files of other kinds passed over");
+  if (others > 0)
+    found.notes.emplace_back("image.file-passed-over", Severity::kNote, "",
+                             std::to_string(others) + " files of other kinds passed over");
   for (auto& [key, series] : groups) found.series.push_back(std::move(series));
-  if (found.series.empty()) throw IoError(folder + ": no DICOM images in this folder");
+  if (found.series.empty()) throw IoError(folder, "no DICOM images in this folder");
   return found;
 }
 
@@ -259,10 +268,10 @@ DicomSeries chooseDicomSeries(const std::string& path, const std::string& wanted
     list += "\n  " + path + ":" + std::to_string(i + 1) + "  " + s.modality + " '" + s.description + "', " +
             std::to_string(s.files.size()) + " slices, UID " + s.uid;
   }
-  if (!folder) throw IoError(path + " holds no image");
-  if (!wanted.empty()) throw InputError(path + " has no series '" + wanted + "'; there are" + list);
+  if (!folder) throw IoError(path, "holds no image");
+  if (!wanted.empty()) throw InputError(path, "has no series '" + wanted + "'; there are" + list);
   if (found.series.size() > 1)
-    throw InputError(path + " holds " + std::to_string(found.series.size()) + " series; choose one:" + list);
+    throw InputError(path, "holds " + std::to_string(found.series.size()) + " series; choose one:" + list);
   return std::move(found.series[0]);
 }
 
@@ -275,10 +284,11 @@ ImageFile readDicomSeries(const std::string& folder, const DicomSeries& series) 
   ImageFile file;
   if (slices.size() == 1) {
     file = volumeOf(std::move(slices[0]));
-    if (file.image.lattice.size[2] == 1) file.notes.push_back("it holds one slice");
+    if (file.image.lattice.size[2] == 1)
+      file.notes.emplace_back("image.one-slice", Severity::kWarning, "", "it holds one slice");
   } else {
     if (std::any_of(slices.begin(), slices.end(), [](const Slice& s) { return s.size[2] > 1; }))
-      throw InputError(folder + " holds several volumes in files of several frames; give one file");
+      throw InputError(folder, "holds several volumes in files of several frames; give one file");
     order(folder, slices, file);
     unify(slices);
     SliceStackInput stack;

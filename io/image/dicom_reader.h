@@ -1,6 +1,6 @@
 #pragma once
 
-#include "io/image/image_file.h"
+#include "slicemorph/io/image_file.h"
 #include "slicemorph/note.h"
 
 namespace slicemorph {

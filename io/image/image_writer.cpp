@@ -1,6 +1,8 @@
-#include "io/image/image_writer.h"
+#include "slicemorph/io/image_writer.h"
 
 #include "io/atomic_file.h"
+#include "io/format.h"
+#include "io/image/image_formats.h"
 #include "io/image/raw_values.h"
 #include "io/paths.h"
 #include "slicemorph/errors.h"
@@ -11,7 +13,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
 #include <limits>
 #include <utility>
 
@@ -21,6 +22,8 @@ namespace {
 /// A fast setting: CT noise hardly packs better at slower ones, and a label map takes twice as long from 4
 /// on.
 constexpr int kLevel = 3;
+
+static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "values are written as they lie in memory");
 
 std::string_view bytesOf(const ImageValues& values) {
   return std::visit(
@@ -116,8 +119,8 @@ nifti_1_header niftiHeader(const std::string& path, const Image& image) {
   h.dim[0] = 3, h.dim[4] = h.dim[5] = h.dim[6] = h.dim[7] = 1;
   for (int d = 0; d < 3; ++d) {
     if (lattice.size[d] > std::numeric_limits<short>::max())
-      throw InputError(path + ": NIfTI holds at most 32767 voxels along an axis, not " +
-                       std::to_string(lattice.size[d]) + "; use .nrrd or .mha");
+      throw InputError(path, "NIfTI holds at most 32767 voxels along an axis, not " +
+                                 std::to_string(lattice.size[d]) + "; use .nrrd or .mha");
     h.dim[d + 1] = short(lattice.size[d]);
   }
   h.datatype = namesOf(image.values).nifti;
@@ -181,45 +184,54 @@ std::string metaHeader(const Image& image) {
          "\nElementDataFile = LOCAL\n";
 }
 
-bool isNifti(const std::string& path) {
-  return extensionOf(path) == ".nii" ||
-         (extensionOf(path) == ".gz" && extensionOf(std::filesystem::path(path).stem().string()) == ".nii");
+/// A header, and behind it all values as one packed stream.
+void writePacked(const std::string& path, const std::string& header, const Image& image,
+                 Packer::Wrapper wrapper) {
+  AtomicFile file(path);
+  file.write(header);
+  Packer packer(file, wrapper);
+  packer.add(bytesOf(image.values));
+  packer.finish();
+  file.commit();
 }
 
 }  // namespace
 
 bool isImageOutput(const std::string& path) {
-  return isNifti(path) || extensionOf(path) == ".nrrd" || extensionOf(path) == ".mha";
+  const Format* format = formatToWrite(path);
+  return format && format->contents == Contents::kImage;
+}
+
+void writeNifti(const std::string& path, const Image& image) {
+  const nifti_1_header header = niftiHeader(path, image);
+  const std::string head =
+      std::string(reinterpret_cast<const char*>(&header), sizeof header) + std::string(4, '\0');
+  AtomicFile file(path);
+  if (fullExtensionOf(path) == ".nii") {
+    file.write(head);
+    file.write(bytesOf(image.values));
+  } else {
+    Packer packer(file, Packer::kGzip);
+    packer.add(head);
+    packer.add(bytesOf(image.values));
+    packer.finish();
+  }
+  file.commit();
+}
+
+void writeNrrd(const std::string& path, const Image& image) {
+  writePacked(path, nrrdHeader(image), image, Packer::kGzip);
+}
+
+void writeMetaImage(const std::string& path, const Image& image) {
+  writePacked(path, metaHeader(image), image, Packer::kZlib);
 }
 
 void writeImage(const std::string& path, const Image& image) {
-  if (!isImageOutput(path))
-    throw InputError(path + ": cannot write an image of this extension; use .nii .nii.gz .nrrd or .mha");
-  static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "values are written as they lie in memory");
-  const std::string_view values = bytesOf(image.values);
-  if (isNifti(path)) {
-    const nifti_1_header header = niftiHeader(path, image);
-    const std::string head =
-        std::string(reinterpret_cast<const char*>(&header), sizeof header) + std::string(4, '\0');
-    AtomicFile file(path);
-    if (extensionOf(path) == ".nii") {
-      file.write(head);
-      file.write(values);
-    } else {
-      Packer packer(file, Packer::kGzip);
-      packer.add(head);
-      packer.add(values);
-      packer.finish();
-    }
-    return file.commit();
-  }
-  const bool nrrd = extensionOf(path) == ".nrrd";
-  AtomicFile file(path);
-  file.write(nrrd ? nrrdHeader(image) : metaHeader(image));
-  Packer packer(file, nrrd ? Packer::kGzip : Packer::kZlib);
-  packer.add(values);
-  packer.finish();
-  file.commit();
+  const Format* format = formatToWrite(path);
+  if (!format || !format->writeImage)
+    throw InputError(path, "cannot write an image of this extension; use " + writableList(Contents::kImage));
+  format->writeImage(path, image);
 }
 
 }  // namespace slicemorph

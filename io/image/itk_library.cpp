@@ -6,7 +6,7 @@ namespace slicemorph {
 
 const ItkReaders& itkReaders() {
   static const ItkReaders& readers = *reinterpret_cast<decltype(&slicemorphItkReaders)>(
-      functionOf("libslicemorph_itk.so", "SLICEMORPH_ITK", "slicemorphItkReaders", "this image"))();
+      functionOfPlugin("libslicemorph_itk.so", "slicemorphItkReaders", "this image"))();
   return readers;
 }
 

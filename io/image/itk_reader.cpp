@@ -1,11 +1,12 @@
 #include "io/image/itk_reader.h"
 
 #include "io/image/itk_values.h"
+#include "io/paths.h"
+#include "io/scratch_folder.h"
 
 #include <itkMetaImageIO.h>
 #include <itkNrrdImageIO.h>
 
-#include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -14,6 +15,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <optional>
 
 namespace slicemorph {
 namespace {
@@ -28,8 +30,8 @@ void describe(const std::string& path, const Io& io, int volume, ImageFile& file
   for (unsigned d = 0; d < dimensions; ++d) {
     const std::int64_t n = std::int64_t(io.GetDimensions(d));
     if (n < 1 || n > most / all)
-      throw IoError(path + ": its size along axis " + std::to_string(d) + ", " + std::to_string(n) +
-                    ", makes no sense");
+      throw IoError(
+          path, "its size along axis " + std::to_string(d) + ", " + std::to_string(n) + ", makes no sense");
     all *= n;
     if (d < 3)
       file.image.lattice.size[int(d)] = int(n);
@@ -39,8 +41,8 @@ void describe(const std::string& path, const Io& io, int volume, ImageFile& file
   for (unsigned d = dimensions; d < 3; ++d) file.image.lattice.size[int(d)] = 1;
   file.volumes = int(std::min<std::int64_t>(volumes, 1 << 30));
   if (volume < 0 || volume >= file.volumes)
-    throw InputError(path + " has no volume " + std::to_string(volume) + "; it has " +
-                     std::to_string(file.volumes) + ", numbered from 0");
+    throw InputError(path, "has no volume " + std::to_string(volume) + "; it has " +
+                               std::to_string(file.volumes) + ", numbered from 0");
   ImageLattice& lattice = file.image.lattice;
   for (unsigned d = 0; d < std::min(dimensions, 3u); ++d) {
     lattice.origin[int(d)] = io.GetOrigin(d);
@@ -52,7 +54,7 @@ void describe(const std::string& path, const Io& io, int volume, ImageFile& file
   const double flat = lattice.step[0].dot(lattice.step[1].cross(lattice.step[2]));
   if (!std::isfinite(flat) ||
       std::abs(flat) <= 1e-6 * lattice.spacing()[0] * lattice.spacing()[1] * lattice.spacing()[2])
-    throw IoError(path + ": its axes and spacing flatten space; they must be independent and not 0");
+    throw IoError(path, "its axes and spacing flatten space; they must be independent and not 0");
 }
 
 /// One volume of all: components lie side by side, times one after the other.
@@ -77,10 +79,10 @@ void readHeader(const std::string& path, Io& io, const char* format) {
   io.SetFileName(path);
   try {
     if (!io.CanReadFile(path.c_str()))
-      throw IoError(path + " is no " + format + " file, or its header is damaged");
+      throw IoError(path, "is no " + std::string(format) + " file, or its header is damaged");
     io.ReadImageInformation();
   } catch (const itk::ExceptionObject& error) {
-    throw IoError(path + " cannot be read: " + reasonOf(error));
+    throw IoError(path, "cannot be read: " + reasonOf(error));
   }
 }
 
@@ -91,8 +93,14 @@ void readWhole(const std::string& path, Io& io, void* to) {
   try {
     io.Read(to);
   } catch (const itk::ExceptionObject& error) {
-    throw IoError(path + " is truncated or damaged: " + reasonOf(error));
+    throw IoError(path, "is truncated or damaged: " + reasonOf(error));
   }
+}
+
+std::string withoutSpaceAtTheEnds(std::string text) {
+  text.erase(0, std::min(text.find_first_not_of(" \t"), text.size()));
+  text.erase(text.find_last_not_of(" \t\r") + 1);
+  return text;
 }
 
 /// The `key = value` lines of a MetaImage header and where its data begins.
@@ -110,19 +118,14 @@ struct MetaHeader {
 MetaHeader metaHeader(const std::string& path) {
   MetaHeader header;
   std::ifstream file(path, std::ios::binary);
-  const auto trimmed = [](std::string s) {
-    s.erase(0, std::min(s.find_first_not_of(" \t"), s.size()));
-    s.erase(s.find_last_not_of(" \t\r") + 1);
-    return s;
-  };
   for (std::string line; std::getline(file, line);) {
     const size_t mark = line.find('=');
     if (mark == std::string::npos) continue;
-    const std::string key = trimmed(line.substr(0, mark));
-    header.value[key] = trimmed(line.substr(mark + 1));
+    const std::string key = withoutSpaceAtTheEnds(line.substr(0, mark));
+    header.value[key] = withoutSpaceAtTheEnds(line.substr(mark + 1));
     if (key == "ElementDataFile") break;
   }
-  if (!header.value.count("ElementDataFile")) throw IoError(path + ": its header has no ElementDataFile");
+  if (!header.value.count("ElementDataFile")) throw IoError(path, "its header has no ElementDataFile");
   header.bytes = std::uint64_t(file.tellg());
   return header;
 }
@@ -137,7 +140,7 @@ Unpacked unpack(const std::string& path, std::uint64_t from, char* to, size_t by
   std::ifstream file(path, std::ios::binary);
   file.seekg(std::streamoff(from));
   z_stream stream = {};
-  if (!file || inflateInit2(&stream, 32 + 15) != Z_OK) throw IoError(path + " cannot be read");
+  if (!file || inflateInit2(&stream, 32 + 15) != Z_OK) throw IoError(path, "cannot be read");
   std::vector<char> in(1 << 18);
   Unpacked result;
   int state = Z_OK;
@@ -168,96 +171,90 @@ void readMetaData(const std::string& path, const MetaHeader& header, RawType typ
   const bool single = local || (name.find('%') == std::string::npos && name.rfind("LIST", 0) != 0);
   const size_t bytes = count * size_t(type.bytes);
   if (single && !std::filesystem::exists(data))
-    throw IoError(path + ": its data file " + data + " does not exist");
+    throw IoError(path, "its data file " + data + " does not exist");
   if (single) sizeOfInput(data);
   if (!header.is("CompressedData")) {
     const std::uint64_t from = local ? header.bytes : 0, there = single ? sizeOfInput(data) : 0;
     if (single && there < from + bytes)
-      throw IoError(path + " is truncated: " + data + " has " +
-                    std::to_string(there - std::min(from, there)) + " bytes of voxels, " +
-                    std::to_string(bytes) + " are needed");
+      throw IoError(path, "is truncated: " + data + " has " + std::to_string(there - std::min(from, there)) +
+                              " bytes of voxels, " + std::to_string(bytes) + " are needed");
     return readWhole(path, io, to);
   }
-  if (!single) throw IoError(path + ": compressed data in several files cannot be read");
+  if (!single) throw IoError(path, "compressed data in several files cannot be read");
   const Unpacked got = unpack(data, local ? header.bytes : 0, static_cast<char*>(to), bytes);
   if (got.bytes < bytes)
-    throw IoError(path + " is truncated or damaged: its data unpack to " + std::to_string(got.bytes) +
-                  " bytes, " + std::to_string(bytes) + " are needed");
-  if (!got.ended) throw IoError(path + " is damaged: its compressed data do not end after the last voxel");
+    throw IoError(path, "is truncated or damaged: its data unpack to " + std::to_string(got.bytes) +
+                            " bytes, " + std::to_string(bytes) + " are needed");
+  if (!got.ended) throw IoError(path, "is damaged: its compressed data do not end after the last voxel");
   const auto stated = header.value.find("CompressedDataSize");
   if (stated != header.value.end() && stated->second != std::to_string(got.packed))
-    file.notes.push_back("its header states " + stated->second + " bytes of compressed data, there are " +
-                         std::to_string(got.packed) + ": all were read");
+    file.notes.emplace_back("image.header-repaired", Severity::kNote, "",
+                            "its header states " + stated->second + " bytes of compressed data, there are " +
+                                std::to_string(got.packed) + ": all were read");
   if (header.is("BinaryDataByteOrderMSB") || header.is("ElementByteOrderMSB"))
     swapBytes(to, count, type.bytes);
 }
 
-}  // namespace
-
-namespace {
-
-/// A copy of a detached NRRD header without its `space`, beside no data: for headers that name a space and
-/// give spacings, which the format forbids and which come all the same.
-class HeaderWithoutSpace {
- public:
-  explicit HeaderWithoutSpace(const std::string& path)
-      : path_(
-            (std::filesystem::temp_directory_path() / ("slicemorph-" + std::to_string(::getpid()) + ".nhdr"))
-                .string()) {
-    std::ifstream in(path, std::ios::binary);
-    std::ofstream out(path_, std::ios::binary);
-    for (std::string line; std::getline(in, line) && !line.empty() && line != "\r";) {
-      if (line.rfind("space:", 0) == 0) {
-        space_ = line.substr(std::min(line.find_first_not_of(" ", 6), line.size()));
-        continue;
-      }
-      spacings_ |= line.rfind("spacings:", 0) == 0;
-      for (const char* key : {"data file: ", "datafile: "})
-        if (line.rfind(key, 0) == 0 && line.find("LIST") == std::string::npos) {
-          const std::string name = line.substr(std::string(key).size());
-          line = key + (std::filesystem::absolute(path).parent_path() / name).string();
-          detached_ = true;
-        }
-      out << line << "\n";
-    }
-    while (!space_.empty() && std::isspace(static_cast<unsigned char>(space_.back()))) space_.pop_back();
-  }
-  ~HeaderWithoutSpace() {
-    std::error_code ignored;
-    std::filesystem::remove(path_, ignored);
-  }
-  HeaderWithoutSpace(const HeaderWithoutSpace&) = delete;
-  HeaderWithoutSpace& operator=(const HeaderWithoutSpace&) = delete;
-
-  bool needed() const { return detached_ && spacings_ && !space_.empty(); }
-  const std::string& path() const { return path_; }
-  const std::string& space() const { return space_; }
-
- private:
-  std::string path_, space_;
-  bool spacings_ = false, detached_ = false;
+/// A header that names a space and gives spacings, which the format forbids and which comes all the same.
+struct OddNrrdHeader {
+  std::string space;  ///< empty: the header is not of that kind
+  std::string text;   ///< without its `space`, with the whole path of its data file
 };
+
+/// Of detached headers alone; those beside their data in one file are left to ITK.
+OddNrrdHeader oddHeaderOf(const std::string& path) {
+  OddNrrdHeader header;
+  bool spacings = false, detached = false;
+  std::string space;
+  std::ifstream in(path, std::ios::binary);
+  for (std::string line; std::getline(in, line) && !line.empty() && line != "\r";) {
+    if (line.rfind("space:", 0) == 0) {
+      space = withoutSpaceAtTheEnds(line.substr(6));
+      continue;
+    }
+    spacings |= line.rfind("spacings:", 0) == 0;
+    for (const char* key : {"data file: ", "datafile: "})
+      if (line.rfind(key, 0) == 0 && line.find("LIST") == std::string::npos) {
+        const std::string name = line.substr(std::string(key).size());
+        line = key + (std::filesystem::absolute(path).parent_path() / name).string();
+        detached = true;
+      }
+    header.text += line + "\n";
+  }
+  if (detached && spacings) header.space = space;
+  return header;
+}
 
 /// The space of a header that says nothing of directions but its name.
 void placeWithoutSpace(const std::string& space, ImageFile& file) {
   const bool leftHanded = space.rfind("3D-left-handed", 0) == 0;
   if (leftHanded) file.image.lattice.step[2] = -file.image.lattice.step[2];
-  file.notes.push_back("its space '" + space +
-                       "' comes with spacings alone: voxels are placed by these, axes as left, back, " +
-                       (leftHanded ? "down (a left-handed space; with up it would be mirrored)" : "up"));
+  file.notes.emplace_back(
+      "image.space-without-directions", Severity::kWarning, "",
+      "its space '" + space +
+          "' comes with spacings alone: voxels are placed by these, axes as left, back, " +
+          (leftHanded ? "down (a left-handed space; with up it would be mirrored)" : "up"));
 }
 
 }  // namespace
 
 ImageFile readNrrd(const std::string& path, int volume) {
-  auto io = itk::NrrdImageIO::New();
-  ImageFile file;
   sizeOfInput(path);
-  const HeaderWithoutSpace patched(path);
-  readHeader(patched.needed() ? patched.path() : path, *io, "NRRD");
+  const OddNrrdHeader odd = oddHeaderOf(path);
+  std::optional<ScratchFolder> scratch;
+  std::string header = path;
+  if (!odd.space.empty()) {
+    // ITK reads files only.
+    header = scratch.emplace().file("header.nhdr");
+    if (!(std::ofstream(header, std::ios::binary) << odd.text << std::flush))
+      throw IoError(header, "cannot be written");
+  }
+  const auto io = itk::NrrdImageIO::New();
+  readHeader(header, *io, "NRRD");
+  ImageFile file;
   file.format = "NRRD";
   describe(path, *io, volume, file);
-  if (patched.needed()) placeWithoutSpace(patched.space(), file);
+  if (!odd.space.empty()) placeWithoutSpace(odd.space, file);
   const RawType type = rawTypeOf(path, io->GetComponentType());
   file.image.values = chosenValues(type, *io, file, volume, [&](void* to) { readWhole(path, *io, to); });
   return file;

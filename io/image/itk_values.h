@@ -36,7 +36,7 @@ inline RawType rawTypeOf(const std::string& path, itk::ImageIOBase::IOComponentE
     default:
       break;
   }
-  throw IoError(path + ": its voxels are no plain numbers");
+  throw IoError(path, "its voxels are no plain numbers");
 }
 
 /// ITK's description of an error, without the place in ITK's source.

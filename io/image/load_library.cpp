@@ -3,21 +3,76 @@
 #include "slicemorph/errors.h"
 
 #include <dlfcn.h>
+#include <link.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <vector>
+
+// Folder of the plug-ins in the place of installation: as a whole path, and as seen from the folders of the program
+// and of the library, so that a tree that was moved still finds them.
+#ifndef SLICEMORPH_PLUGIN_FOLDER
+#define SLICEMORPH_PLUGIN_FOLDER ""
+#endif
+#ifndef SLICEMORPH_PLUGIN_FROM_PROGRAM
+#define SLICEMORPH_PLUGIN_FROM_PROGRAM "../lib/slicemorph"
+#endif
+#ifndef SLICEMORPH_PLUGIN_FROM_LIBRARY
+#define SLICEMORPH_PLUGIN_FROM_LIBRARY "slicemorph"
+#endif
 
 namespace slicemorph {
+namespace {
 
-void* functionOf(const std::string& library, const char* environment, const char* function,
-                 const std::string& what) {
+namespace fs = std::filesystem;
+
+/// Of the file that this code was linked into; empty where the system does not tell.
+fs::path ownFolder() {
+  static const char here = 0;
+  Dl_info info = {};
+  link_map* map = nullptr;
+  if (!dladdr1(&here, &info, reinterpret_cast<void**>(&map), RTLD_DL_LINKMAP)) return {};
   std::error_code ignored;
-  const auto beside = std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path() / library;
-  const char* prescribed = std::getenv(environment);
-  void* loaded = dlopen(prescribed ? prescribed : beside.c_str(), RTLD_NOW | RTLD_LOCAL);
-  void* found = loaded ? dlsym(loaded, function) : nullptr;
-  if (!found) throw IoError(what + " cannot be read: " + dlerror());
-  return found;
+  // The program itself has no name there, and the one it was called by need not lead to it.
+  const bool program = !map || !map->l_name || !*map->l_name;
+  return (program ? fs::read_symlink("/proc/self/exe", ignored) : fs::canonical(map->l_name, ignored))
+      .parent_path();
+}
+
+std::vector<fs::path> pluginFolders() {
+  if (const char* prescribed = std::getenv("SLICEMORPH_PLUGINS"); prescribed && *prescribed)
+    return {prescribed};
+  std::vector<fs::path> folders;
+  const auto add = [&](const fs::path& folder) {
+    const fs::path plain = folder.lexically_normal();
+    if (std::find(folders.begin(), folders.end(), plain) == folders.end()) folders.push_back(plain);
+  };
+  if (const fs::path own = ownFolder(); !own.empty()) {
+    add(own);
+    add(own / SLICEMORPH_PLUGIN_FROM_LIBRARY);
+    add(own / SLICEMORPH_PLUGIN_FROM_PROGRAM);
+  }
+  if (*SLICEMORPH_PLUGIN_FOLDER) add(SLICEMORPH_PLUGIN_FOLDER);
+  return folders;
+}
+
+}  // namespace
+
+void* functionOfPlugin(const std::string& library, const char* function, const std::string& what) {
+  std::string places;
+  for (const fs::path& folder : pluginFolders()) {
+    std::error_code ignored;
+    const fs::path file = folder / library;
+    places += (places.empty() ? "" : ", ") + folder.string();
+    if (!fs::exists(file, ignored)) continue;
+    void* loaded = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+    void* found = loaded ? dlsym(loaded, function) : nullptr;
+    if (found) return found;
+    throw IoError(file.string(), what + " cannot be read: the plug-in cannot be loaded: " + dlerror());
+  }
+  throw IoError(library, what + " cannot be read: the plug-in is missing; looked in " + places +
+                             "; SLICEMORPH_PLUGINS can name its folder");
 }
 
 }  // namespace slicemorph

@@ -41,7 +41,9 @@ void place(const std::string& path, const nifti_image& header, ImageFile& file) 
   if (header.sform_code > 0) {
     affine = affineOf(header.sto_xyz);
     found = affine.valid();
-    if (!found) file.notes.push_back("its sform is no valid affine (it flattens space)");
+    if (!found)
+      file.notes.emplace_back("image.sform-damaged", Severity::kWarning, "",
+                              "its sform is no valid affine (it flattens space)");
   }
   if (!found && header.qform_code > 0) {
     affine = affineOf(header.qto_xyz);
@@ -52,17 +54,19 @@ void place(const std::string& path, const nifti_image& header, ImageFile& file) 
     const Vec3d spacing(std::abs(header.dx), std::abs(header.dy), std::abs(header.dz));
     if (header.sform_code > 0 || header.qform_code > 0 ||
         !(spacing[0] > 0 && spacing[1] > 0 && spacing[2] > 0) || !std::isfinite(spacing.length()))
-      throw IoError(path + ": no valid affine: neither its sform (code " + std::to_string(header.sform_code) +
-                    ") nor its qform (code " + std::to_string(header.qform_code) +
-                    ") nor its voxel spacing places the voxels in space");
+      throw IoError(path, "no valid affine: neither its sform (code " + std::to_string(header.sform_code) +
+                              ") nor its qform (code " + std::to_string(header.qform_code) +
+                              ") nor its voxel spacing places the voxels in space");
     affine = {Vec3d(0.0), {{-spacing[0], 0, 0}, {0, -spacing[1], 0}, {0, 0, spacing[2]}}};
-    file.notes.push_back(
+    file.notes.emplace_back(
+        "image.place-unknown", Severity::kWarning, "",
         "it does not say where it lies (sform and qform codes are 0): taken from its voxel spacing, axes as "
         "right, front, up");
   }
   const double unit = millimetres(header.xyz_units);
   if (unit != 1)
-    file.notes.push_back("lengths are not in millimetres: multiplied by " + std::to_string(unit));
+    file.notes.emplace_back("image.unit-converted", Severity::kNote, "",
+                            "lengths are not in millimetres: multiplied by " + std::to_string(unit));
   file.image.lattice.origin = affine.origin * unit;
   for (int d = 0; d < 3; ++d) file.image.lattice.step[d] = affine.step[d] * unit;
 }
@@ -90,19 +94,19 @@ RawType rawTypeOf(const std::string& path, int datatype) {
     case DT_FLOAT64:
       return {8, RawType::kFloat};
   }
-  throw IoError(path + ": its voxels are " + nifti_datatype_string(datatype) +
-                "; only plain numbers can be read");
+  throw IoError(path, std::string("its voxels are ") + nifti_datatype_string(datatype) +
+                          "; only plain numbers can be read");
 }
 
 void readVolume(const std::string& path, nifti_image& header, size_t volume, void* to, size_t bytes) {
   const std::string name = header.iname;
   const znzFile data = znzopen(name.c_str(), "rb", nifti_is_gzfile(name.c_str()));
-  if (znz_isnull(data)) throw IoError(path + ": its data file " + name + " cannot be opened");
+  if (znz_isnull(data)) throw IoError(path, "its data file " + name + " cannot be opened");
   const bool there = znzseek(data, long(header.iname_offset + volume * bytes), SEEK_SET) >= 0;
   const size_t got = there ? nifti_read_buffer(data, to, bytes, &header) : 0;
   Xznzclose(const_cast<znzFile*>(&data));
   if (got != bytes)
-    throw IoError(path + " is truncated or damaged: volume " + std::to_string(volume) + " is not all there");
+    throw IoError(path, "is truncated or damaged: volume " + std::to_string(volume) + " is not all there");
 }
 
 }  // namespace
@@ -111,21 +115,21 @@ ImageFile readNifti(const std::string& path, int volume) {
   sizeOfInput(path);
   nifti_set_debug_level(0);
   const Header header(nifti_image_read(path.c_str(), 0));
-  if (!header) throw IoError(path + " is no NIfTI file, or its header is damaged");
+  if (!header) throw IoError(path, "is no NIfTI file, or its header is damaged");
   ImageFile file;
   file.format = "NIfTI";
   file.about = header->descrip;
   const openvdb::Coord size(header->nx, header->ny, std::max(1, header->nz));
   const std::int64_t most = std::int64_t(1) << 40;
   if (size[0] < 1 || size[1] < 1 || std::int64_t(size[0]) * size[1] > most / size[2])
-    throw IoError(path + ": its size " + std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " +
-                  std::to_string(size[2]) + " makes no sense");
+    throw IoError(path, "its size " + std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " +
+                            std::to_string(size[2]) + " makes no sense");
   const std::int64_t volumes = std::int64_t(std::max(1, header->nt)) * std::max(1, header->nu) *
                                std::max(1, header->nv) * std::max(1, header->nw);
   file.volumes = int(std::min<std::int64_t>(volumes, 1 << 30));
   if (volume < 0 || volume >= file.volumes)
-    throw InputError(path + " has no volume " + std::to_string(volume) + "; it has " +
-                     std::to_string(file.volumes) + ", numbered from 0");
+    throw InputError(path, "has no volume " + std::to_string(volume) + "; it has " +
+                               std::to_string(file.volumes) + ", numbered from 0");
   file.image.lattice.size = size;
   place(path, *header, file);
   const RawType type = rawTypeOf(path, header->datatype);

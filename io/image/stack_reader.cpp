@@ -3,6 +3,7 @@
 #include "io/image/load_library.h"
 #include "io/image/picture_plugin.h"
 #include "io/image/raw_values.h"
+#include "io/paths.h"
 #include "io/sequence.h"
 #include "slicemorph/errors.h"
 
@@ -17,7 +18,7 @@ namespace {
 
 SlicemorphReadPicture loadPlugin() {
   static const auto function = reinterpret_cast<SlicemorphReadPicture>(
-      functionOf("libslicemorph_pictures.so", "SLICEMORPH_PICTURES", "slicemorphReadPicture", "pictures"));
+      functionOfPlugin("libslicemorph_pictures.so", "slicemorphReadPicture", "pictures"));
   return function;
 }
 
@@ -38,19 +39,20 @@ struct Picture {
 Picture readPage(SlicemorphReadPicture read, const Page& page, bool values) {
   Picture picture{};
   if (const char* problem = read(page.file.c_str(), page.page, values, &picture.about))
-    throw IoError(page.file + " cannot be read: " + problem);
+    throw IoError(page.file, std::string("cannot be read: ") + problem);
   picture.values.reset(picture.about.values);
   return picture;
 }
 
-std::vector<Page> pagesOf(const std::string& input, SlicemorphReadPicture read) {
+std::vector<Page> pagesOf(const InputSpec& input, const std::vector<SequenceFile>& files,
+                          SlicemorphReadPicture read) {
   std::vector<Page> pages;
-  if (isSequenceInput(input)) {
-    for (const SequenceFile& file : findSequence(input)) pages.push_back({file.path, 0});
+  if (input.isSequence) {
+    for (const SequenceFile& file : files) pages.push_back({file.path, 0});
   } else {
-    sizeOfInput(input);
-    const int count = readPage(read, {input, 0}, false).about.pages;
-    for (int i = 0; i < count; ++i) pages.push_back({input, i});
+    sizeOfInput(input.path);
+    const int count = readPage(read, {input.path, 0}, false).about.pages;
+    for (int i = 0; i < count; ++i) pages.push_back({input.path, i});
   }
   return pages;
 }
@@ -70,11 +72,12 @@ std::vector<T> readValuesOf(const std::vector<Page>& pages, SlicemorphReadPictur
     const SlicemorphPicture& p = picture.about;
     if (p.width != like.width || p.height != like.height || p.bytes != like.bytes || p.kind != like.kind ||
         p.channels != like.channels)
-      throw IoError(pages[k].file + " is " + std::to_string(p.width) + " x " + std::to_string(p.height) +
-                    " pixels of " + std::to_string(p.channels) + " x " + std::to_string(8 * p.bytes) +
-                    " bits; " + pages[0].file + " is " + std::to_string(like.width) + " x " +
-                    std::to_string(like.height) + " of " + std::to_string(like.channels) + " x " +
-                    std::to_string(8 * like.bytes));
+      throw IoError(pages[k].file, "is " + std::to_string(p.width) + " x " + std::to_string(p.height) +
+                                       " pixels of " + std::to_string(p.channels) + " x " +
+                                       std::to_string(8 * p.bytes) + " bits; " + pages[0].file + " is " +
+                                       std::to_string(like.width) + " x " + std::to_string(like.height) +
+                                       " of " + std::to_string(like.channels) + " x " +
+                                       std::to_string(8 * like.bytes));
     const T* from = static_cast<const T*>(p.values);
     for (size_t i = 0; i < each; ++i) {
       const double v = luminance(from + i * size_t(p.channels), p.channels);
@@ -84,9 +87,7 @@ std::vector<T> readValuesOf(const std::vector<Page>& pages, SlicemorphReadPictur
   return values;
 }
 
-void checkNumbers(const std::string& input, ImageFile& file) {
-  if (!isSequenceInput(input)) return;
-  const std::vector<SequenceFile> files = findSequence(input);
+void checkNumbers(const std::string& path, const std::vector<SequenceFile>& files) {
   int missing = 0;
   std::string first;
   for (size_t i = 1; i < files.size(); ++i)
@@ -95,40 +96,47 @@ void checkNumbers(const std::string& input, ImageFile& file) {
       missing += gap;
     }
   if (missing > 0)
-    throw IoError(input + ": " + std::to_string(missing) + " pictures are missing (the first is number " +
-                  first + "); without them the spacing would be wrong");
+    throw IoError(path, std::to_string(missing) + " pictures are missing (the first is number " + first +
+                            "); without them the spacing would be wrong");
+}
+
+/// The values of all pages in the type that they are stored in.
+ImageValues valuesOf(const std::vector<Page>& pages, SlicemorphReadPicture read,
+                     const SlicemorphPicture& like) {
+  if (like.kind == 2) return readValuesOf<float>(pages, read, like);
+  if (like.bytes == 1) return readValuesOf<std::uint8_t>(pages, read, like);
+  if (like.kind == 1) return readValuesOf<std::int16_t>(pages, read, like);
+  return readValuesOf<std::uint16_t>(pages, read, like);
 }
 
 }  // namespace
 
-ImageFile readStack(const std::string& input, const ImageOptions& options, bool values) {
+ImageFile readStack(const InputSpec& input, const ImageOptions& options, bool values) {
+  if (!input.selection.empty())
+    throw InputError(input.text, "a stack of pictures is one volume; nothing can be chosen of it");
   const SlicemorphReadPicture read = loadPlugin();
-  ImageFile file;
-  file.format = "image stack";
-  checkNumbers(input, file);
-  const std::vector<Page> pages = pagesOf(input, read);
+  const std::vector<SequenceFile> files =
+      input.isSequence ? findSequence(input.path) : std::vector<SequenceFile>();
+  checkNumbers(input.path, files);
+  const std::vector<Page> pages = pagesOf(input, files, read);
   const Vec3d& s = options.spacing;
   if (values && !(s[0] > 0 && s[1] > 0 && s[2] > 0))
-    throw InputError(input +
-                     ": pictures hold no spacing; give --spacing X,Y,Z in millimetres (pixel width, pixel "
+    throw InputError(input.path,
+                     "pictures hold no spacing; give --spacing X,Y,Z in millimetres (pixel width, pixel "
                      "height, gap between pictures)");
   const SlicemorphPicture like = readPage(read, pages[0], false).about;
+  ImageFile file;
+  file.format = "image stack";
   ImageLattice& lattice = file.image.lattice;
   lattice.size = openvdb::Coord(like.width, like.height, int(pages.size()));
   for (int d = 0; d < 3; ++d) {
     lattice.step[d] = Vec3d(0.0);
     lattice.step[d][d] = s[d] > 0 ? s[d] : 1;
   }
-  if (like.channels > 2) file.notes.push_back("colours are taken as luminance");
-  if (!values) return file;
-  if (like.kind == 2)
-    file.image.values = readValuesOf<float>(pages, read, like);
-  else if (like.bytes == 1)
-    file.image.values = readValuesOf<std::uint8_t>(pages, read, like);
-  else if (like.kind == 1)
-    file.image.values = readValuesOf<std::int16_t>(pages, read, like);
-  else
-    file.image.values = readValuesOf<std::uint16_t>(pages, read, like);
+  if (like.channels > 2)
+    file.notes.emplace_back("image.colours-as-luminance", Severity::kNote, "",
+                            "colours are taken as luminance");
+  if (values) file.image.values = valuesOf(pages, read, like);
   return file;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "io/image/image_file.h"
+#include "slicemorph/io/image_file.h"
 
 namespace slicemorph {
 
@@ -9,6 +9,6 @@ namespace slicemorph {
 /// as scanners store it), pictures along +z; the file order is the order of space. Colours count as their
 /// luminance (Rec. 709), with a note. Throws InputError without a spacing, IoError for pictures that are
 /// missing, unreadable or of different size.
-ImageFile readStack(const std::string& input, const ImageOptions& options, bool values = true);
+ImageFile readStack(const InputSpec& input, const ImageOptions& options, bool values = true);
 
 }  // namespace slicemorph

@@ -65,8 +65,9 @@ bool checkGaps(const SliceStackInput& stack, const Places& places, double gap, N
     }
   }
   if (missing > 0)
-    notes.push_back(std::to_string(missing) + (missing == 1 ? " slice is" : " slices are") +
-                    " missing (first between " + where + "): interpolated from the neighbours");
+    notes.emplace_back("image.slices-missing", Severity::kWarning, "",
+                       std::to_string(missing) + (missing == 1 ? " slice is" : " slices are") +
+                           " missing (first between " + where + "): interpolated from the neighbours");
   if (uneven > 0) {
     const auto [low, high] = [&] {
       double least = INFINITY, most = 0;
@@ -76,8 +77,9 @@ bool checkGaps(const SliceStackInput& stack, const Places& places, double gap, N
       }
       return std::pair(least, most);
     }();
-    notes.push_back("its slices are unevenly spaced (" + written(low) + " to " + written(high) +
-                    " mm): resampled every " + written(gap) + " mm from where they truly lie");
+    notes.emplace_back("image.slices-uneven", Severity::kNote, "",
+                       "its slices are unevenly spaced (" + written(low) + " to " + written(high) +
+                           " mm): resampled every " + written(gap) + " mm from where they truly lie");
   }
   return missing + uneven == 0;
 }
@@ -198,8 +200,9 @@ void straighten(SliceStackInput stack, ImageFile& file) {
     const openvdb::Vec2d lean = places.shift.back();
     const double tilt =
         std::atan2((lean[0] * stack.step[0] + lean[1] * stack.step[1]).length(), places.along.back());
-    file.notes.push_back("its slices lean by " + written(tilt * 180 / M_PI) +
-                         " degrees (gantry tilt): straightened");
+    file.notes.emplace_back(
+        "image.tilt-straightened", Severity::kNote, "",
+        "its slices lean by " + written(tilt * 180 / M_PI) + " degrees (gantry tilt): straightened");
   }
   lattice.size[2] = even ? int(count) : int(std::lround(std::floor(places.along.back() / gap + kEven))) + 1;
   std::visit(

@@ -3,6 +3,7 @@
 #include "io/atomic_file.h"
 #include "io/image/display_pixels.h"
 #include "io/paths.h"
+#include "io/scratch_folder.h"
 #include "slicemorph/errors.h"
 
 #include <fcntl.h>
@@ -40,24 +41,6 @@ std::string findProgram(const std::string& name) {
   return "";
 }
 
-/// Goes away with all that is in it.
-class ScratchFolder {
- public:
-  ScratchFolder() : path_((fs::temp_directory_path() / "slicemorph-XXXXXX").string()) {
-    if (!::mkdtemp(path_.data())) throw IoError(path_ + " cannot be made: " + std::strerror(errno));
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  std::string file(const std::string& name) const { return path_ + "/" + name; }
-
- private:
-  std::string path_;
-};
-
 std::string textOf(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
@@ -68,55 +51,23 @@ std::vector<std::string> argumentsFor(const std::string& from, const std::string
                                       double framesPerSecond) {
   char rate[32];
   std::snprintf(rate, sizeof rate, "%.6g", framesPerSecond);
-  std::vector<std::string> words = {from,
-                                    "-nostdin",
-                                    "-loglevel",
-                                    "error",
-                                    "-y",
-                                    "-f",
-                                    "rawvideo",
-                                    "-pix_fmt",
-                                    "rgb24",
-                                    "-video_size",
-                                    std::to_string(width) + "x" + std::to_string(height),
-                                    "-framerate",
-                                    rate,
-                                    "-i",
-                                    "pipe:0",
-                                    "-threads",
-                                    "1",
-                                    "-map_metadata",
-                                    "-1",
-                                    "-fflags",
-                                    "+bitexact",
-                                    "-flags:v",
-                                    "+bitexact"};
-  std::vector<std::string> coder;
+  const std::string size = std::to_string(width) + "x" + std::to_string(height);
+  std::vector<std::string> words = {from};
+  const auto add = [&](const std::string& options) {
+    std::istringstream stream(options);
+    for (std::string word; stream >> word;) words.push_back(word);
+  };
+  add("-nostdin -loglevel error -y -f rawvideo -pix_fmt rgb24 -video_size " + size + " -framerate " + rate +
+      " -i pipe:0 -threads 1 -map_metadata -1 -fflags +bitexact -flags:v +bitexact");
   if (extensionOf(to) == ".gif") {
-    coder = {"-filter_complex",
-             "split[a][b];[a]palettegen=stats_mode=full[p];[b][p]paletteuse=dither=sierra2_4a", "-loop", "0"};
+    add("-filter_complex split[a][b];[a]palettegen=stats_mode=full[p];[b][p]paletteuse=dither=sierra2_4a "
+        "-loop 0");
   } else {
     // Players want even sides and half the colours; what lies in it is said, so that they do not guess.
-    coder = {"-vf",
-             "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv",
-             "-c:v",
-             "libx264",
-             "-crf",
-             "18",
-             "-pix_fmt",
-             "yuv420p",
-             "-colorspace",
-             "bt709",
-             "-color_primaries",
-             "bt709",
-             "-color_trc",
-             "iec61966-2-1",
-             "-color_range",
-             "tv",
-             "-movflags",
-             "+faststart"};
+    add("-vf pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv "
+        "-c:v libx264 -crf 18 -pix_fmt yuv420p -colorspace bt709 -color_primaries bt709 "
+        "-color_trc iec61966-2-1 -color_range tv -movflags +faststart");
   }
-  words.insert(words.end(), coder.begin(), coder.end());
   words.push_back(to);
   return words;
 }
@@ -127,10 +78,10 @@ bool isVideoExtension(const std::string& extension) { return extension == ".mp4"
 
 void VideoWriter::checkAvailable(const std::string& path) {
   if (findProgram("ffmpeg").empty())
-    throw IoError(path +
-                  " cannot be written: the program ffmpeg is not installed (none in PATH); install it, or "
+    throw IoError(path,
+                  "cannot be written: the program ffmpeg is not installed (none in PATH); install it, or "
                   "write frames, " +
-                  fs::path(path).replace_extension().string() + ".####.png");
+                      fs::path(path).replace_extension().string() + ".####.png");
 }
 
 struct VideoWriter::Impl {
@@ -146,7 +97,7 @@ struct VideoWriter::Impl {
     // A socket, not a pipe: when ffmpeg gives up, send() fails and nobody is killed.
     int ends[2];
     if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
-      throw IoError(path + " cannot be written: " + std::strerror(errno));
+      throw IoError(path, std::string("cannot be written: ") + std::strerror(errno));
     socket = ends[0];
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
@@ -163,7 +114,8 @@ struct VideoWriter::Impl {
     ::close(ends[1]);
     if (failed) {
       program = -1;
-      throw IoError(path + " cannot be written: ffmpeg cannot be started: " + std::strerror(failed));
+      throw IoError(path,
+                    std::string("cannot be written: ffmpeg cannot be started: ") + std::strerror(failed));
     }
   }
 
@@ -182,7 +134,7 @@ struct VideoWriter::Impl {
     finish();
     std::string reason = textOf(said);
     while (!reason.empty() && reason.back() == '\n') reason.pop_back();
-    throw IoError(path + " cannot be written: ffmpeg gave up" + (reason.empty() ? "" : ": " + reason));
+    throw IoError(path, "cannot be written: ffmpeg gave up" + (reason.empty() ? "" : ": " + reason));
   }
 
   ~Impl() {

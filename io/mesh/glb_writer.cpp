@@ -268,20 +268,21 @@ void write(const std::vector<MovingMesh>& meshes, double framesPerSecond, const 
            const std::string& name, std::ostream& stream) {
   const auto nothing = [](const MovingMesh& m) { return m.triangles.empty(); };
   if (std::all_of(meshes.begin(), meshes.end(), nothing))
-    throw IoError(name + " cannot be written: " +
-                  (meshes.size() > 1 ? "no frame has a surface" : "there is no surface"));
+    throw IoError(name, std::string("cannot be written: ") +
+                            (meshes.size() > 1 ? "no frame has a surface" : "there is no surface"));
   const double bytes = sizeOf(meshes);
   if (bytes > 0.99 * double(std::numeric_limits<std::uint32_t>::max()))
-    throw IoError(name + " cannot be written: it would have " + std::to_string(size_t(bytes / 1e6)) +
-                  " MB and .glb holds at most 4 GiB; use fewer frames, a lower --resolution or a file a "
-                  "frame (name.####.glb)");
+    throw IoError(name,
+                  "cannot be written: it would have " + std::to_string(size_t(bytes / 1e6)) +
+                      " MB and .glb holds at most 4 GiB; use fewer frames, a lower --resolution or a file a "
+                      "frame (name.####.glb)");
   const size_t frames = meshes.back().first + meshes.back().points.size();
   GlbBuilder builder(framesPerSecond, space, size_t(bytes));
   for (const MovingMesh& mesh : meshes)
     if (!nothing(mesh)) builder.add(mesh, frames);
   const tinygltf::Model model = builder.finish();
   if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, stream, false, true))
-    throw IoError(name + " cannot be written as glTF");
+    throw IoError(name, "cannot be written as glTF");
   stream.flush();
 }
 

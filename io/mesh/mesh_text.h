@@ -2,19 +2,41 @@
 
 #include "slicemorph/errors.h"
 
+#include <openvdb/math/Vec3.h>
+
 #include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <sstream>
 #include <string>
 #include <string_view>
 
 /// What the checks and readers of mesh files share.
 namespace slicemorph {
 
-[[noreturn]] inline void refuse(const std::string& path, const std::string& why) {
-  throw IoError(path + " " + why);
-}
+[[noreturn]] inline void refuse(const std::string& path, const std::string& why) { throw IoError(path, why); }
 
 [[noreturn]] inline void refuseTruncated(const std::string& path, const std::string& why) {
   refuse(path, "is truncated: " + why);
+}
+
+/// `face`, `point`: from 0.
+[[noreturn]] inline void refuseCorner(const std::string& path, size_t face, std::uint64_t point,
+                                      size_t points) {
+  refuse(path, "face " + std::to_string(face + 1) + " refers to point " + std::to_string(point + 1) +
+                   ", the mesh has " + std::to_string(points));
+}
+
+inline bool isFinite(const openvdb::math::Vec3s& v) {
+  return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
+}
+
+/// `what`: names a point or a colour.
+[[noreturn]] inline void refuseNotFinite(const std::string& path, const std::string& what,
+                                         const openvdb::math::Vec3s& v) {
+  std::ostringstream why;
+  why << what << " is not finite (" << v[0] << ", " << v[1] << ", " << v[2] << ")";
+  refuse(path, why.str());
 }
 
 inline bool isSpace(char c) {

@@ -1,8 +1,8 @@
-#include "io/mesh/mesh_writer.h"
+#include "slicemorph/io/mesh_writer.h"
 
 #include "io/atomic_file.h"
+#include "io/format.h"
 #include "io/mesh/glb_writer.h"
-#include "io/paths.h"
 #include "slicemorph/errors.h"
 
 #include <algorithm>
@@ -41,18 +41,6 @@ class Line {
   std::string text_;
 };
 
-void writeObj(AtomicFile& file, const Mesh& mesh) {
-  Line line;
-  for (size_t i = 0; i < mesh.points.size(); ++i) {
-    line.begin('v').add(mesh.points[i]);
-    if (!mesh.colors.empty()) line.add(mesh.colors[i]);
-    file.write(line.end());
-  }
-  for (const openvdb::Vec3I& t : mesh.triangles) {
-    file.write(line.begin('f').add(t[0] + 1).add(t[1] + 1).add(t[2] + 1).end());
-  }
-}
-
 template <typename T>
 void writeRaw(AtomicFile& file, const T& value) {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -66,7 +54,30 @@ struct __attribute__((packed)) PlyFace {
 
 std::uint8_t toByte(float share) { return std::uint8_t(std::lround(std::clamp(share, 0.f, 1.f) * 255)); }
 
-void writePly(AtomicFile& file, const Mesh& mesh) {
+struct __attribute__((packed)) StlFacet {
+  float normal[3];
+  float corners[3][3];
+  std::uint16_t attributes;
+};
+
+}  // namespace
+
+void writeObj(const std::string& path, const Mesh& mesh) {
+  AtomicFile file(path);
+  Line line;
+  for (size_t i = 0; i < mesh.points.size(); ++i) {
+    line.begin('v').add(mesh.points[i]);
+    if (!mesh.colors.empty()) line.add(mesh.colors[i]);
+    file.write(line.end());
+  }
+  for (const openvdb::Vec3I& t : mesh.triangles) {
+    file.write(line.begin('f').add(t[0] + 1).add(t[1] + 1).add(t[2] + 1).end());
+  }
+  file.commit();
+}
+
+void writePly(const std::string& path, const Mesh& mesh) {
+  AtomicFile file(path);
   const bool colored = !mesh.colors.empty();
   const std::string colors = colored ? "property uchar red\nproperty uchar green\nproperty uchar blue\n" : "";
   file.write("ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(mesh.points.size()) +
@@ -80,18 +91,14 @@ void writePly(AtomicFile& file, const Mesh& mesh) {
     writeRaw(file, std::array<std::uint8_t, 3>{toByte(c[0]), toByte(c[1]), toByte(c[2])});
   }
   for (const openvdb::Vec3I& t : mesh.triangles) writeRaw(file, PlyFace{3, {t[0], t[1], t[2]}});
+  file.commit();
 }
 
-struct __attribute__((packed)) StlFacet {
-  float normal[3];
-  float corners[3][3];
-  std::uint16_t attributes;
-};
-
-void writeStl(AtomicFile& file, const std::string& path, const Mesh& mesh) {
+void writeStl(const std::string& path, const Mesh& mesh) {
   if (mesh.triangles.size() > std::numeric_limits<std::uint32_t>::max()) {
-    throw IoError(path + " cannot be written: STL holds at most 2^32 - 1 triangles; use .ply");
+    throw IoError(path, "cannot be written: STL holds at most 2^32 - 1 triangles; use .ply");
   }
+  AtomicFile file(path);
   char header[80] = "slicemorph";
   file.write({header, sizeof header});
   writeRaw(file, std::uint32_t(mesh.triangles.size()));
@@ -106,29 +113,21 @@ void writeStl(AtomicFile& file, const std::string& path, const Mesh& mesh) {
     }
     writeRaw(file, facet);
   }
+  file.commit();
 }
 
-}  // namespace
+void writeStillGlb(const std::string& path, const Mesh& mesh) {
+  std::vector<std::vector<openvdb::Vec3s>> colors;
+  if (!mesh.colors.empty()) colors.push_back(mesh.colors);
+  writeGlb(path, {{0, mesh.triangles, {mesh.points}, colors}});
+}
 
 void writeMesh(const std::string& path, const Mesh& mesh) {
-  const std::string extension = extensionOf(path);
-  if (extension == ".glb") {
-    std::vector<std::vector<openvdb::Vec3s>> colors;
-    if (!mesh.colors.empty()) colors.push_back(mesh.colors);
-    return writeGlb(path, {{0, mesh.triangles, {mesh.points}, colors}});
-  }
-  AtomicFile file(path);
-  if (extension == ".obj") {
-    writeObj(file, mesh);
-  } else if (extension == ".ply") {
-    writePly(file, mesh);
-  } else if (extension == ".stl") {
-    writeStl(file, path, mesh);
-  } else {
-    throw InputError(path + ": no mesh format has the extension '" + extension +
-                     "'; use .obj, .ply, .stl or .glb");
-  }
-  file.commit();
+  const Format* format = formatToWrite(path);
+  if (!format || !format->writeMesh)
+    throw InputError(path, "no mesh format that can be written has this extension; use " +
+                               writableList(Contents::kMesh, ", "));
+  format->writeMesh(path, mesh);
 }
 
 }  // namespace slicemorph

@@ -3,7 +3,6 @@
 #include "io/mesh/mesh_text.h"
 #include "io/whole_file.h"
 
-#include <cmath>
 #include <filesystem>
 
 namespace slicemorph {
@@ -38,7 +37,7 @@ bool readColor(Text tokens, Vec3s& color) {
   return parse(second, color[1]) && parse(tokens.token(), color[2]);
 }
 
-void readMaterials(const std::string& path, std::map<std::string, Vec3s>& colors) {
+void readMaterials(const std::string& path, MaterialColors& colors) {
   const std::string bytes = readWholeFile(path);
   std::string material;
   Text text(bytes);
@@ -48,18 +47,17 @@ void readMaterials(const std::string& path, std::map<std::string, Vec3s>& colors
     if (kind == "newmtl") material = trimmed(tokens.rest());
     Vec3s color;
     if (kind != "Kd" || !readColor(tokens, color)) continue;
-    if (!std::isfinite(color[0]) || !std::isfinite(color[1]) || !std::isfinite(color[2]))
-      throw IoError(path + ": line " + std::to_string(text.lineNumber()) + ": the colour is not finite (" +
-                    std::string(trimmed(tokens.rest())) + ")");
+    if (!isFinite(color))
+      refuse(path, "line " + std::to_string(text.lineNumber()) + ": the colour is not finite (" +
+                       std::string(trimmed(tokens.rest())) + ")");
     colors[material] = color;
   }
 }
 
 }  // namespace
 
-std::map<std::string, Vec3s> readMaterialColors(const std::string& objPath,
-                                                const std::vector<std::string>& named) {
-  std::map<std::string, Vec3s> colors;
+MaterialColors readMaterialColors(const std::string& objPath, const std::vector<std::string>& named) {
+  MaterialColors colors;
   for (const std::string& names : named)
     for (const std::string& file : filesOf(objPath, names)) readMaterials(file, colors);
   return colors;

@@ -1,8 +1,7 @@
-#include "io/mesh/ply_reader.h"
-
+#include "io/mesh/mesh_reader.h"
 #include "io/mesh/mesh_text.h"
+#include "io/mesh/ply_check.h"
 #include "io/mesh/ply_header.h"
-#include "io/whole_file.h"
 
 #include <algorithm>
 #include <cmath>
@@ -58,36 +57,36 @@ class PlyNumbers {
   size_t at_ = 0;
 };
 
-enum class Role { kPlace, kColor, kCorners, kOther };
+enum class PlyRole { kPosition, kColor, kCorners, kOther };
 
-/// What a property is to a mesh; of places and colours, which of the three numbers.
-struct Part {
-  Role role = Role::kOther;
+/// What a property is to a mesh; of positions and colours, which of the three numbers.
+struct PlyPart {
+  PlyRole role = PlyRole::kOther;
   int axis = 0;
   double scale = 1;  ///< of colours: what their numbers are multiplied with
 };
 
-Part partOf(const PlyProperty& property) {
+PlyPart partOf(const PlyProperty& property) {
   static constexpr const char* kAxes[3] = {"x", "y", "z"};
   static constexpr const char* kChannels[3][3] = {
       {"red", "diffuse_red", "r"}, {"green", "diffuse_green", "g"}, {"blue", "diffuse_blue", "b"}};
   const std::string& name = property.name;
   if (property.isList())
-    return {name == "vertex_indices" || name == "vertex_index" ? Role::kCorners : Role::kOther, 0};
+    return {name == "vertex_indices" || name == "vertex_index" ? PlyRole::kCorners : PlyRole::kOther, 0};
   const PlyType& type = property.type;
   const double most = type.real ? 1 : std::ldexp(1.0, 8 * type.size - (type.isSigned ? 1 : 0)) - 1;
   for (int d = 0; d < 3; ++d) {
-    if (name == kAxes[d]) return {Role::kPlace, d};
+    if (name == kAxes[d]) return {PlyRole::kPosition, d};
     for (const char* channel : kChannels[d])
-      if (name == channel) return {Role::kColor, d, 1 / most};
+      if (name == channel) return {PlyRole::kColor, d, 1 / most};
   }
   return {};
 }
 
 class PlyReader {
  public:
-  PlyReader(const std::string& path, std::string_view bytes)
-      : path_(path), header_(readPlyHeader(path, bytes)), numbers_(path, bytes, header_) {}
+  PlyReader(const std::string& path, std::string_view bytes, const PlyHeader& header)
+      : path_(path), header_(header), numbers_(path, bytes, header_) {}
 
   StoredMesh read() {
     for (const PlyElement& element : header_.elements) readElement(element);
@@ -105,54 +104,49 @@ class PlyReader {
 
  private:
   void readElement(const PlyElement& element) {
-    std::vector<Part> parts;
+    std::vector<PlyPart> parts;
     for (const PlyProperty& property : element.properties) parts.push_back(partOf(property));
-    const auto hasAll = [&](Role role) {
+    const auto hasAll = [&](PlyRole role) {
       bool has[3] = {false, false, false};
-      for (const Part& part : parts) has[part.axis] |= part.role == role;
+      for (const PlyPart& part : parts) has[part.axis] |= part.role == role;
       return has[0] && has[1] && has[2];
     };
-    const bool colored = hasAll(Role::kColor), points = element.name == "vertex",
+    const bool colored = hasAll(PlyRole::kColor), points = element.name == "vertex",
                faces = element.name == "face";
-    if (points && !hasAll(Role::kPlace)) refuse(path_, "is damaged: its vertices have no x, y and z");
+    if (points && !hasAll(PlyRole::kPosition)) refuse(path_, "is damaged: its vertices have no x, y and z");
     if (faces && colored && element.count > 0) stored_.colorsOf = "faces";
     for (std::uint64_t row = 0; row < element.count; ++row) {
       readRow(element, parts);
-      if (points) stored_.mesh.points.push_back(place_);
+      if (points) stored_.mesh.points.push_back(position_);
       if (points && colored) pointColors_.push_back(color_);
-      if (points) checkFinite("point", row, place_);
-      if (colored && (points || faces))
-        checkFinite(points ? "the colour of point" : "the colour of face", row, color_);
+      if (points && !isFinite(position_))
+        refuseNotFinite(path_, "point " + std::to_string(row + 1), position_);
+      if (colored && (points || faces) && !isFinite(color_))
+        refuseNotFinite(path_,
+                        (points ? "the colour of point " : "the colour of face ") + std::to_string(row + 1),
+                        color_);
       if (faces) addPolygon(corners_, colored ? color_ : kWhite_);
       if (element.name == "tristrips") addStrips();
     }
   }
 
-  void readRow(const PlyElement& element, const std::vector<Part>& parts) {
+  void readRow(const PlyElement& element, const std::vector<PlyPart>& parts) {
     corners_.clear();
     for (size_t i = 0; i < parts.size(); ++i) {
       const PlyProperty& property = element.properties[i];
-      const Part& part = parts[i];
+      const PlyPart& part = parts[i];
       if (property.isList()) {
         // Counts are never below 0, whatever their type says.
         for (double items = numbers_.next({property.count.size, false, false}); items > 0; --items) {
           const double item = numbers_.next(property.type);
-          if (part.role == Role::kCorners) corners_.push_back(item);
+          if (part.role == PlyRole::kCorners) corners_.push_back(item);
         }
         continue;
       }
       const double value = numbers_.next(property.type);
-      if (part.role == Role::kPlace) place_[part.axis] = float(value);
-      if (part.role == Role::kColor) color_[part.axis] = float(value * part.scale);
+      if (part.role == PlyRole::kPosition) position_[part.axis] = float(value);
+      if (part.role == PlyRole::kColor) color_[part.axis] = float(value * part.scale);
     }
-  }
-
-  void checkFinite(const char* what, std::uint64_t row, const Vec3s& v) const {
-    if (std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2])) return;
-    std::ostringstream why;
-    why << path_ << ": " << what << " " << row + 1 << " is not finite (" << v[0] << ", " << v[1] << ", "
-        << v[2] << ")";
-    throw IoError(why.str());
   }
 
   void addPolygon(const std::vector<double>& corners, const Vec3s& color) {
@@ -162,7 +156,7 @@ class PlyReader {
       return;
     }
     for (double corner : corners) {
-      if (!(corner >= 0 && corner < double(~std::uint32_t(0)))) refuseCorner(mesh.faceCount(), corner);
+      if (!(corner >= 0 && corner < double(~std::uint32_t(0)))) refusePlyCorner(mesh.faceCount(), corner);
       mesh.corners.push_back(std::uint32_t(corner));
       mesh.colors.push_back(color);
     }
@@ -179,36 +173,46 @@ class PlyReader {
     }
   }
 
-  [[noreturn]] void refuseCorner(size_t face, double corner) const {
+  [[noreturn]] void refusePlyCorner(size_t face, double corner) const {
     std::ostringstream why;
     why.precision(12);
-    why << path_ << ": face " << face + 1 << " refers to vertex " << corner << ", the file has "
+    why << "face " << face + 1 << " refers to vertex " << corner << ", the file has "
         << stored_.mesh.points.size() << ", counted from 0";
-    throw IoError(why.str());
+    refuse(path_, why.str());
   }
 
   void checkCorners() const {
     const PolygonMesh& mesh = stored_.mesh;
     for (size_t f = 0; f < mesh.faceCount(); ++f)
       for (std::uint32_t k = mesh.faceStarts[f]; k < mesh.faceStarts[f + 1]; ++k)
-        if (mesh.corners[k] >= mesh.points.size()) refuseCorner(f, mesh.corners[k]);
+        if (mesh.corners[k] >= mesh.points.size()) refusePlyCorner(f, mesh.corners[k]);
   }
 
   const Vec3s kWhite_{1.f, 1.f, 1.f};
   const std::string& path_;
-  const PlyHeader header_;
+  const PlyHeader& header_;
   PlyNumbers numbers_;
   StoredMesh stored_;
   std::vector<Vec3s> pointColors_;
-  Vec3s place_{0.f, 0.f, 0.f}, color_{0.f, 0.f, 0.f};  // of the row that was read last
+  Vec3s position_{0.f, 0.f, 0.f}, color_{0.f, 0.f, 0.f};  // of the row that was read last
   std::vector<double> corners_;
 };
 
 }  // namespace
 
-StoredMesh readPly(const std::string& path) {
-  const std::string bytes = readWholeFile(path);
-  return PlyReader(path, bytes).read();
+/// Any of the three formats, any number types, faces and triangle strips. Colours are the points' own, else the
+/// faces' (strips have none and are white among them); whole numbers are divided by the largest of their type.
+/// What else the file holds is passed over. (Assimp reads no colours of faces, and garbage where an element that
+/// it does not know comes before the points.)
+StoredMesh readPly(const std::string& path, std::string_view bytes) {
+  const PlyHeader header = readPlyHeader(path, bytes);
+  checkPlyBody(path, bytes, header);
+  StoredMesh stored = PlyReader(path, bytes, header).read();
+  for (const PlyElement& element : header.elements) {
+    if (element.name == "vertex") stored.points = element.count;
+    if (element.name == "face") stored.faces = element.count;
+  }
+  return stored;
 }
 
 }  // namespace slicemorph

@@ -1,10 +1,9 @@
 #include "io/vdb/fog_reader.h"
 
 #include "engine/volume/level_set.h"
-#include "io/paths.h"
 #include "io/vdb/grid_choice.h"
-#include "io/vdb/vdb_reader.h"
 #include "slicemorph/errors.h"
+#include "slicemorph/io/vdb_reader.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,8 +27,7 @@ FloatGrid::ConstPtr readDensity(const VdbFile& file, size_t index, const std::st
   const LevelSetReading reading = readingOf(*grid);
   if (!reading.fog) return nullptr;
   if (!std::isfinite(reading.minimum) || !std::isfinite(reading.maximum))
-    throw GeometryError(path + ": grid '" + file.entries()[index].name +
-                        "' holds values that are not finite");
+    throw GeometryError(path, "grid '" + file.entries()[index].name + "' holds values that are not finite");
   return grid;
 }
 
@@ -51,12 +49,11 @@ Fog withDrawn(const FloatGrid::ConstPtr& density, const Find& find) {
 
 }  // namespace
 
-std::optional<Fog> readFog(const std::string& input) {
-  const InputName name = splitInput(input);
-  if (extensionOf(name.path) != ".vdb") return std::nullopt;
-  const VdbFile file(name.path);
-  const size_t index = name.grid.empty() ? gridsToTry(file, name.path).front() : findGrid(file, name);
-  const FloatGrid::ConstPtr density = readDensity(file, index, name.path);
+std::optional<Fog> readFog(const InputSpec& input) {
+  if (!input.isGrids()) return std::nullopt;
+  const VdbFile file(input.path);
+  const size_t index = input.selection.empty() ? gridsToTry(file, input.path).front() : findGrid(file, input);
+  const FloatGrid::ConstPtr density = readDensity(file, index, input.path);
   if (!density) return std::nullopt;
   return withDrawn(density, [&](const std::string& wanted) -> openvdb::GridBase::Ptr {
     const auto& entries = file.entries();

@@ -43,17 +43,17 @@ bool isScalar(const openvdb::GridBase& grid) {
   return grid.isType<FloatGrid>() || grid.isType<openvdb::DoubleGrid>();
 }
 
-size_t findGrid(const VdbFile& file, const InputName& name) {
+size_t findGrid(const VdbFile& file, const InputSpec& input) {
+  const std::string& name = input.selection;
   for (size_t i = 0; i < file.entries().size(); ++i) {
-    const bool first = file.entries()[i].name == name.grid + "[0]";
-    if (file.entries()[i].name != name.grid && !first) continue;
+    const bool first = file.entries()[i].name == name + "[0]";
+    if (file.entries()[i].name != name && !first) continue;
     const openvdb::GridBase::Ptr grid = file.readHeader(i);
     if (grid && isScalar(*grid)) return i;
-    throw InputError(name.path + ": grid '" + name.grid + "' holds " +
-                     (grid ? grid->valueType() : "unknown") +
-                     " values, no scalar ones that have a surface; " + listOf(file));
+    throw InputError(input.path, "grid '" + name + "' holds " + (grid ? grid->valueType() : "unknown") +
+                                     " values, no scalar ones that have a surface; " + listOf(file));
   }
-  throw InputError(name.path + ": there is no grid '" + name.grid + "'; " + listOf(file));
+  throw InputError(input.path, "there is no grid '" + name + "'; " + listOf(file));
 }
 
 std::vector<size_t> gridsToTry(const VdbFile& file, const std::string& path) {
@@ -72,7 +72,7 @@ std::vector<size_t> gridsToTry(const VdbFile& file, const std::string& path) {
   for (const auto* more : {&density, &dense, &others, &fogs})
     levelSets.insert(levelSets.end(), more->begin(), more->end());
   if (levelSets.empty())
-    throw InputError(path + ": no grid of scalar values to take a surface from; " + listOf(file));
+    throw InputError(path, "no grid of scalar values to take a surface from; " + listOf(file));
   return levelSets;
 }
 

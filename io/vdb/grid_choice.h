@@ -1,7 +1,7 @@
 #pragma once
 
-#include "io/paths.h"
-#include "io/vdb/vdb_reader.h"
+#include "slicemorph/io/input_spec.h"
+#include "slicemorph/io/vdb_reader.h"
 
 #include <optional>
 #include <string>
@@ -14,7 +14,7 @@ bool isScalar(const openvdb::GridBase& grid);
 
 /// Index of the grid that the input names. Throws InputError listing what is there where it is missing or
 /// holds no scalars.
-size_t findGrid(const VdbFile& file, const InputName& name);
+size_t findGrid(const VdbFile& file, const InputSpec& input);
 
 /// Scalar grids in the order in which they are tried where none is named: class level set first, then
 /// `density`, then level sets that are dense by the file's statistics (domains of a simulation), unknown

@@ -39,8 +39,9 @@ GridSets pairGrids(const std::vector<LoadedObject>& inputs, bool onlyNamed) {
       const openvdb::GridBase::ConstPtr header = headerOf(file, i);
       const std::string of = "grid '" + file.entries()[i].name + "' of " + inputs[k].object.name;
       if (!header) {
-        result.notes.push_back(of + " is left out: values of the type " + file.entries()[i].type +
-                               " cannot be morphed");
+        result.notes.emplace_back(
+            "vdb.grid-left-out", Severity::kNote, of,
+            "is left out: values of the type " + file.entries()[i].type + " cannot be morphed");
         continue;
       }
       const auto [at, fresh] = known.emplace(key, result.sets.size());
@@ -48,8 +49,9 @@ GridSets pairGrids(const std::vector<LoadedObject>& inputs, bool onlyNamed) {
         result.sets.push_back({name, std::vector<std::optional<size_t>>(inputs.size())});
         types.push_back(header->valueType());
       } else if (types[at->second] != header->valueType()) {
-        result.notes.push_back(of + " is left out: it holds " + header->valueType() +
-                               " values, the one before of that name " + types[at->second]);
+        result.notes.emplace_back("vdb.grid-left-out", Severity::kNote, of,
+                                  "is left out: it holds " + header->valueType() +
+                                      " values, the one before of that name " + types[at->second]);
         continue;
       }
       result.sets[at->second].index[k] = i;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "io/input.h"
+#include "slicemorph/io/input.h"
 #include "slicemorph/note.h"
 
 #include <optional>

@@ -1,4 +1,4 @@
-#include "io/vdb/vdb_reader.h"
+#include "slicemorph/io/vdb_reader.h"
 
 #include "io/paths.h"
 #include "io/vdb/vdb_check.h"
@@ -178,21 +178,27 @@ class Reader : public openvdb::io::Archive {
   openvdb::io::StreamMetadata::Ptr metadata_;
 };
 
-/// Runs `action`; whatever OpenVDB, Boost or the library throw becomes an IoError beginning with `what`.
+/// What is being read, and how messages say that it cannot be.
+struct Attempt {
+  std::string about, failure;
+};
+
+/// Runs `action`; whatever OpenVDB, Boost or the library throw becomes an IoError.
 template <typename Action>
-auto guarded(const std::string& what, const Action& action) {
+auto guarded(const Attempt& attempt, const Action& action) {
+  const auto fail = [&](const std::string& why) {
+    return IoError(attempt.about, attempt.failure + ": " + why);
+  };
   try {
     return action();
   } catch (const IoError&) {
     throw;
   } catch (const std::ios_base::failure&) {
-    throw IoError(what + ": it is truncated or damaged: the file ends inside the data");
+    throw fail("it is truncated or damaged: the file ends inside the data");
   } catch (const std::bad_alloc&) {
-    throw IoError(what + ": it is damaged, or larger than the memory");
+    throw fail("it is damaged, or larger than the memory");
   } catch (const std::exception& error) {
-    throw IoError(what + ": " + error.what());
-  } catch (...) {
-    throw IoError(what + ": it is damaged");
+    throw fail(error.what());
   }
 }
 
@@ -283,8 +289,8 @@ struct VdbFile::Impl {
     throw Damaged("the grid whose tree it shares is missing");
   }
 
-  std::string cannotRead(size_t index) const {
-    return path + ": grid '" + entries.at(index).name + "' cannot be read";
+  Attempt attempt(size_t index) const {
+    return {path, "grid '" + entries.at(index).name + "' cannot be read"};
   }
 };
 
@@ -292,7 +298,7 @@ VdbFile::VdbFile(const std::string& path) : impl_(std::make_unique<Impl>()) {
   initialiseVdb();
   impl_->path = path;
   impl_->size = sizeOfInput(path);
-  guarded(path + " cannot be read as a VDB file", [&] { impl_->readContents(); });
+  guarded({path, "cannot be read as a VDB file"}, [&] { impl_->readContents(); });
 }
 
 VdbFile::~VdbFile() = default;
@@ -302,7 +308,7 @@ unsigned VdbFile::fileVersion() const { return impl_->fileVersion; }
 std::string VdbFile::libraryVersion() const { return impl_->libraryVersion; }
 
 GridBase::Ptr VdbFile::readHeader(size_t index) const {
-  return guarded(impl_->cannotRead(index), [&] {
+  return guarded(impl_->attempt(index), [&] {
     return impl_->streamed.empty()
                ? Reader(impl_->path, impl_->size).readHeaderOf(impl_->descriptors.at(index))
                : impl_->streamed.at(index);
@@ -310,11 +316,11 @@ GridBase::Ptr VdbFile::readHeader(size_t index) const {
 }
 
 GridBase::Ptr VdbFile::read(size_t index) const {
-  return guarded(impl_->cannotRead(index), [&] { return impl_->readConnected(index); });
+  return guarded(impl_->attempt(index), [&] { return impl_->readConnected(index); });
 }
 
 GridBase::Ptr VdbFile::readDelayed(size_t index) const {
-  return guarded(impl_->cannotRead(index), [&] { return impl_->readDelayed(index); });
+  return guarded(impl_->attempt(index), [&] { return impl_->readDelayed(index); });
 }
 
 const openvdb::MetaMap& VdbFile::metadata() const { return impl_->metadata; }

@@ -1,8 +1,8 @@
-#include "io/vdb/vdb_writer.h"
+#include "slicemorph/io/vdb_writer.h"
 
 #include "io/atomic_file.h"
-#include "io/vdb/vdb_reader.h"
 #include "slicemorph/errors.h"
+#include "slicemorph/io/vdb_reader.h"
 
 #include <openvdb/io/Archive.h>
 
@@ -81,7 +81,7 @@ void writeVdb(const std::string& path, const openvdb::GridCPtrVec& grids, const 
   } catch (const IoError&) {
     throw;
   } catch (const std::exception& error) {
-    throw IoError(path + " cannot be written: " + (errno ? std::strerror(errno) : error.what()));
+    throw IoError(path, std::string("cannot be written: ") + (errno ? std::strerror(errno) : error.what()));
   }
   Hash hash;
   file.read(kIdentifierAt + kIdentifierSize, [&](std::string_view bytes) { hash.add(bytes); });

@@ -7,8 +7,8 @@
 #include "engine/spine/limbs.h"
 #include "engine/volume/distance_field.h"
 #include "engine/volume/voxelise.h"
-#include "io/input.h"
 #include "io/mesh/mesh_reader.h"
+#include "slicemorph/io/input.h"
 #include "slicemorph/slicemorph.h"
 #include "tests/support/all_tests.h"
 #include "tests/support/section_parts.h"
@@ -59,7 +59,7 @@ std::vector<openvdb::Vec3s> visiblePoints(const Mesh& mesh, const FloatGrid::Con
 
 /// Mean and 99th percentile of the symmetric distance, and the largest distance each way, in voxels.
 void expectEndFrame(const FloatGrid::ConstPtr& frame, const std::string& path) {
-  const Mesh input = closeSurface(path, readPolygons(path)).mesh, output = surfaceOf(*frame);
+  const Mesh input = closeSurface(path, readPolygons(parseInput(path))).mesh, output = surfaceOf(*frame);
   const std::vector<openvdb::Vec3s> visible = visiblePoints(input, frame);
   const double h = frame->voxelSize()[0];
   const SurfaceDistance both = surfaceDistance(output, input);

@@ -1,9 +1,8 @@
 #include "engine/volume/voxelise.h"
-#include "io/file_info.h"
-#include "io/input.h"
-#include "io/output.h"
-#include "io/paths.h"
 #include "slicemorph/errors.h"
+#include "slicemorph/io/file_info.h"
+#include "slicemorph/io/input.h"
+#include "slicemorph/io/output.h"
 #include "tests/support/surface_checks.h"
 
 #include <gtest/gtest.h>
@@ -161,17 +160,6 @@ TEST_F(Io, OutputNamesNumberFrames) {
   EXPECT_EQ(OutputName("name.OBJ").extension(), ".obj");
 }
 
-TEST_F(Io, GridNamesAreSplitOffAfterTheFile) {
-  EXPECT_EQ(splitInput("a.vdb:density").path, "a.vdb");
-  EXPECT_EQ(splitInput("a.vdb:density").grid, "density");
-  EXPECT_EQ(splitInput("C:/a.obj").path, "C:/a.obj");
-  EXPECT_EQ(splitInput("C:/a.obj").grid, "");
-  const std::string odd = write("x.vdb:y.vdb", "x");
-  EXPECT_EQ(splitInput(odd).path, odd);
-  EXPECT_EQ(splitInput(odd + ":z:w").path, odd);
-  EXPECT_EQ(splitInput(odd + ":z:w").grid, "z:w");
-}
-
 // ---------------------------------------------------------------- meshes in
 
 TEST_F(Io, EveryMeshFormatGivesTheCube) {
@@ -196,11 +184,11 @@ TEST_F(Io, GlbNodesAreApplied) {
 TEST_F(Io, RealMeshesAreReadAndRepaired) {
   REAL_FILE(bunny, "mesh/stanford-bunny.obj");
   const auto notes = loadObject(bunny, coarse()).notes;
-  EXPECT_EQ(notes, (std::vector<std::string>{"dropped 1113 points that no face uses",
-                                             "filled 5 holes (223 edges)"}));
-  EXPECT_EQ(loadObject(realFile("mesh/horse_ref.obj"), coarse()).notes,
+  EXPECT_EQ(sentencesOf(notes), (std::vector<std::string>{"dropped 1113 points that no face uses",
+                                                          "filled 5 holes (223 edges)"}));
+  EXPECT_EQ(sentencesOf(loadObject(realFile("mesh/horse_ref.obj"), coarse()).notes),
             std::vector<std::string>{"filled 2 holes (19 edges)"});
-  EXPECT_EQ(loadObject(realFile("mesh/shark.ply"), coarse()).notes.back(),
+  EXPECT_EQ(loadObject(realFile("mesh/shark.ply"), coarse()).notes.back().text,
             "turned 1 inside-out shell outwards");
   const std::string moebius = refusal<GeometryError>(realFile("mesh/moebius.obj"));
   EXPECT_HAS(moebius, "moebius.obj: the surface is not orientable: 112 boundary edges in 1 loop");
@@ -289,7 +277,7 @@ TEST_F(Io, MissingAndWrongInputsAreNamed) {
   EXPECT_HAS(refusal<IoError>(write("empty.vdb", "")), "is empty");
   EXPECT_HAS(refusal<InputError>(write("x.doc", "x")), "cannot read the extension '.doc'; use .vdb, .obj");
   EXPECT_HAS(refusal<IoError>(write("x.vdb", "this is no volume at all")),
-             "x.vdb cannot be read as a VDB file");
+             "x.vdb: cannot be read as a VDB file");
   fs::create_directory(file("folder.obj"));
   EXPECT_HAS(refusal<IoError>(file("folder.obj")), "is a folder");
   const std::string cube = write("c.obj", kCubeObj);
@@ -303,6 +291,33 @@ TEST_F(Io, MissingAndWrongInputsAreNamed) {
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
   options.voxelSize = -1;
   EXPECT_HAS(refusal<InputError>(cube, options), "voxel size -1");
+}
+
+/// What an error is about is told apart from what it says, wherever it comes from: the file, a file that it names,
+/// the engine, which knows no files.
+TEST_F(Io, ErrorsAreAboutTheFile) {
+  const auto noteOf = [](const std::string& input, const LoadOptions& options = {}) {
+    try {
+      loadObject(input, options);
+    } catch (const Error& error) {
+      EXPECT_EQ(std::string(error.what()), error.note().sentence());
+      return error.note();
+    }
+    return Note("it was read");
+  };
+  const std::string cube = write("c.obj", std::string("mtllib m.mtl\nusemtl red\n") + kCubeObj);
+  EXPECT_EQ(noteOf(write("cut.obj", std::string(kCubeObj) + "f 1 2")).about, file("cut.obj"));
+  EXPECT_EQ(noteOf(write("x.doc", "x")).about, file("x.doc"));
+  EXPECT_EQ(noteOf(file("none.vdb:x")).about, file("none.vdb"));
+  LoadOptions options;
+  options.voxelSize = 1e-7;
+  EXPECT_EQ(noteOf(cube, options).about, file("c.obj"));
+  EXPECT_HAS(noteOf(cube, options).text, "voxel size of at least");
+  write("m.mtl", "newmtl red\nKd 1 nan 0\n");
+  EXPECT_EQ(noteOf(cube).about, file("m.mtl"));
+  // A folder whose name is in the message: the text decides nothing.
+  writeSurface(file("grid.vdb"), *ball());
+  EXPECT_EQ(noteOf(file("grid.vdb") + ":grid.vdb").about, file("grid.vdb"));
 }
 
 // ---------------------------------------------------------------- VDB
@@ -370,13 +385,13 @@ TEST_F(Io, GridsAreChosenByName) {
   EXPECT_NEAR(volume(file("all.vdb") + ":same"), 1, 0.01);
   EXPECT_NEAR(volume(file("all.vdb") + ":same[1]"), 2, 0.01);
   EXPECT_NEAR(volume(file("all.vdb") + ":double"), 1.5, 0.01);
-  EXPECT_HAS(loadObject(file("all.vdb")).notes.at(0),
+  EXPECT_HAS(loadObject(file("all.vdb")).notes.at(0).text,
              "took grid 'same[0]' of 5; 'far' is no shape: the grid has no");
   EXPECT_HAS(refusal<InputError>(file("all.vdb") + ":none"),
              "there is no grid 'none'; the file holds 'vel' (vec3s");
   EXPECT_HAS(refusal<InputError>(file("all.vdb") + ":vel"), "grid 'vel' holds vec3s values");
   EXPECT_HAS(refusal<GeometryError>(file("all.vdb") + ":far"), "grid 'far': the grid has no surface");
-  const FileInfo info = describeFile(file("all.vdb"));
+  const FileInfo info = describeFile(parseInput(file("all.vdb")));
   ASSERT_EQ(info.vdb.grids.size(), 5u);
   EXPECT_EQ(info.vdb.chosen, "same[0]");
   EXPECT_EQ(info.vdb.grids[0].type, "vec3s");
@@ -399,7 +414,7 @@ TEST_F(Io, RealVdbsAreRead) {
     EXPECT_EQ(checks::closedAndManifold(surface), "") << input;
     EXPECT_GT(checks::volumeOf(surface), 0) << input;
   }
-  EXPECT_EQ(describeFile(gas).vdb.grids.size(), 24u);
+  EXPECT_EQ(describeFile(parseInput(gas)).vdb.grids.size(), 24u);
 }
 
 TEST_F(Io, FilesWithoutOffsetsAreRead) {
@@ -419,7 +434,7 @@ TEST_F(Io, TruncatedVdbsAreRefused) {
       const size_t size = i <= 10 ? bytes.size() * i / 11 : (i - 10) * (i - 10) * 9;
       const std::string path = write("cut.vdb", bytes.substr(0, std::min(size, bytes.size() - 1)));
       EXPECT_HAS(refusal<IoError>(path), path);
-      EXPECT_THROW(describeFile(path), IoError);
+      EXPECT_THROW(describeFile(parseInput(path)), IoError);
     }
   }
 }
@@ -447,12 +462,12 @@ TEST_F(Io, MeshFilesComeBackClosedAndOutward) {
   const Mesh surface = surfaceOf(*grid);
   for (const char* name : {"b.obj", "b.ply", "b.stl"}) {
     writeSurface(file(name), *grid);
-    const FileInfo info = describeFile(file(name));
+    const FileInfo info = describeFile(parseInput(file(name)));
     EXPECT_EQ(info.mesh.faces, surface.triangles.size()) << name;
     EXPECT_TRUE(info.mesh.closed) << name;
-    EXPECT_TRUE(info.mesh.notes.empty()) << name << ": " << info.mesh.notes.at(0);
+    EXPECT_TRUE(info.mesh.notes.empty()) << name << ": " << info.mesh.notes.at(0).text;
     EXPECT_NEAR(info.mesh.signedVolume, checks::volumeOf(surface), 1e-6) << name;
-    EXPECT_EQ(info.mesh.boxMax, describeFile(file("b.obj")).mesh.boxMax) << name;
+    EXPECT_EQ(info.mesh.boxMax, describeFile(parseInput(file("b.obj"))).mesh.boxMax) << name;
   }
 }
 

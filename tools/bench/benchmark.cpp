@@ -6,8 +6,8 @@
 #include "engine/peers/peers.h"
 #include "engine/volume/level_set.h"
 #include "engine/volume/voxelise.h"
-#include "io/input.h"
 #include "io/vdb/grid_sets.h"
+#include "slicemorph/io/input.h"
 #include "slicemorph/slicemorph.h"
 
 #include <openvdb/tools/Composite.h>

@@ -1,7 +1,7 @@
 /// Reading a DICOM series and making in-betweens of two grey images, beside ITK's own reader and ITK's
 /// trilinear resampling, in one run. Usage: slicemorph_image_benchmark DICOM_FOLDER [ISO]
-#include "io/image/image_file.h"
-#include "io/input.h"
+#include "slicemorph/io/image_file.h"
+#include "slicemorph/io/input.h"
 #include "slicemorph/slicemorph.h"
 
 #include <itkAffineTransform.h>

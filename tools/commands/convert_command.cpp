@@ -4,11 +4,11 @@
 #include "engine/volume/image_shape.h"
 #include "engine/volume/level_set.h"
 #include "engine/volume/resample_image.h"
-#include "io/image/image_writer.h"
-#include "io/output.h"
 #include "io/vdb/grid_choice.h"
-#include "io/vdb/vdb_writer.h"
 #include "slicemorph/errors.h"
+#include "slicemorph/io/image_writer.h"
+#include "slicemorph/io/output.h"
+#include "slicemorph/io/vdb_writer.h"
 #include "tools/commands/common_options.h"
 #include "tools/job/image_lattice.h"
 
@@ -51,9 +51,9 @@ void writeGrids(const ConvertSettings& s, const Image& image) {
 }
 
 Image imageOfGrid(const ConvertSettings& s) {
-  const InputName name = splitInput(s.input);
+  const InputSpec name = parseInput(s.input);
   const VdbFile file(name.path);
-  if (!name.grid.empty()) return imageOf(*file.read(findGrid(file, name)));
+  if (!name.selection.empty()) return imageOf(*file.read(findGrid(file, name)));
   for (size_t i = 0; i < file.entries().size(); ++i)
     if (const auto header = file.readHeader(i); header && (*header)["image_size"])
       return imageOf(*file.read(i));
@@ -74,7 +74,7 @@ void convertToImage(const ConvertSettings& s) {
     ImageFile file = readImage(s.input, s.load.image);
     printNotes(s.input + ": ", file.notes, s.quiet);
     writeImage(s.output, onAskedLattice(std::move(file.image), s));
-  } else if (extensionOf(splitInput(s.input).path) == ".vdb") {
+  } else if (parseInput(s.input).isGrids()) {
     writeImage(s.output, onAskedLattice(imageOfGrid(s), s));
   } else {
     const LoadedObject loaded = loadObject(s.input, s.load);

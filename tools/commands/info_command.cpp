@@ -1,7 +1,7 @@
 #include "tools/commands/info_command.h"
 
-#include "io/file_info.h"
-#include "io/input.h"
+#include "slicemorph/io/file_info.h"
+#include "slicemorph/io/input.h"
 #include "tools/commands/common_options.h"
 
 #include <nlohmann/json.hpp>
@@ -72,10 +72,10 @@ Json describeImage(const ImageInfo& i) {
 
 void printJson(const FileInfo& info) {
   Json json = {{"file", info.path}, {"format", info.format}, {"bytes", info.bytes}};
-  if (info.kind == FileInfo::Kind::kImage) {
+  if (info.contents == Contents::kImage) {
     json["images"] = Json::array();
     for (const ImageInfo& image : info.images) json["images"].push_back(describeImage(image));
-  } else if (info.kind == FileInfo::Kind::kMesh) {
+  } else if (info.contents == Contents::kMesh) {
     json["mesh"] = describeMesh(info.mesh);
   } else {
     json["fileVersion"] = info.vdb.fileVersion;
@@ -136,12 +136,12 @@ void printImage(const ImageInfo& i) {
 void printText(const FileInfo& info) {
   std::printf("%s: %s, %llu bytes", info.path.c_str(), info.format.c_str(),
               static_cast<unsigned long long>(info.bytes));
-  if (info.kind == FileInfo::Kind::kMesh) {
+  if (info.contents == Contents::kMesh) {
     std::printf("\n");
     printMesh(info.mesh);
     return;
   }
-  if (info.kind == FileInfo::Kind::kImage) {
+  if (info.contents == Contents::kImage) {
     std::printf("\n");
     for (const ImageInfo& image : info.images) printImage(image);
     return;
@@ -171,7 +171,7 @@ void addInfoCommand(CLI::App& program) {
   addSpacingOption(*command, s->load.image);
   command->add_flag("--json", s->json, "Print JSON");
   command->callback([s] {
-    const FileInfo info = describeFile(s->input, s->load.image);
+    const FileInfo info = describeFile(parseInput(s->input), s->load.image);
     if (s->json)
       printJson(info);
     else

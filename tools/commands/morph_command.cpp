@@ -2,10 +2,10 @@
 
 #include "engine/volume/surface_colors.h"
 #include "engine/volume/voxelise.h"
-#include "io/image/image_writer.h"
-#include "io/mesh/mesh_writer.h"
-#include "io/vdb/vdb_writer.h"
 #include "slicemorph/errors.h"
+#include "slicemorph/io/image_writer.h"
+#include "slicemorph/io/mesh_writer.h"
+#include "slicemorph/io/vdb_writer.h"
 #include "tools/commands/common_options.h"
 #include "tools/commands/morph_options.h"
 #include "tools/commands/terminal_progress.h"

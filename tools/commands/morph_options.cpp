@@ -1,9 +1,9 @@
 #include "tools/commands/morph_options.h"
 
-#include "io/image/image_writer.h"
 #include "io/paths.h"
 #include "io/sequence.h"
 #include "slicemorph/errors.h"
+#include "slicemorph/io/image_writer.h"
 #include "tools/commands/common_options.h"
 #include "tools/job/guidance_file.h"
 #include "tools/job/image_lattice.h"
@@ -89,7 +89,7 @@ Method methodOf(const std::string& name) {
 size_t lengthOfInputs(const std::vector<std::string>& inputs) {
   size_t length = 1;
   for (const std::string& input : inputs)
-    if (isMovingInput(input)) length = std::max(length, findSequence(splitSequenceInput(input).path).size());
+    if (isMovingInput(input)) length = std::max(length, framesOf(parseInput(input)).size());
   return length;
 }
 

@@ -12,11 +12,11 @@
 #include "engine/volume/resample_image.h"
 #include "engine/volume/voxelise.h"
 #include "io/contours/contour_reader.h"
-#include "io/image/image_writer.h"
-#include "io/mesh/mesh_writer.h"
-#include "io/output.h"
-#include "io/vdb/vdb_writer.h"
 #include "slicemorph/errors.h"
+#include "slicemorph/io/image_writer.h"
+#include "slicemorph/io/mesh_writer.h"
+#include "slicemorph/io/output.h"
+#include "slicemorph/io/vdb_writer.h"
 #include "tools/commands/common_options.h"
 #include "tools/commands/terminal_progress.h"
 #include "tools/job/image_lattice.h"
@@ -255,24 +255,17 @@ void reconstructLabels(const ReconstructSettings& s) {
   writeReports(s, rows, notes);
 }
 
-/// `file.dcm:Heart` or `file.csl:2`: one structure by its name or number.
-InputName splitContourInput(const std::string& input) {
-  const size_t colon = input.rfind(':');
-  if (std::filesystem::exists(input) || colon == std::string::npos || colon == 0) return {input, ""};
-  return {input.substr(0, colon), input.substr(colon + 1)};
-}
-
-std::vector<ContourSet> chosenSets(const InputName& name, std::vector<ContourSet> sets) {
+std::vector<ContourSet> chosenSets(const InputSpec& name, std::vector<ContourSet> sets) {
   sets.erase(
       std::remove_if(sets.begin(), sets.end(), [](const ContourSet& set) { return set.planes.empty(); }),
       sets.end());
-  if (name.grid.empty()) return sets;
+  if (name.selection.empty()) return sets;
   std::string list;
   for (const ContourSet& set : sets) {
-    if (set.name == name.grid || std::to_string(set.label) == name.grid) return {set};
+    if (set.name == name.selection || std::to_string(set.label) == name.selection) return {set};
     list += (list.empty() ? "" : ", ") + std::to_string(set.label) + " '" + set.name + "'";
   }
-  throw InputError(name.path + " has no structure '" + name.grid + "'; there are " + list);
+  throw InputError(name.path + " has no structure '" + name.selection + "'; there are " + list);
 }
 
 /// A dense label map of several structures: materials of a CSL file share walls, regions of a structure set
@@ -299,7 +292,7 @@ void writeContourLabels(const ReconstructSettings& s, const std::vector<ContourS
   writeReports(s, rows, notes);
 }
 
-void reconstructContours(const ReconstructSettings& s, const InputName& name) {
+void reconstructContours(const ReconstructSettings& s, const InputSpec& name) {
   ContourFile file = readContours(name.path);
   Notes notes = file.notes;
   printNotes(name.path + ": ", notes, s.quiet);
@@ -363,12 +356,10 @@ void runReconstruct(const ReconstructSettings& s) {
   cancelOnInterrupt();
   if (isSlices(s)) return reconstructExrs(s);
   if (s.gridsGiven->count()) throw InputError("--grids is for EXR slices; " + s.input + " are none");
-  const InputName contours = splitContourInput(s.input);
-  if (!std::filesystem::is_directory(contours.path)) {
-    if (!isImageInput(s.input) || extensionOf(contours.path) == ".dcm") checkInputExists(contours.path);
-    if (isContourFile(contours.path)) return reconstructContours(s, contours);
-  }
-  if (!isImageInput(s.input))
+  const InputSpec input = parseInput(s.input);
+  if (!input.isImage()) filesOfInput(input);  // a missing file is the better message
+  if (input.contents == Contents::kContours) return reconstructContours(s, input);
+  if (!input.isImage())
     throw InputError(
         s.input +
         " is neither a label map (.nii .nii.gz .nrrd .nhdr .mha .mhd, name.####.png|tif) nor contours (.csl, "

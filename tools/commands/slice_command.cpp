@@ -1,8 +1,8 @@
 #include "tools/commands/slice_command.h"
 
 #include "io/input_grids.h"
-#include "io/output.h"
 #include "slicemorph/errors.h"
+#include "slicemorph/io/output.h"
 #include "tools/commands/common_options.h"
 #include "tools/commands/terminal_progress.h"
 #include "tools/job/slice_options.h"
@@ -38,7 +38,7 @@ void checkSettings(SliceSettings& s) {
 /// Grids of VDB files are sliced as they are: what says how to voxelise would do nothing.
 void checkVoxels(const SliceSettings& s) {
   const bool voxels = s.sampling.voxelSize->count() || s.sampling.resolution->count();
-  const bool vdb = !isImageInput(s.input) && extensionOf(splitInput(s.input).path) == ".vdb";
+  const bool vdb = parseInput(s.input).isGrids();
   if (voxels && vdb && !s.load.isoGiven && !s.slices.spine)
     throw InputError(
         s.input +
@@ -74,7 +74,7 @@ void runSlice(SliceSettings& s) {
   const auto limit = limitThreads(s.threads, s.threadsGiven);
   cancelOnInterrupt();
 
-  const InputGrids input = readInputGrids(s.input, wanted, s.load, s.slices.spine);
+  const InputGrids input = readInputGrids(parseInput(s.input), wanted, s.load, s.slices.spine);
   printNotes(s.input + ": ", input.notes, s.quiet);
   s.slices.exr.units = input.units;
   takeTime(input.metadata, s.slices.exr);

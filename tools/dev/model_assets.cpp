@@ -6,7 +6,7 @@
 #include "engine/numerics/disjoint_sets.h"
 #include "engine/numerics/edge_table.h"
 #include "engine/volume/voxelise.h"
-#include "io/mesh/mesh_writer.h"
+#include "slicemorph/io/mesh_writer.h"
 
 #include <openvdb/tools/Dense.h>
 #include <tbb/parallel_for.h>

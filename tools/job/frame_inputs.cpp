@@ -12,13 +12,11 @@ FrameInputs::FrameInputs(const MorphSettings& settings)
     : settings_(settings), open_(settings.inputs.size()), loaded_(settings.inputs.size()) {
   for (const std::string& input : settings.inputs) {
     files_.emplace_back();
-    if (isMovingInput(input)) {
-      const InputName name = splitSequenceInput(input);
-      for (const SequenceFile& file : findSequence(name.path))
-        files_.back().push_back(name.grid.empty() ? file.path : file.path + ":" + name.grid);
-    } else {
-      files_.back().push_back(input);
-    }
+    const InputSpec spec = parseInput(input);
+    if (spec.isMoving())
+      for (InputFrame& frame : framesOf(spec)) files_.back().push_back(std::move(frame.input));
+    else
+      files_.back().push_back(spec);
   }
 }
 
@@ -34,14 +32,14 @@ Notes FrameInputs::notes(size_t frames) const {
 bool FrameInputs::moveTo(size_t frame, Progress& progress) {
   bool changed = false;
   for (size_t k = 0; k < files_.size(); ++k) {
-    const std::string& file = files_[k][std::min(frame, files_[k].size() - 1)];
-    if (open_[k] == file) continue;
+    const InputSpec& file = files_[k][std::min(frame, files_[k].size() - 1)];
+    if (open_[k] == file.text) continue;
     if (progress.cancelled()) throw Cancelled();
     progress.report("reading", double(k) / double(files_.size()));
     loaded_[k] = loadObject(file, optionsOfInput(settings_.load, k));
-    open_[k] = file;
+    open_[k] = file.text;
     changed = true;
-    for (Note& note : about(file, loaded_[k].notes)) notes_.push_back(std::move(note));
+    for (Note& note : about(file.text, loaded_[k].notes)) notes_.push_back(std::move(note));
   }
   if (changed) addLabelSurfaces(loaded_);
   return changed;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "io/input.h"
+#include "slicemorph/io/input.h"
 #include "slicemorph/note.h"
 #include "tools/job/morph_settings.h"
 
@@ -29,8 +29,8 @@ class FrameInputs {
 
  private:
   const MorphSettings& settings_;
-  std::vector<std::vector<std::string>> files_;  ///< per input
-  std::vector<std::string> open_;                ///< per input: what is loaded
+  std::vector<std::vector<InputSpec>> files_;  ///< per input
+  std::vector<std::string> open_;              ///< per input: what is loaded
   std::vector<LoadedObject> loaded_;
   Notes notes_;
 };

@@ -1,8 +1,8 @@
 #include "tools/job/image_lattice.h"
 
 #include "engine/volume/image_grid.h"
-#include "io/image/image_writer.h"
-#include "io/output.h"
+#include "slicemorph/io/image_writer.h"
+#include "slicemorph/io/output.h"
 #include "tools/job/option_values.h"
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 #include "tools/job/input_names.h"
 
-#include "io/image/image_file.h"
 #include "io/paths.h"
 #include "slicemorph/errors.h"
+#include "slicemorph/io/image_file.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -40,9 +40,7 @@ std::vector<size_t> inputsCalled(const std::string& name, const std::vector<std:
 }  // namespace
 
 std::string stemOfInput(const std::string& input) {
-  std::string path = isImageInput(input)      ? splitImageInput(input).path
-                     : isSequenceInput(input) ? splitSequenceInput(input).path
-                                              : splitInput(input).path;
+  std::string path = parseInput(input).path;
   while (path.size() > 1 && path.back() == '/') path.pop_back();
   fs::path name = fs::path(path).filename();
   if (extensionOf(path) == ".gz") name = name.stem();

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "io/input.h"
 #include "io/mesh/glb_writer.h"
-#include "io/output.h"
+#include "slicemorph/io/input.h"
+#include "slicemorph/io/output.h"
 #include "slicemorph/slicemorph.h"
 #include "tools/job/key_times.h"
 #include "tools/job/landmarks.h"

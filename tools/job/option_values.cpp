@@ -1,10 +1,10 @@
 #include "tools/job/option_values.h"
 
 #include "io/atomic_file.h"
-#include "io/input.h"
-#include "io/output.h"
 #include "io/paths.h"
 #include "slicemorph/errors.h"
+#include "slicemorph/io/input.h"
+#include "slicemorph/io/output.h"
 
 #include <unistd.h>
 
@@ -94,7 +94,7 @@ void checkPositive(const std::string& option, double value) {
     throw InputError(option + " " + formatNumber(value) + " must be a number above 0");
 }
 
-void checkInputExists(const std::string& input) { filesOfInput(input); }
+void checkInputExists(const std::string& input) { filesOfInput(parseInput(input)); }
 
 void writeTextFile(const std::string& path, const std::string& text) {
   AtomicFile file(path);

@@ -2,8 +2,8 @@
 
 #include "io/exr/exr_writer.h"
 #include "io/image/png_writer.h"
-#include "io/output.h"
 #include "slicemorph/errors.h"
+#include "slicemorph/io/output.h"
 #include "tools/job/option_values.h"
 
 #include <algorithm>

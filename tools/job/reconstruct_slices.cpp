@@ -3,11 +3,11 @@
 #include "engine/volume/image_grid.h"
 #include "engine/volume/voxelise.h"
 #include "io/exr/exr_slice_reader.h"
-#include "io/image/image_writer.h"
-#include "io/mesh/mesh_writer.h"
 #include "io/paths.h"
-#include "io/vdb/vdb_writer.h"
 #include "slicemorph/errors.h"
+#include "slicemorph/io/image_writer.h"
+#include "slicemorph/io/mesh_writer.h"
+#include "slicemorph/io/vdb_writer.h"
 #include "tools/commands/common_options.h"
 #include "tools/commands/terminal_progress.h"
 #include "tools/job/image_lattice.h"
@@ -60,8 +60,8 @@ void writeGrids(const openvdb::GridCPtrVec& grids, const SlicesJob& job) {
 void reconstructSlices(const SlicesJob& job) {
   TerminalProgress progress(job.quiet);
   progress.report("reading", 0);
-  const ExrSlices slices =
-      readSliceExrs(job.input, job.grids ? parseNames("--grids", *job.grids) : std::vector<std::string>());
+  const ExrSlices slices = readSliceExrs(
+      parseInput(job.input), job.grids ? parseNames("--grids", *job.grids) : std::vector<std::string>());
   progress.clear();
   printNotes(job.input + ": ", slices.notes, job.quiet);
   if (extensionOf(job.output) != ".vdb") checkOne(slices, job);

@@ -27,10 +27,8 @@ std::vector<RenderInput> listRenderInputs(const std::vector<std::string>& inputs
   std::vector<RenderInput> list;
   for (const std::string& input : inputs) {
     if (isMovingInput(input)) {
-      const InputName name = splitSequenceInput(input);
-      for (const SequenceFile& file : findSequence(name.path))
-        list.push_back({name.grid.empty() ? file.path : file.path + ":" + name.grid,
-                        std::to_string(file.number), file.number});
+      for (const InputFrame& frame : framesOf(parseInput(input)))
+        list.push_back({frame.input.text, std::to_string(frame.number), frame.number});
     } else {
       checkInputExists(input);
       list.push_back({input, std::filesystem::path(input).stem().string(), 1});
@@ -58,11 +56,11 @@ RenderSubject RenderSubjects::get(size_t input) {
 }
 
 RenderSubject RenderSubjects::read(size_t input) const {
-  const std::string& path = inputs_[input].path;
+  const InputSpec spec = parseInput(inputs_[input].path);
   RenderSubject subject;
-  if (!asSurface_) subject.fog = readFog(path);
+  if (!asSurface_) subject.fog = readFog(spec);
   if (subject.fog) return subject;
-  LoadedObject object = loadObject(path, load_);
+  LoadedObject object = loadObject(spec, load_);
   subject.surface = object.object.levelSet;
   subject.colors = object.colors;
   return subject;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/render/render_fog.h"
-#include "io/input.h"
+#include "slicemorph/io/input.h"
 
 #include <optional>
 #include <string>

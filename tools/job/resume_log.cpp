@@ -1,6 +1,6 @@
 #include "tools/job/resume_log.h"
 
-#include "io/input.h"
+#include "slicemorph/io/input.h"
 #include "tools/job/option_values.h"
 #include "tools/report/morph_report.h"
 
@@ -21,7 +21,7 @@ Json fileFingerprint(const std::string& path) {
 
 /// Size and time of an input's file or files, without its `:grid`.
 Json fingerprint(const std::string& input) {
-  const std::vector<std::string> names = filesOfInput(input);
+  const std::vector<std::string> names = filesOfInput(parseInput(input));
   if (names.size() == 1) return fileFingerprint(names[0]);
   Json files = Json::array();
   for (const std::string& file : names) files.push_back(fileFingerprint(file));

@@ -293,7 +293,7 @@ openvdb::GridBase::Ptr throughFiles(const SliceGrid& grid, const std::vector<Sec
   else
     for (size_t n = 0; n < planes.size(); ++n)
       writeSliceExr(folder + "/s." + std::to_string(1001 + n) + ".exr", {grid}, planes, n, options);
-  const ExrSlices read = readSliceExrs(folder + (parts ? "/all.exr" : "/s.####.exr"));
+  const ExrSlices read = readSliceExrs(parseInput(folder + (parts ? "/all.exr" : "/s.####.exr")));
   EXPECT_EQ(read.planes.size(), planes.size());
   const auto result = gridOfSections(read.planes, read.grids.at(0), planes[0].pixelSize);
   std::filesystem::remove_all(folder);
@@ -365,9 +365,9 @@ TEST(ExrReconstruct, ALevelSetComesBackAsALevelSet) {
 TEST(ExrReconstruct, RefusesWhatIsNoSlice) {
   const std::string path = testing::TempDir() + "slicemorph_plain.exr";
   writePictureExr(path, {2, 1, {0.1f, 0.2f, 0.3f, 1, 4, 5, 6, 0.5f}});
-  EXPECT_THROW(readSliceExrs(path), IoError);
+  EXPECT_THROW(readSliceExrs(parseInput(path)), IoError);
   std::ofstream(path) << "no picture";
-  EXPECT_THROW(readSliceExrs(path), IoError);
+  EXPECT_THROW(readSliceExrs(parseInput(path)), IoError);
   std::filesystem::remove(path);
   const auto grid = sphere();
   const auto planes = sectionPlanes({grid}, {Vec3d(0, 0, 1), 1, 0});

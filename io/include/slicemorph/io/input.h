@@ -1,7 +1,8 @@
 #pragma once
 
-#include "io/image/image_file.h"
-#include "io/vdb/vdb_reader.h"
+#include "slicemorph/io/image_file.h"
+#include "slicemorph/io/input_spec.h"
+#include "slicemorph/io/vdb_reader.h"
 #include "slicemorph/note.h"
 #include "slicemorph/slicemorph.h"
 
@@ -47,21 +48,15 @@ struct LoadedObject {
       nullptr;  ///< of the shape's surface, on its level set's active voxels; null: it has none
 };
 
-/// Reads one input of the command line as a level set: `file.vdb`, `file.vdb:grid`, `.obj .ply .stl .off
-/// .glb`, images (see io/image/image_file.h). The surface of a grey image is at `iso`, else at its Otsu
-/// value; its voxel size is the smallest spacing, but at most 256 voxels go along the longest side. Throws
-/// IoError (missing, unreadable, truncated, not of its format), InputError (extension, grid name, voxel
-/// size), GeometryError (open, not orientable, empty). Every message names the file.
-LoadedObject loadObject(const std::string& input, const LoadOptions& options = {});
+/// Reads one input as a level set: a mesh, a grid of a VDB, an image. The surface of a grey image is at `iso`, else
+/// at its Otsu value; its voxel size is the smallest spacing, but at most 256 voxels go along the longest
+/// side. Throws IoError (missing, unreadable, truncated, not of its format), InputError (extension, grid name,
+/// voxel size), GeometryError (open, not orientable, empty). Every error's note is about the file.
+LoadedObject loadObject(const InputSpec& input, const LoadOptions& options = {});
+LoadedObject loadObject(const std::string& text, const LoadOptions& options = {});
 
 /// Gives the objects of label maps the surfaces of the labels that more than one of them has, the largest 24
 /// of them.
 void addLabelSurfaces(std::vector<LoadedObject>& objects);
-
-/// Whether an input is another file at every frame: a numbered sequence, but not the slices of one image.
-bool isMovingInput(const std::string& input);
-
-/// The files behind an input. Throws IoError where one is missing, empty or unreadable.
-std::vector<std::string> filesOfInput(const std::string& input);
 
 }  // namespace slicemorph

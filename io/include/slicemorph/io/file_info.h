@@ -1,7 +1,7 @@
 #pragma once
 
-#include "io/image/image_file.h"
 #include "slicemorph/conventions.h"
+#include "slicemorph/io/image_file.h"
 #include "slicemorph/note.h"
 
 #include <cstdint>
@@ -62,18 +62,17 @@ struct ImageInfo {
 };
 
 struct FileInfo {
-  enum class Kind { kMesh, kVdb, kImage };
-  Kind kind = Kind::kMesh;
-  std::string path;               ///< without a `:grid` suffix
-  std::string format;             ///< "obj", "ply", "stl", "off", "glb", "vdb", "nifti" ...
-  std::uint64_t bytes = 0;        ///< file size
-  MeshInfo mesh;                  ///< for kMesh
-  std::vector<ImageInfo> images;  ///< for kImage: the series of a folder, else one
-  VdbInfo vdb;                    ///< for kVdb; of one grid only where the path names one (`file.vdb:grid`)
+  Contents contents = Contents::kMesh;  ///< mesh, grids or image
+  std::string path;                     ///< without a `:grid` suffix
+  std::string format;                   ///< "obj", "ply", "stl", "off", "glb", "vdb", "nifti" ...
+  std::uint64_t bytes = 0;              ///< file size
+  MeshInfo mesh;                        ///< of meshes
+  std::vector<ImageInfo> images;        ///< of images: the series of a folder, else one
+  VdbInfo vdb;  ///< of grids; of one grid only where the path names one (`file.vdb:grid`)
 };
 
 /// Describes a file without voxelising it. One unreadable grid does not hide the others: its `problem` tells
 /// why. Throws IoError and InputError as loadObject does where the file as a whole cannot be read.
-FileInfo describeFile(const std::string& path, const ImageOptions& options = {});
+FileInfo describeFile(const InputSpec& input, const ImageOptions& options = {});
 
 }  // namespace slicemorph

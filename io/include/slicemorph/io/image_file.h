@@ -1,7 +1,7 @@
 #pragma once
 
-#include "io/paths.h"
 #include "slicemorph/image.h"
+#include "slicemorph/io/input_spec.h"
 #include "slicemorph/note.h"
 
 #include <string>
@@ -25,20 +25,14 @@ struct ImageOptions {
       0};  ///< millimetres between voxels along i, j, k, for image stacks, which hold none; zero: none given
 };
 
-/// Whether a name is that of an image: by extension, a folder, or a numbered stack `name.####.tif|png|exr`.
-bool isImageInput(const std::string& input);
-
-/// `file.nii.gz:3`: the file and which of its volumes (from 0), or `folder:2`: the folder and which of its
-/// series (from 1, or its UID). A file whose whole name exists is taken as that.
-InputName splitImageInput(const std::string& input);
-
 /// Reads one image: .nii .nii.gz .nrrd .nhdr .mha .mhd .dcm, a folder of DICOM slices, an image stack, a .tif
 /// of several pages. Throws IoError (missing, damaged, truncated), InputError (which volume or series,
 /// spacing), naming the file.
-ImageFile readImage(const std::string& input, const ImageOptions& options = {});
+ImageFile readImage(const InputSpec& input, const ImageOptions& options = {});
+ImageFile readImage(const std::string& text, const ImageOptions& options = {});
 
 /// For a listing: of a folder without a choice every series, else one image. A stack without spacing has no
 /// values.
-std::vector<ImageFile> listImages(const std::string& input, const ImageOptions& options = {});
+std::vector<ImageFile> listImages(const InputSpec& input, const ImageOptions& options = {});
 
 }  // namespace slicemorph

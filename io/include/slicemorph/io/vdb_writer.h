@@ -1,6 +1,6 @@
 #pragma once
 
-#include "io/output.h"
+#include "slicemorph/io/output.h"
 
 #include <string>
 

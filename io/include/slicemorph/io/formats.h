@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace slicemorph {
+
+/// What a file gives.
+enum class Contents {
+  kUnknown,
+  kMesh,      ///< a surface of polygons
+  kGrids,     ///< level sets, fog volumes and other grids
+  kImage,     ///< voxels on a lattice: scans, label maps, stacks of pictures
+  kContours,  ///< closed curves on planes
+  kSlices,    ///< oriented slices of grids
+};
+
+/// A row of the table of formats (io/format.h), which reading, writing, messages and help texts go by.
+struct Format;
+
+/// What the table says of a format.
+struct FormatSummary {
+  std::string name;  ///< as FileInfo names it: "obj", "vdb", "nifti"
+  Contents contents = Contents::kUnknown;
+  std::vector<std::string> reads;   ///< extensions, lower case, with the dot; none: it is only written
+  std::vector<std::string> writes;  ///< extensions; none: it is only read
+  std::string help;                 ///< one line
+};
+
+/// All formats, in the order in which they are tried.
+std::vector<FormatSummary> knownFormats();
+
+/// What of this kind can be read, as messages and help texts list it: ".obj .ply .stl .off .glb". What is no
+/// matter of extensions alone is said in words: "a DICOM folder".
+std::string readableList(Contents contents, const std::string& between = " ");
+/// The extensions that can be written.
+std::string writableList(Contents contents, const std::string& between = " ");
+
+}  // namespace slicemorph

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace tinygltf {
+class Model;
+}
+
+namespace slicemorph {
+
+/// A part of a glTF file that is damaged or missing; the message names no file.
+struct GltfDamage : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Vectors of an accessor (glTF 2.0, section 3.6.2), one after the other.
+struct GltfVectors {
+  int width = 1;  ///< numbers of a vector
+  std::vector<float> values;
+
+  size_t count() const { return values.size() / size_t(width); }
+  const float* at(size_t i) const { return values.data() + i * size_t(width); }
+};
+
+/// Any component type; whole numbers that are marked as normalised, or all with `normalise`, are divided by the
+/// largest of their type; sparse values are put in. Throws GltfDamage where there are not `count` vectors of
+/// at least `width` numbers, or where they reach beyond their buffer.
+GltfVectors readGltfVectors(const tinygltf::Model& model, int accessor, size_t count, int width,
+                            bool normalise = false);
+
+/// Whole numbers from 0, as the corners of faces are. Throws GltfDamage.
+std::vector<std::uint32_t> readGltfIndices(const tinygltf::Model& model, int accessor);
+
+/// Throws GltfDamage where there is no such accessor.
+size_t countOfGltf(const tinygltf::Model& model, int accessor);
+
+}  // namespace slicemorph

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace slicemorph {
+
+/// What the lines of an OBJ file say of it.
+struct ObjCounts {
+  size_t points = 0, faces = 0;
+  size_t unusedPoints = 0;                 ///< the importer drops these unseen
+  bool endsInLine = false;                 ///< its last line has no end: maybe cut short
+  std::vector<std::string> materialFiles;  ///< what stands behind each `mtllib`, if materials are used
+};
+
+/// Checks that an OBJ file is whole, which assimp does not: faces refer to vertices that are there, numbers are
+/// finite, all vertices or none have colours. Throws IoError naming the file, the line and what is missing.
+ObjCounts scanObj(const std::string& path, std::string_view bytes);
+
+}  // namespace slicemorph
