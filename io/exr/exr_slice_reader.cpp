@@ -245,9 +245,10 @@ ExrSlices readSliceExrs(const InputSpec& input, const std::vector<std::string>& 
   std::set<int> seen;
   for (const SectionPlane& plane : planes)
     if (!seen.insert(plane.index).second)
-      throw IoError(input, "slice " + std::to_string(plane.index + 1) +
-                               " is there twice: these are slices of several volumes or frames; name the "
-                               "file or files of one");
+      throw IoError(input.text,
+                    "slice " + std::to_string(plane.index + 1) +
+                        " is there twice: these are slices of several volumes or frames; name the "
+                        "file or files of one");
   if (int(planes.size()) < planes[0].count)
     result.notes.emplace_back("slices.missing", Severity::kWarning, "",
                               "there are " + std::to_string(planes.size()) + " slices of " +

@@ -1,6 +1,7 @@
 #include "io/image/nifti_reader.h"
 
 #include "io/image/raw_values.h"
+#include "io/paths.h"
 #include "slicemorph/errors.h"
 
 #include <nifti/nifti1_io.h>

@@ -4,6 +4,7 @@
 #include "engine/volume/image_shape.h"
 #include "engine/volume/level_set.h"
 #include "engine/volume/resample_image.h"
+#include "io/paths.h"
 #include "io/vdb/grid_choice.h"
 #include "slicemorph/errors.h"
 #include "slicemorph/io/image_writer.h"

@@ -12,6 +12,7 @@
 #include "engine/volume/resample_image.h"
 #include "engine/volume/voxelise.h"
 #include "io/contours/contour_reader.h"
+#include "io/paths.h"
 #include "slicemorph/errors.h"
 #include "slicemorph/io/image_writer.h"
 #include "slicemorph/io/mesh_writer.h"
