@@ -14,7 +14,7 @@ namespace {
 
 /// Points may lie off their plane by this share of the contours' extent: coordinates are written with few
 /// digits.
-constexpr double kOffPlane = 5e-4;
+constexpr double kOffPlaneShare = 5e-4;
 constexpr long kMostLabels = 100000;
 
 struct Component {
@@ -29,9 +29,9 @@ struct StoredPlane {
   std::vector<Component> components;
 };
 
-class Parser {
+class CslParser {
  public:
-  explicit Parser(const std::string& path) : path_(path) {
+  explicit CslParser(const std::string& path) : path_(path) {
     text_ = readWholeFile(path);
     if (text_.compare(0, 4, "CSLC") != 0) throw IoError(path, "is no CSL file: it does not begin with CSLC");
     at_ = 4;
@@ -137,7 +137,7 @@ void checkPlanes(const std::string& path, const std::vector<StoredPlane>& planes
   for (const StoredPlane& plane : planes)
     for (const Vec3d& p : plane.points) box.expand(p);
   if (box.empty()) throw IoError(path, "no plane has a contour");
-  const double allowed = kOffPlane * box.extents().length();
+  const double allowed = kOffPlaneShare * box.extents().length();
   for (size_t i = 0; i < planes.size(); ++i)
     for (const Vec3d& p : planes[i].points) {
       const double off = std::abs(planes[i].normal.dot(p) + planes[i].offset);
@@ -188,7 +188,7 @@ ContourSet setOf(const std::string& path, const std::vector<StoredPlane>& planes
 }  // namespace
 
 ContourFile readCsl(const std::string& path) {
-  Parser parser(path);
+  CslParser parser(path);
   const std::vector<StoredPlane> planes = parser.planes();
   checkPlanes(path, planes);
   std::set<int> labels;

@@ -1,16 +1,15 @@
 #include "io/exr/exr_slice_writer.h"
 
 #include "engine/sections/section.h"
+#include "io/exr/exr_slice_header.h"
 #include "io/exr/exr_stream.h"
 #include "slicemorph/errors.h"
 
-#include <ImathMatrix.h>
 #include <ImfChannelList.h>
 #include <ImfDoubleAttribute.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfIntAttribute.h>
-#include <ImfMatrixAttribute.h>
 #include <ImfMultiPartOutputFile.h>
 #include <ImfOutputPart.h>
 #include <ImfPartType.h>
@@ -19,7 +18,6 @@
 #include <ImfStringVectorAttribute.h>
 #include <ImfTileDescription.h>
 #include <ImfTiledOutputPart.h>
-#include <ImfVecAttribute.h>
 #include <half.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_pipeline.h>
@@ -44,76 +42,6 @@ Imf::Compression compressionOf(const std::string& name) {
   for (const auto& [known, value] : kCompressions)
     if (known == name) return value;
   throw InputError("compression '" + name + "' is unknown");
-}
-
-Imath::V3d toImath(const Vec3d& v) { return {v.x(), v.y(), v.z()}; }
-
-/// Rows of a matrix that multiplies row vectors.
-Imath::M44d matrixOf(const Vec3d& x, const Vec3d& y, const Vec3d& z, const Vec3d& origin) {
-  Imath::M44d matrix;
-  const Vec3d* rows[4] = {&x, &y, &z, &origin};
-  for (int r = 0; r < 4; ++r)
-    for (int c = 0; c < 3; ++c) matrix[r][c] = (*rows[r])[c];
-  return matrix;
-}
-
-/// x right, y up, z along the normal, origin in the image's centre, world units.
-Imath::M44f worldToCamera(const SectionPlane& plane) {
-  const Vec3d centre = plane.toWorld(0.5 * (plane.width - 1), 0.5 * (plane.height - 1));
-  // The axes are orthonormal, so the inverse of camera-to-world is its transpose.
-  const Vec3d axes[3] = {plane.xAxis, -plane.yAxis, plane.normal};
-  Imath::M44f matrix;
-  for (int c = 0; c < 3; ++c) {
-    for (int r = 0; r < 3; ++r) matrix[r][c] = float(axes[c][r]);
-    matrix[3][c] = float(-centre.dot(axes[c]));
-  }
-  return matrix;
-}
-
-void place(Imf::Header& header, const SectionPlane& plane) {
-  header.insert("sliceOrigin", Imf::V3dAttribute(toImath(plane.origin)));
-  header.insert("sliceAxisX", Imf::V3dAttribute(toImath(plane.xAxis)));
-  header.insert("sliceAxisY", Imf::V3dAttribute(toImath(plane.yAxis)));
-  header.insert("sliceNormal", Imf::V3dAttribute(toImath(plane.normal)));
-  header.insert("slicePixelSize", Imf::DoubleAttribute(plane.pixelSize));
-  header.insert("sliceIndex", Imf::IntAttribute(plane.index));
-  header.insert("sliceCount", Imf::IntAttribute(plane.count));
-  header.insert("sliceU", Imf::DoubleAttribute(plane.u));
-  header.insert("pixelToWorld",
-                Imf::M44dAttribute(matrixOf(plane.xAxis * plane.pixelSize, plane.yAxis * plane.pixelSize,
-                                            plane.normal * plane.pixelSize, plane.origin)));
-  Imf::addWorldToCamera(header, worldToCamera(plane));
-}
-
-Vec3d backgroundOf(const openvdb::GridBase& grid) {
-  Vec3d background(0.0);
-  grid.apply<openvdb::TypeList<FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid, openvdb::Int64Grid,
-                               openvdb::BoolGrid>>(
-      [&](const auto& typed) { background = Vec3d(double(typed.background())); });
-  grid.apply<openvdb::TypeList<openvdb::Vec3SGrid, openvdb::Vec3DGrid, openvdb::Vec3IGrid>>(
-      [&](const auto& typed) { background = Vec3d(typed.background()); });
-  return background;
-}
-
-void describe(Imf::Header& header, const SliceGrid& slice) {
-  const openvdb::GridBase& grid = *slice.grid;
-  const auto put = [&](const char* what, const Imf::Attribute& value) {
-    header.insert(slice.name + "." + what, value);
-  };
-  put("class", Imf::StringAttribute(openvdb::GridBase::gridClassToString(grid.getGridClass())));
-  put("type", Imf::StringAttribute(grid.type()));
-  put("vectorType", Imf::StringAttribute(openvdb::GridBase::vecTypeToString(grid.getVectorType())));
-  put("halfFloat", Imf::IntAttribute(grid.saveFloatAsHalf()));
-  put("background", Imf::V3dAttribute(toImath(backgroundOf(grid))));
-  put("voxelSize", Imf::V3dAttribute(toImath(grid.voxelSize())));
-  const Vec3d origin = grid.indexToWorld(Vec3d(0.0));
-  Vec3d step[3];
-  for (int a = 0; a < 3; ++a) {
-    Vec3d unit(0.0);
-    unit[a] = 1;
-    step[a] = grid.indexToWorld(unit) - origin;
-  }
-  put("transform", Imf::M44dAttribute(matrixOf(step[0], step[1], step[2], origin)));
 }
 
 /// Whole numbers and flags must come back exactly.
@@ -145,14 +73,14 @@ void writeFile(const std::string& path, const std::vector<Imf::Header>& headers,
 }
 
 /// Slices that are sampled together: as many as a leaf is wide, and not more than this.
-constexpr size_t kMostTogether = 8;
-constexpr double kMostBytes = 64 << 20;
+constexpr size_t kMostSlicesTogether = 8;
+constexpr double kMostSliceBytes = 64 << 20;
 
 /// Writes the slices of one set.
-class Writer {
+class SliceWriter {
  public:
-  Writer(const std::vector<SliceGrid>& grids, const std::vector<SectionPlane>& planes,
-         const SliceExrOptions& options)
+  SliceWriter(const std::vector<SliceGrid>& grids, const std::vector<SectionPlane>& planes,
+              const SliceExrOptions& options)
       : grids_(grids), planes_(planes), options_(options) {
     for (const SectionPlane& plane : planes) {
       size_.x = std::max(size_.x, plane.width);
@@ -172,7 +100,7 @@ class Writer {
     header.setName(numberedName(plane.index + 1));
     if (options_.tile > 0)
       header.setTileDescription(Imf::TileDescription(unsigned(options_.tile), unsigned(options_.tile)));
-    place(header, plane);
+    placeSlice(header, plane);
     header.insert("software", Imf::StringAttribute("slicemorph"));
     header.insert("sliceUnits", Imf::StringAttribute(options_.units));
     if (options_.t) header.insert("sliceT", Imf::DoubleAttribute(*options_.t));
@@ -181,7 +109,7 @@ class Writer {
     Imf::StringVector names;
     for (const SliceGrid& grid : grids_) {
       names.push_back(grid.name);
-      describe(header, grid);
+      describeGrid(header, grid);
       for (const std::string& channel : sliceChannels(grid.name, *grid.grid))
         header.channels().insert(channel, Imf::Channel(pixelType(*grid.grid)));
     }
@@ -209,7 +137,7 @@ class Writer {
   size_t batch(size_t threads) const {
     const double bytes = 16.0 * double(size_.x) * double(size_.y) * double(grids_.size());
     const size_t even = (planes_.size() + 2 * threads - 1) / (2 * threads);
-    return std::clamp(std::min(size_t(kMostBytes / bytes), even), size_t(1), kMostTogether);
+    return std::clamp(std::min(size_t(kMostSliceBytes / bytes), even), size_t(1), kMostSlicesTogether);
   }
 
   /// One slice, a file of its own. No threads of OpenEXR's: the caller writes one file a task.
@@ -307,14 +235,14 @@ const std::vector<std::string>& exrCompressions() {
 
 void writeSliceExr(const std::string& path, const std::vector<SliceGrid>& grids,
                    const std::vector<SectionPlane>& planes, size_t n, const SliceExrOptions& options) {
-  const Writer writer(grids, planes, options);
+  const SliceWriter writer(grids, planes, options);
   writer.writeOne(path, n, writer.sample(n, n + 1)[0]);
 }
 
 void writeSliceFiles(const std::function<std::string(size_t)>& path, const std::vector<SliceGrid>& grids,
                      const std::vector<SectionPlane>& planes, const SliceExrOptions& options,
                      Progress& progress) {
-  const Writer writer(grids, planes, options);
+  const SliceWriter writer(grids, planes, options);
   const size_t batch = writer.batch(size_t(threadCount()));
   std::atomic<size_t> done{0};
   tbb::parallel_for(
@@ -336,7 +264,7 @@ void writeSliceFiles(const std::function<std::string(size_t)>& path, const std::
 void writeSlicesExr(const std::string& path, const std::vector<SliceGrid>& grids,
                     const std::vector<SectionPlane>& planes, const SliceExrOptions& options,
                     Progress& progress) {
-  const Writer writer(grids, planes, options);
+  const SliceWriter writer(grids, planes, options);
   std::vector<Imf::Header> headers;
   for (size_t n = 0; n < planes.size(); ++n) headers.push_back(writer.header(n));
   const int threads = exrThreads();

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Header {
+struct DicomHeader {
   std::string uid, modality, description, shape;
   bool image = false;
 };
@@ -42,13 +42,13 @@ std::string rounded(const std::string& numbers) {
 
 /// None where a file is no DICOM file. Throws IoError where it is a damaged one: every element is walked
 /// over, for GDCM aborts the program on files that were cut short.
-std::optional<Header> readHeader(const std::string& path) {
+std::optional<DicomHeader> readDicomHeader(const std::string& path) {
   constexpr DicomTag kModality = 0x00080060, kDescription = 0x0008103e, kSeries = 0x0020000e,
                      kOrientation = 0x00200037, kRows = 0x00280010, kColumns = 0x00280011,
                      kFrames = 0x00280008, kSpacing = 0x00280030, kBits = 0x00280100, kPixels = 0x7fe00010;
   const std::string bytes = readWholeFile(path);
   const bool marked = bytes.size() >= 132 && bytes.compare(128, 4, "DICM") == 0;
-  Header header;
+  DicomHeader header;
   try {
     const DicomElements data = DicomElements::ofFile(bytes);
     header.uid = data.text(kSeries), header.modality = data.text(kModality),
@@ -85,7 +85,7 @@ std::vector<std::string> filesOf(const std::string& folder) {
 }
 
 /// One file: a slice, or a whole volume of several frames.
-struct Slice {
+struct DicomSlice {
   std::string file;
   Vec3d position{0, 0, 0}, axis[2];
   Vec3d spacing{1, 1, 1};
@@ -101,10 +101,10 @@ std::string entry(const itk::ImageIOBase& io, const char* tag) {
   return value;
 }
 
-Slice readSlice(const std::string& file) {
+DicomSlice readSlice(const std::string& file) {
   const auto io = itk::GDCMImageIO::New();
   io->SetFileName(file);
-  Slice slice;
+  DicomSlice slice;
   slice.file = file;
   try {
     io->ReadImageInformation();
@@ -140,20 +140,20 @@ Slice readSlice(const std::string& file) {
   return slice;
 }
 
-std::string millimetres(double value) {
+std::string inMillimetres(double value) {
   char digits[32];
   std::snprintf(digits, sizeof digits, "%.4g mm", value);
   return digits;
 }
 
 /// Orders slices along their normal and drops doubles.
-void order(const std::string& folder, std::vector<Slice>& slices, ImageFile& file) {
+void order(const std::string& folder, std::vector<DicomSlice>& slices, ImageFile& file) {
   const Vec3d normal = slices[0].axis[0].cross(slices[0].axis[1]).unit();
   const bool positioned =
-      std::all_of(slices.begin(), slices.end(), [](const Slice& s) { return s.positioned; });
+      std::all_of(slices.begin(), slices.end(), [](const DicomSlice& s) { return s.positioned; });
   if (!positioned) {
     std::sort(slices.begin(), slices.end(),
-              [](const Slice& a, const Slice& b) { return a.instance < b.instance; });
+              [](const DicomSlice& a, const DicomSlice& b) { return a.instance < b.instance; });
     for (size_t i = 0; i < slices.size(); ++i) {
       if (i > 0 && slices[i].instance == slices[i - 1].instance)
         throw InputError(folder, "its slices have no positions, and " + slices[i - 1].file + " and " +
@@ -163,15 +163,15 @@ void order(const std::string& folder, std::vector<Slice>& slices, ImageFile& fil
     }
     file.notes.emplace_back("image.positions-missing", Severity::kWarning, "",
                             "its slices have no positions: ordered by instance number, " +
-                                millimetres(slices[0].spacing[2]) + " apart");
+                                inMillimetres(slices[0].spacing[2]) + " apart");
     return;
   }
-  const auto along = [&](const Slice& s) { return s.position.dot(normal); };
+  const auto along = [&](const DicomSlice& s) { return s.position.dot(normal); };
   std::stable_sort(slices.begin(), slices.end(),
-                   [&](const Slice& a, const Slice& b) { return along(a) < along(b); });
-  std::vector<Slice> kept;
+                   [&](const DicomSlice& a, const DicomSlice& b) { return along(a) < along(b); });
+  std::vector<DicomSlice> kept;
   size_t doubled = 0;
-  for (Slice& slice : slices) {
+  for (DicomSlice& slice : slices) {
     const bool same = !kept.empty() && std::abs(along(slice) - along(kept.back())) < 1e-3;
     if (!same) {
       kept.push_back(std::move(slice));
@@ -182,7 +182,7 @@ void order(const std::string& folder, std::vector<Slice>& slices, ImageFile& fil
     } else {
       throw InputError(
           folder,
-          kept.back().file + " and " + slice.file + " lie at the same place (" + millimetres(along(slice)) +
+          kept.back().file + " and " + slice.file + " lie at the same place (" + inMillimetres(along(slice)) +
               " along the stack) but differ: two acquisitions are mixed; put each in a folder of its own");
     }
   }
@@ -192,7 +192,7 @@ void order(const std::string& folder, std::vector<Slice>& slices, ImageFile& fil
   slices = std::move(kept);
 }
 
-ImageFile volumeOf(Slice slice) {
+ImageFile volumeOfSlice(DicomSlice slice) {
   ImageFile file;
   ImageLattice& lattice = file.image.lattice;
   lattice.size = openvdb::Coord(slice.size[0], slice.size[1], slice.size[2]);
@@ -204,11 +204,12 @@ ImageFile volumeOf(Slice slice) {
 }
 
 /// One type for all slices.
-void unify(std::vector<Slice>& slices) {
-  const bool same = std::all_of(slices.begin(), slices.end(),
-                                [&](const Slice& s) { return s.values.index() == slices[0].values.index(); });
+void unify(std::vector<DicomSlice>& slices) {
+  const bool same = std::all_of(slices.begin(), slices.end(), [&](const DicomSlice& s) {
+    return s.values.index() == slices[0].values.index();
+  });
   if (same) return;
-  for (Slice& slice : slices)
+  for (DicomSlice& slice : slices)
     slice.values = std::visit(
         [](const auto& v) -> ImageValues { return std::vector<float>(v.begin(), v.end()); }, slice.values);
 }
@@ -222,13 +223,13 @@ DicomFolder scanDicomFolder(const std::string& folder) {
   std::map<std::string, DicomSeries> groups;
   size_t others = 0;
   const std::vector<std::string> files = filesOf(folder);
-  std::vector<std::optional<Header>> headers(files.size());
+  std::vector<std::optional<DicomHeader>> headers(files.size());
   tbb::parallel_for(size_t(0), files.size(), [&](size_t i) {
     std::error_code ignored;
-    if (fs::file_size(files[i], ignored) > 0) headers[i] = readHeader(files[i]);
+    if (fs::file_size(files[i], ignored) > 0) headers[i] = readDicomHeader(files[i]);
   });
   for (size_t i = 0; i < files.size(); ++i) {
-    const std::optional<Header>& header = headers[i];
+    const std::optional<DicomHeader>& header = headers[i];
     if (!header) {
       ++others;
     } else if (!header->image) {
@@ -278,23 +279,23 @@ DicomSeries chooseDicomSeries(const std::string& path, const std::string& wanted
 ImageFile readDicomSeries(const std::string& folder, const DicomSeries& series) {
   gdcm::Trace::WarningOff(), gdcm::Trace::ErrorOff(), gdcm::Trace::DebugOff();
   itk::Object::GlobalWarningDisplayOff();
-  std::vector<Slice> slices(series.files.size());
+  std::vector<DicomSlice> slices(series.files.size());
   slices[0] = readSlice(series.files[0]);
   tbb::parallel_for(size_t(1), slices.size(), [&](size_t i) { slices[i] = readSlice(series.files[i]); });
   ImageFile file;
   if (slices.size() == 1) {
-    file = volumeOf(std::move(slices[0]));
+    file = volumeOfSlice(std::move(slices[0]));
     if (file.image.lattice.size[2] == 1)
       file.notes.emplace_back("image.one-slice", Severity::kWarning, "", "it holds one slice");
   } else {
-    if (std::any_of(slices.begin(), slices.end(), [](const Slice& s) { return s.size[2] > 1; }))
+    if (std::any_of(slices.begin(), slices.end(), [](const DicomSlice& s) { return s.size[2] > 1; }))
       throw InputError(folder, "holds several volumes in files of several frames; give one file");
     order(folder, slices, file);
     unify(slices);
     SliceStackInput stack;
     for (int d = 0; d < 2; ++d) stack.step[d] = slices[0].axis[d] * slices[0].spacing[d];
     stack.size[0] = slices[0].size[0], stack.size[1] = slices[0].size[1];
-    for (Slice& slice : slices) {
+    for (DicomSlice& slice : slices) {
       stack.position.push_back(slice.position);
       stack.names.push_back(slice.file);
       stack.values.push_back(std::move(slice.values));

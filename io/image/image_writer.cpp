@@ -159,7 +159,7 @@ nifti_1_header niftiHeader(const std::string& path, const Image& image) {
   return h;
 }
 
-std::string nrrdHeader(const Image& image) {
+std::string nrrdText(const Image& image) {
   const ImageLattice& l = image.lattice;
   std::string text = "NRRD0004\n# written by slicemorph\ntype: " + std::string(namesOf(image.values).nrrd) +
                      "\ndimension: 3\nspace: left-posterior-superior\nsizes: " + std::to_string(l.size[0]) +
@@ -170,7 +170,7 @@ std::string nrrdHeader(const Image& image) {
          numbersText(l.origin, ",") + ")\n\n";
 }
 
-std::string metaHeader(const Image& image) {
+std::string metaImageText(const Image& image) {
   const ImageLattice& l = image.lattice;
   const Vec3d spacing = l.spacing();
   std::string text =
@@ -220,11 +220,11 @@ void writeNifti(const std::string& path, const Image& image) {
 }
 
 void writeNrrd(const std::string& path, const Image& image) {
-  writePacked(path, nrrdHeader(image), image, Packer::kGzip);
+  writePacked(path, nrrdText(image), image, Packer::kGzip);
 }
 
 void writeMetaImage(const std::string& path, const Image& image) {
-  writePacked(path, metaHeader(image), image, Packer::kZlib);
+  writePacked(path, metaImageText(image), image, Packer::kZlib);
 }
 
 void writeImage(const std::string& path, const Image& image) {

@@ -15,7 +15,7 @@ namespace {
 struct FreeImage {
   void operator()(nifti_image* image) const { nifti_image_free(image); }
 };
-using Header = std::unique_ptr<nifti_image, FreeImage>;
+using NiftiHeader = std::unique_ptr<nifti_image, FreeImage>;
 
 struct Affine {
   Vec3d origin, step[3];
@@ -115,7 +115,7 @@ void readVolume(const std::string& path, nifti_image& header, size_t volume, voi
 ImageFile readNifti(const std::string& path, int volume) {
   sizeOfInput(path);
   nifti_set_debug_level(0);
-  const Header header(nifti_image_read(path.c_str(), 0));
+  const NiftiHeader header(nifti_image_read(path.c_str(), 0));
   if (!header) throw IoError(path, "is no NIfTI file, or its header is damaged");
   ImageFile file;
   file.format = "NIfTI";

@@ -31,13 +31,13 @@ struct Page {
   int page = 0;
 };
 
-struct Picture {
+struct StackPicture {
   SlicemorphPicture about;
   std::unique_ptr<void, FreeValues> values;
 };
 
-Picture readPage(SlicemorphReadPicture read, const Page& page, bool values) {
-  Picture picture{};
+StackPicture readPage(SlicemorphReadPicture read, const Page& page, bool values) {
+  StackPicture picture{};
   if (const char* problem = read(page.file.c_str(), page.page, values, &picture.about))
     throw IoError(page.file, std::string("cannot be read: ") + problem);
   picture.values.reset(picture.about.values);
@@ -68,7 +68,7 @@ std::vector<T> readValuesOf(const std::vector<Page>& pages, SlicemorphReadPictur
   const size_t each = size_t(like.width) * size_t(like.height);
   std::vector<T> values(each * pages.size());
   tbb::parallel_for(size_t(0), pages.size(), [&](size_t k) {
-    const Picture picture = readPage(read, pages[k], true);
+    const StackPicture picture = readPage(read, pages[k], true);
     const SlicemorphPicture& p = picture.about;
     if (p.width != like.width || p.height != like.height || p.bytes != like.bytes || p.kind != like.kind ||
         p.channels != like.channels)
