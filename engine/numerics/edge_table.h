@@ -1,6 +1,6 @@
 #pragma once
 
-#include <openvdb/math/Vec3.h>
+#include <openvdb/Types.h>
 
 #include <cstdint>
 #include <vector>

@@ -27,8 +27,10 @@ TEST(LowerEnvelope, FindsTheLowestParabola) {
       for (const auto& [apex, height] : parabolas)
         lowest = std::min(lowest, height + unit * (x - apex) * (x - apex));
       const int found = envelope.nearest(x);
-      for (const auto& [apex, height] : parabolas)
-        if (apex == found) EXPECT_NEAR(height + unit * (x - apex) * (x - apex), lowest, 1e-9);
+      for (const auto& [apex, height] : parabolas) {
+        if (apex != found) continue;
+        EXPECT_NEAR(height + unit * (x - apex) * (x - apex), lowest, 1e-9);
+      }
     }
   }
 }
