@@ -96,7 +96,7 @@ TEST(Stages, AMapThatBringsSpheresTogetherMakesThemOverlap) {
 
 TEST(Stages, StrainOfALinearMapIsItsMatrix) {
   const MatchObjects objects = spheres({{{0, 0, 0}, 1}, {{0, 0, 0}, 0.8}});
-  const Mat3d a(0.1, -0.05, 0, 0.02, 0, 0.03, 0, 0.2, -0.1);
+  const Mat3d a(0.1, -0.05, 0.0, 0.02, 0.0, 0.03, 0.0, 0.2, -0.1);
   double squares = 0;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) squares += a(i, j) * a(i, j);
