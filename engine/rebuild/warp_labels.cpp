@@ -120,7 +120,9 @@ class BlockLabeller {
       without -= weight * most;
     }
     int best = -1;
-    float least = without;
+    // Inside all labels together one of them wins, however shallow: where labels lie apart on the objects none is
+    // deep, and the space without a label would open a gap between them.
+    float least = without < 0 ? std::numeric_limits<float>::lowest() : without;
     for (size_t l = 0; l < candidates_.size(); ++l)
       if (blended_[l] > least) least = blended_[l], best = candidates_[l];
     return best;

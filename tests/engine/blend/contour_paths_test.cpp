@@ -50,21 +50,22 @@ TEST(ContourPaths, EndsAreThePolygonsThemselves) {
   }
 }
 
-/// A polygon that turns and travels goes there rigidly: turned by its share of the angle, on the straight way of
-/// its middle. The straight mean of its points would shrink by the cosine of half the angle.
+/// A polygon that turns and travels keeps its shape: it lies where the straight mean of its points turns it, about the
+/// straight way of its middle. That mean itself would shrink.
 TEST(ContourPaths, IntrinsicPathsKeepShapes) {
   const double angle = 1.9;
   const Vec2d way(3, -1);
   Vec2d middle(0.0);
   for (const Vec2d& p : bean()) middle += p / double(kCorners);
   const auto about = [&](double a, const Vec2d& to) {
-    Polygon p = placed(bean(), 0, -middle);
-    return placed(p, a, middle + to);
+    return placed(placed(bean(), 0, -middle), a, middle + to);
   };
-  for (double t : {0.25, 0.5, 0.9})
-    EXPECT_LE(farthest(intrinsicBlend({bean(), about(angle, way)}, {1 - t, t}), about(t * angle, t * way)),
-              1e-9)
+  for (double t : {0.25, 0.5, 0.9}) {
+    // Of (1 - t) + t e^(i angle); half way it is half the angle.
+    const double turned = std::atan2(t * std::sin(angle), 1 - t + t * std::cos(angle));
+    EXPECT_LE(farthest(intrinsicBlend({bean(), about(angle, way)}, {1 - t, t}), about(turned, t * way)), 1e-9)
         << t;
+  }
 }
 
 TEST(ContourPaths, IntrinsicPathsScale) {

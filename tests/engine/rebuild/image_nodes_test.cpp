@@ -27,8 +27,8 @@ Carrying still(const Vec3d& anchor) {
 TEST(ImageNodes, ARowOfVoxelsLiesWhereItsImageHasIt) {
   const ImageLattice lattice = oblique();
   const Vec3d anchor(9, -2, 4);
-  const ImageNodes nodes = imageNodes(lattice, still(anchor), 2);
-  EXPECT_EQ(nodes.step, openvdb::Vec3i(4, 3, 1));  // 2 over 0.5, 0.8 and 1.7, rounded
+  const ImageNodes nodes = imageNodes(lattice, still(anchor), 2.2);
+  EXPECT_EQ(nodes.step, openvdb::Vec3i(4, 3, 1));  // 2.2 over 0.5, 0.8 and 1.7, rounded
   PlaceRow row(nodes, 0);
   for (int k = 0; k < lattice.size[2]; ++k)
     for (int j = 0; j < lattice.size[1]; ++j) {
@@ -47,7 +47,7 @@ TEST(ImageNodes, ARowOfVoxelsLiesWhereItsImageHasIt) {
 
 /// Between nodes that lie anywhere, places are trilinear.
 TEST(ImageNodes, PlacesAreLinearBetweenNodes) {
-  ImageNodes nodes = imageNodes(oblique(), still({0, 0, 0}), 2);
+  ImageNodes nodes = imageNodes(oblique(), still({0, 0, 0}), 2.2);
   std::mt19937 random(2);
   for (openvdb::Vec3s& v : nodes.map.at)
     for (int a = 0; a < 3; ++a) v[a] = std::uniform_real_distribution<float>(-1, 1)(random);

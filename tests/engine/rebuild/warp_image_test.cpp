@@ -134,11 +134,11 @@ TEST(WarpImage, SurfacesAreOfLikeDepth) {
     for (int j = 0; j < on.size[1]; ++j)
       for (int i = 0; i < on.size[0]; ++i) {
         const double r = on.toWorld(Vec3d(i, j, k)).length(), value = values[on.index(i, j, k)];
-        // The surface is a voxel wide, and known to a fraction of one.
-        if (r < 1.1 - kSpacing) {
+        // The edge is a voxel wide and read between voxels; where it passes is known to a fraction of one.
+        if (r < 1.1 - 1.5 * kSpacing) {
           ASSERT_GT(value, 900) << r;
         }
-        if (r > 1.1 + kSpacing) {
+        if (r > 1.1 + 1.5 * kSpacing) {
           ASSERT_LT(value, 100) << r;
         }
         if (std::abs(r - 1.1) > 0.1 * kSpacing) {

@@ -78,8 +78,8 @@ TEST(WarpLabels, DepthsAreBlended) {
       }
 }
 
-/// Two boxes that share a face leave no gap and do not overlap: the space between two moved boxes' labels is
-/// neither empty nor either's alone.
+/// Two boxes that share a face: however far it moves, there is no gap between them, not even in the outermost
+/// voxels, where no label is deep.
 TEST(WarpLabels, NeighboursStayNeighbours) {
   const ImageLattice lattice = latticeOf(20, -9.5);
   const auto boxes = [&](double face) {
@@ -88,7 +88,7 @@ TEST(WarpLabels, NeighboursStayNeighbours) {
       return p[0] < face ? 1 : 2;
     });
   };
-  const LabelField a(boxes(-3)), b(boxes(3));
+  const LabelField a(boxes(-4)), b(boxes(4));
   std::vector<CarriedLabels> carried(2);
   carried[0].labels = &a, carried[1].labels = &b, carried[1].shape = 1;
   for (double t : {0.25, 0.5, 0.75}) {
@@ -103,8 +103,8 @@ TEST(WarpLabels, NeighboursStayNeighbours) {
           const bool inside = std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])}) < 7;
           const int found = numbers[lattice.index(i, j, k)];
           ASSERT_EQ(found != 0, inside) << p;
-          if (inside && std::abs(p[0] + 3 - 6 * t) > 1) {
-            ASSERT_EQ(found, p[0] < 6 * t - 3 ? 1 : 2) << p << " " << t;
+          if (inside && std::abs(p[0] + 4 - 8 * t) > 1) {
+            ASSERT_EQ(found, p[0] < 8 * t - 4 ? 1 : 2) << p << " " << t;
           }
         }
   }
