@@ -31,8 +31,7 @@ class ContourPaths {
 
 /// Points that lie between closed polygons of equally many points, by the weights: the mean of their edge
 /// lengths and turning angles, closed by the least change of lengths, turned and placed as the mean of the
-/// points. Sederberg, Gao, Wang, Mu, "2-D Shape Blending: An Intrinsic Solution to the Vertex Path Problem",
-/// SIGGRAPH 1993.
+/// points. After [SGWM93].
 std::vector<openvdb::Vec2d> intrinsicBlend(const std::vector<std::vector<openvdb::Vec2d>>& polygons,
                                            const Weights& weights);
 

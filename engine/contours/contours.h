@@ -20,7 +20,7 @@ struct SliceMoments {
   double xx = 0, xy = 0, yy = 0;  ///< covariance
 };
 
-/// Zero contours by marching squares (Lorensen & Cline 1987, in the plane); ambiguous cells are resolved by
+/// Zero contours by marching squares ([LC87], in the plane); ambiguous cells are resolved by
 /// the value at their centre, so neighbours agree. Contours of less than four pixels' area are dropped as
 /// noise.
 std::vector<Contour> traceContours(const SliceImage& image, const SlicePlanes& planes);

@@ -153,7 +153,7 @@ std::vector<Turn> suggestedTurns(const Normalised& a, const Normalised& b) {
 }
 
 /// The rotation between nearly equal shapes to the last digit: closest points both ways, and the rotation
-/// that fits them best (Besl & McKay 1992; Kabsch 1976). A shape that can turn freely stays as it is.
+/// that fits them best [BM92], [Kab76]. A shape that can turn freely stays as it is.
 Mat3d fitted(const Normalised& a, const Normalised& b, Mat3d rotation) {
   const auto surface = [](const Normalised& o) {
     std::vector<Vec3d> points;

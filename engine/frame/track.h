@@ -15,7 +15,7 @@ struct Motion {
 };
 
 /// Scaled as the volume, moved and turned as brings the two surfaces closest, the parts that deform counting
-/// less (both ways point to plane; Chen & Medioni 1992). It turns only as far as the surfaces tell: not at
+/// less (both ways point to plane [CM92]). It turns only as far as the surfaces tell: not at
 /// all about an axis of symmetry, nor where one shape becomes another. `align` kNone: directions and size are
 /// kept.
 Motion trackMotion(const DistanceField& earlier, const DistanceField& now, Align align);

@@ -23,7 +23,7 @@ struct SoftMatch {
 };
 
 /// Entropic optimal transport between two surfaces, unbalanced and debiased by each surface's transport onto
-/// itself (Cuturi 2013; Chizat et al. 2018; Feydy et al. 2019): every part of a shape looks for a partner and
+/// itself [Cut13], [CPSV18], [FSV19]: every part of a shape looks for a partner and
 /// no two share one, so limbs go to limbs where the nearest point would collapse them. `blur`: length below
 /// which the match is not sharp, in the points' units. Symmetric in a and b; identical surfaces go onto
 /// themselves.

@@ -9,8 +9,7 @@ struct LabelMeasures {
   std::int64_t label = 0;
   size_t voxels = 0;
   double volume = 0;
-  double area =
-      0;  ///< by Crofton's formula over 13 directions (Ohser & Schladitz 2009), within some per cent
+  double area = 0;          ///< by Crofton's formula over 13 directions [OS09], within some per cent
   Vec3d extents{0, 0, 0};   ///< of its box along the image's own axes
   Vec3d centroid{0, 0, 0};  ///< world
 };

@@ -63,8 +63,8 @@ struct GradientSettings {
   double enough = 1e-6;  ///< squared residual (weighted by the preconditioner), as a share of `scale`
 };
 
-/// Solves a symmetric positive definite system by conjugate gradients, preconditioned by its diagonal (Hestenes and
-/// Stiefel 1952; Shewchuk 1994). The unknowns may be some of the nodes of a larger field, the rest of which is held.
+/// Solves a symmetric positive definite system by conjugate gradients, preconditioned by its diagonal [HS52],
+/// [She94]. The unknowns may be some of the nodes of a larger field, the rest of which is held.
 ///
 /// `system` says what there is to solve:
 ///   size_t size() const                     number of unknowns

@@ -8,7 +8,7 @@
 
 namespace slicemorph {
 
-/// Disjoint sets of the numbers from 0 on (union-find with path halving, Tarjan and van Leeuwen 1984). A set's
+/// Disjoint sets of the numbers from 0 on (union-find with path halving [TL84]). A set's
 /// root is its smallest number, so nothing depends on the order in which sets were joined.
 class DisjointSets {
  public:

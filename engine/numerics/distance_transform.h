@@ -4,7 +4,7 @@
 
 namespace slicemorph {
 
-/// Exact distances on a box of voxels with axes at right angles (Felzenszwalb & Huttenlocher 2012): for every
+/// Exact distances on a box of voxels with axes at right angles [FH12]: for every
 /// voxel the distance between its centre and that of the nearest one of the other kind, positive where
 /// `inside`. `spacing`: world units along i (fastest), j, k. Beyond the box all is outside; `inside` must not
 /// be empty.

@@ -6,8 +6,8 @@
 namespace slicemorph {
 
 /// The lower envelope of the parabolas height + unit (x - apex)^2 over the whole numbers of a line: where squared
-/// distances along the line's axis are added to those along others, it tells which apex is the nearest (Felzenszwalb
-/// and Huttenlocher 2012, linear in the length of the line). Used by all distance transforms; `Real`: what borders
+/// distances along the line's axis are added to those along others, it tells which apex is the nearest ([FH12],
+/// linear in the length of the line). Used by all distance transforms; `Real`: what borders
 /// between parabolas are computed in.
 template <typename Real>
 class LowerEnvelope {

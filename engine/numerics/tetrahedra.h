@@ -4,7 +4,8 @@
 
 namespace slicemorph {
 
-/// The corners of the six tetrahedra of a lattice cell (Kuhn's subdivision, the same across faces), as bits x, y, z.
+/// The corners of the six tetrahedra of a lattice cell (Kuhn's subdivision [Kuh60], the same across faces),
+/// as bits x, y, z.
 /// Each goes from corner 000 to 111 along one order of the axes; odd orders have two corners swapped so that all six
 /// have positive volume.
 constexpr int kKuhnTetrahedra[6][4] = {{0, 1, 3, 7}, {0, 5, 1, 7}, {0, 3, 2, 7},

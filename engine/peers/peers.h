@@ -24,7 +24,7 @@ class SdfBlend {
 /// Cross-dissolve: values are blended where they are, nothing moves. Weights as MorphPlan::carrier().
 Pullback dissolve(const Weights& weights);
 
-/// OpenVDB's LevelSetMorphing (Breen and Whitaker 2001, as in Museth's DB+grid) from `source` to `target`.
+/// OpenVDB's LevelSetMorphing [BW01], [Mus11] from `source` to `target`.
 struct LevelSetMorphResult {
   std::vector<FloatGrid::Ptr>
       frames;               ///< `count` frames, first = source, last = where it came to rest; "surface"

@@ -2,7 +2,7 @@
 
 #include "slicemorph/conventions.h"
 
-/// Level sets by fast sweeping (Zhao 2005, in OpenVDB), trimmed to `band` world units.
+/// Level sets by fast sweeping ([Zha05], in OpenVDB), trimmed to `band` world units.
 namespace slicemorph {
 
 /// Of a function with the same zero set on its active voxels, which need not be a distance: every value is

@@ -25,7 +25,7 @@ double contourVoxelSize(const ContourSet& set);
 
 /// The closed surface through an object's contours on planes in any position, also planes that cross each
 /// other: the function of least bending (thin plate) over a lattice, zero on the contours and close to the
-/// planes' own signed distances near them, found from coarse to fine (after Turk and O'Brien 1999, on a
+/// planes' own signed distances near them, found from coarse to fine (after [TO99], on a
 /// lattice). An object is closed within about half a gap beyond its last plane. The same for any number of
 /// threads. Throws GeometryError where there are no contours, or all lie on one plane; InputError where the
 /// voxel size is not positive or the lattice would be absurdly large; Cancelled.

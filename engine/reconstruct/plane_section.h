@@ -22,7 +22,7 @@ struct PlaneSection {
 PlaneSection sectionOf(const PlaneContours& plane, double tolerance, const std::string& subject,
                        Notes& notes);
 
-/// Signed distance to a section's edges on a grid of pixels, negative inside (Danielsson 1980, with exact
+/// Signed distance to a section's edges on a grid of pixels, negative inside ([Dan80], with exact
 /// distances to the edge handed on).
 struct PlaneImage {
   int width = 0, height = 0;

@@ -13,7 +13,7 @@ struct PlateSurface {
 };
 
 /// The function of least bending (thin plate) that is zero on the planes' contours and close to the planes' own
-/// signed distances near them, found from coarse to fine (after Turk and O'Brien 1999, on a lattice). `voxelSize`: of
+/// signed distances near them, found from coarse to fine (after [TO99], on a lattice). `voxelSize`: of
 /// the finest lattice, whose nodes are whole multiples of it. Throws Cancelled.
 PlateSurface plateSurface(const PlaneSet& planes, double voxelSize, Progress* progress);
 

@@ -29,7 +29,7 @@ struct SliceMotion {
 };
 
 /// Motion that carries the labels of plane `a` onto those of the next, seen from half way, by least squares
-/// of their distances' difference over windows that narrow from coarse to fine (Lucas & Kanade 1981, on all
+/// of their distances' difference over windows that narrow from coarse to fine ([LK81], on all
 /// labels at once, so that neighbours move together). Symmetric: from b to a it is the opposite.
 SliceMotion findMotion(const ScoreStack& stack, size_t a);
 

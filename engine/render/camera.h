@@ -65,7 +65,7 @@ class CameraRays {
 };
 
 /// Places of the rays in a pixel's unit square, the first in its middle: the R2 sequence, even at any length
-/// (Roberts 2018).
+/// [Rob18].
 openvdb::Vec2d samplePosition(int n);
 
 }  // namespace slicemorph

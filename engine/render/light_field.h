@@ -7,8 +7,8 @@
 namespace slicemorph {
 
 /// How much of a far light arrives everywhere in a fog: what is not absorbed on the straight way there, and
-/// an estimate of what is scattered on towards it (octaves of Wrenninge, Kulla and Lundqvist, "Oz: the great
-/// and volumetric", 2013). Kept on a lattice along the light, so that one pass of running sums makes it.
+/// an estimate of what is scattered on towards it (octaves of [WKL13]). Kept on a lattice along
+/// the light, so that one pass of running sums makes it.
 class LightField {
  public:
   /// `density`: not empty, any linear transform. `towards`: the light, world, unit length. `extinction`: per

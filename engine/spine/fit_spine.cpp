@@ -121,7 +121,7 @@ void layOver(Chart& chart, const std::vector<Vec3d>& points) {
   chart.center = mean - chart.axes * (chart.scale[0] * chart.bend.middle());
 }
 
-/// Frames along evenly spaced points that do not spin (double reflection; Wang et al. 2008), as a chart with
+/// Frames along evenly spaced points that do not spin (double reflection [WJZL08]), as a chart with
 /// slices in world units.
 Chart chartThrough(const std::vector<Vec3d>& points) {
   const int n = Bend::kStations;

@@ -93,7 +93,7 @@ void DistanceField::seedFromBand() {
   });
 }
 
-/// Closest points handed from neighbour to neighbour, in eight sweeps (Danielsson 1980, in Gauss-Seidel
+/// Closest points handed from neighbour to neighbour, in eight sweeps ([Dan80], in Gauss-Seidel
 /// order).
 void DistanceField::sweep() {
   for (int pass = 0; pass < 8; ++pass) {

@@ -22,7 +22,7 @@ double edgeLength(const std::vector<Vec3s>& points, Index a, Index b) {
   return (Vec3d(points[b]) - Vec3d(points[a])).length();
 }
 
-/// Barequet & Sharir 1995: the triangulation of a closed polygon in space that has the least area.
+/// After [BS95]: the triangulation of a closed polygon in space that has the least area.
 std::vector<Vec3I> fillLeastArea(const std::vector<Vec3s>& points, const PointLoop& loop) {
   const size_t n = loop.size();
   std::vector<double> cost(n * n, 0.0);

@@ -24,7 +24,7 @@ std::vector<double> boundaryParts(const Mesh& mesh);
 
 double loopLength(const std::vector<openvdb::Vec3s>& points, const PointLoop& loop);
 
-/// Adds the triangulation of least area of a closed polygon in space (Barequet and Sharir 1995). Of holes with more
+/// Adds the triangulation of least area of a closed polygon in space [BS95]. Of holes with more
 /// than 400 edges a fan around their centroid: the search takes cubic time.
 void fillHole(Mesh& mesh, const PointLoop& loop);
 

@@ -13,7 +13,7 @@ FloatGrid::Ptr shapeAbove(const Image& image, double iso);
 FloatGrid::Ptr shapeOfLabels(const Image& labels);
 FloatGrid::Ptr shapeOfLabel(const Image& labels, std::int64_t label);
 
-/// The value that parts an image's histogram best in two (Otsu 1979).
+/// The value that parts an image's histogram best in two [Ots79].
 double otsuValue(const Image& image);
 
 /// Whether an image is a map of labels: whole numbers from 0, and next to each other mostly the same.

@@ -32,8 +32,8 @@ constexpr double kLargestHole = 0.5;
 
 /// Makes a closed triangle mesh: triangulates faces (concave ones by ear clipping), welds points of equal
 /// coordinates, drops unused points, degenerate and duplicate faces, makes winding agree across edges with
-/// two faces, fills holes of at most kLargestHole with the triangulation of least area (Barequet & Sharir
-/// 1995), turns inside-out shells. Faces must index `points`. Shells may touch or cross each other: voxelise
+/// two faces, fills holes of at most kLargestHole with the triangulation of least area [BS95], turns
+/// inside-out shells. Faces must index `points`. Shells may touch or cross each other: voxelise
 /// takes whatever cannot be reached from outside as inside. For the same reason a cavity (a shell inside
 /// another) becomes solid; a note says so. Throws GeometryError, with the numbers, where the surface is open,
 /// not orientable, or has no faces.

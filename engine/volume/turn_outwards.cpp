@@ -50,7 +50,7 @@ std::vector<Part> partsOf(const Mesh& mesh, const std::vector<Index>& patch) {
   return parts;
 }
 
-/// Winding number of a closed part about a point, by solid angles (Van Oosterom & Strackee 1983).
+/// Winding number of a closed part about a point, by solid angles [VS83].
 double windingNumber(const Mesh& mesh, const Part& part, const Vec3d& point) {
   double sum = 0;
   for (Index t : part.triangles) {

@@ -39,7 +39,7 @@ struct Region {
 enum class ContourPath {
   kLinear,    ///< points go straight on, limbs swing
   kHermite,   ///< cubic: points leave and reach each contour at right angles
-  kIntrinsic  ///< the contours' edge lengths and turning angles go straight on (Sederberg et al. 1993)
+  kIntrinsic  ///< the contours' edge lengths and turning angles go straight on [SGWM93]
 };
 
 }  // namespace slicemorph

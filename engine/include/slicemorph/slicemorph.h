@@ -11,7 +11,7 @@
 #include <string>
 
 /// slicemorph: morphs volumes through oriented slices. Grids in, grids out; loads nothing, prints nothing.
-/// Method: Yasmin & Talib, "A Method for 3D Morphing Using Slices", GRAPP 2009; the stages are the calls of
+/// Method: Yasmin & Talib, "A Method for 3D Morphing Using Slices" [YT09]; the stages are the calls of
 /// engine/pipeline.cpp.
 namespace slicemorph {
 
