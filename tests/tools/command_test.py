@@ -418,6 +418,31 @@ def resume_keeps_frames(d, o):
     return problems
 
 
+def resume_of_another_program(d, o):
+    """Frames of another version or build of the program are not kept beside new ones, and a note says why."""
+    folders = {"d": d, "o": o}
+    words = "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frames 40 --resolution 24 --method sdf"
+    process = subprocess.Popen([PROGRAM] + [w.format(**folders) for w in words.split()],
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    log = o + "/.m.####.vdb.slicemorph"
+    deadline = time.time() + 100
+    while process.poll() is None and not os.path.exists(log) and time.time() < deadline:
+        time.sleep(0.002)
+    process.send_signal(signal.SIGINT)
+    process.wait(timeout=100)
+    if not os.path.exists(log):
+        raise Skip("the morph was over before it could be interrupted")
+    with open(log) as file:
+        text = json.load(file)
+    text["program"] = "0.0.1"
+    with open(log, "w") as file:
+        json.dump(text, file)
+    result = run(words + " --resume", folders)
+    if "(kept)" in result.stdout:
+        return ["frames of version 0.0.1 were kept"]
+    return problems_of(result, 0, "made by version 0.0.1", "m.0040.vdb\n", folders)
+
+
 def threads_do_not_matter(d, o):
     """The same bytes for one and for two threads."""
     for threads in (1, 2):
@@ -484,7 +509,7 @@ def render_previews(d, o):
     return problems
 
 
-SPECIAL = [render_empty_fog, render_preview_without_ffmpeg, render_preview_that_fails, render_previews, read_only_folder, disk_full, empty_grid, report_holds, resume_keeps_frames, threads_do_not_matter]
+SPECIAL = [render_empty_fog, render_preview_without_ffmpeg, render_preview_that_fails, render_previews, read_only_folder, disk_full, empty_grid, report_holds, resume_keeps_frames, resume_of_another_program, threads_do_not_matter]
 
 
 def main():

@@ -10,6 +10,7 @@
 #include "tools/job/job_file.h"
 #include "tools/job/job_writer.h"
 #include "tools/job/landmarks.h"
+#include "tools/job/methods.h"
 
 #include <algorithm>
 #include <cmath>
@@ -79,10 +80,11 @@ std::vector<double> frameTimes(const std::string& at, bool atGiven, int frames) 
 /// Voxels along the longest side of shapes found in fog.
 constexpr int kFogResolution = 160;
 
-Method methodOf(const std::string& name) {
-  if (name == "sdf") return Method::kSdf;
-  if (name == "levelset") return Method::kLevelSet;
-  return name == "dissolve" ? Method::kDissolve : Method::kSlices;
+/// As help lists choices: slices|sdf.
+std::string methodChoices() {
+  std::string choices;
+  for (const std::string& name : methodNames()) choices += (choices.empty() ? "" : "|") + name;
+  return choices;
 }
 
 /// Files of the longest input that is a sequence; 1 where none is.
@@ -139,8 +141,8 @@ void checkImageOptions(const MorphSettings& s) {
     throw InputError("--" + s.sliceOptions[0].first + " is for outputs that are .exr, with --exr slices");
   if (slices && OutputName(s.output).extension() != ".exr")
     throw InputError("--exr slices is for outputs that are .exr, not for " + s.output);
-  if (slices && s.exrSlices.spine && s.method == Method::kDissolve)
-    throw InputError("--exr-spine: --method dissolve makes no shape whose spine slices could follow");
+  if (slices && s.exrSlices.spine && !s.can().surface)
+    throw InputError("--exr-spine: --method " + s.method + " makes no shape whose spine slices could follow");
 }
 
 /// Throws IoError where an input is missing or an output cannot be written.
@@ -240,11 +242,7 @@ MorphOptionSet::MorphOptionSet(CLI::App& command) : values_(std::make_shared<Val
       "angles (linear)",
       "linear|hermite|intrinsic")
       ->check(oneOf({"linear", "hermite", "intrinsic"}));
-  add("method", v.method, JobType::kText,
-      "slices; or a classic: sdf blends distances point by point, levelset moves the surface to the nearest, "
-      "dissolve blends values where they are (slices)",
-      "slices|sdf|levelset|dissolve")
-      ->check(oneOf({"slices", "sdf", "levelset", "dissolve"}));
+  add("method", v.method, JobType::kText, methodHelp(), methodChoices())->check(oneOf(methodNames()));
   v.gridsGiven = add("grids", v.grids, JobType::kText,
                      "Grids of VDBs, slices and pictures, `surface` for the shape's level set (all; the "
                      "surface where no input is fog)",
@@ -396,14 +394,17 @@ void MorphOptionSet::setGuidance(MorphSettings& s) {
   s.checkLandmarks = landmarks("--check-landmarks", v.checkLandmarks);
   for (const Feature& feature : featuresOf(s.landmarks)) s.plan.features.push_back(feature);
   s.plan.path = pathOf(v.interpolation);
-  if (s.method == Method::kSlices) return;
+  if (s.can().guided) return;
   for (const char* table : {"feature", "region"})
     if (said(table))
-      throw InputError(v.places[table] + "[[" + table + "]] is for --method slices, not for " + v.method);
+      throw InputError(v.places[table] + "[[" + table + "]] is for " + methodsThat(&MethodTraits::guided) +
+                       ", not for " + v.method);
   if (!s.landmarks.empty())
-    throw InputError("--landmarks " + v.landmarks + " is for --method slices, not for " + v.method);
+    throw InputError("--landmarks " + v.landmarks + " is for " + methodsThat(&MethodTraits::guided) +
+                     ", not for " + v.method);
   if (s.plan.path != ContourPath::kLinear)
-    throw InputError("--interpolation " + v.interpolation + " is for --method slices, not for " + v.method);
+    throw InputError("--interpolation " + v.interpolation + " is for " + methodsThat(&MethodTraits::guided) +
+                     ", not for " + v.method);
 }
 
 MorphSettings MorphOptionSet::checked() {
@@ -418,7 +419,7 @@ MorphSettings MorphOptionSet::checked() {
   MorphSettings s;
   s.inputs = v.inputs, s.output = v.output, s.load = v.load, s.plan = v.plan;
   s.framesPerSecond = v.framesPerSecond, s.reports = v.reports, s.sliceFolder = v.sliceFolder;
-  s.quiet = v.quiet, s.resume = v.resume, s.method = methodOf(v.method);
+  s.quiet = v.quiet, s.resume = v.resume, s.method = v.method;
   checkSampling(s.load, v.sampling);
   if (v.sampling.voxelSize->count()) s.plan.voxelSize = s.load.voxelSize;
   if (!s.load.isosByInput.empty() && s.load.isosByInput.size() != s.inputs.size())
@@ -454,17 +455,16 @@ MorphSettings MorphOptionSet::checked() {
   if (!v.printConfig || s.exrSlices.planeFile.empty()) checkSliceOptions(s.exrSlices);
   s.pictureOptions = given(v.pictureOptions), s.sliceOptions = given(v.sliceOptions);
   checkImageOptions(s);
-  if (s.toPictures() && images && s.method == Method::kDissolve)
-    throw InputError(
-        "--method dissolve of images makes no surface that could be drawn; the output can be --exr slices or "
-        "an image");
+  if (s.toPictures() && images && !s.can().surface)
+    throw InputError("--method " + s.method +
+                     " of images makes no surface that could be drawn; the output can be --exr slices or "
+                     "an image");
   if (s.toPictures() && v.velocityGiven->count())
     throw InputError("--velocity " + v.velocity + " is for outputs that hold grids; " + s.output +
                      " is a picture");
   const bool onlySurface =
       std::all_of(s.grids.begin(), s.grids.end(), [](const std::string& g) { return g == "surface"; });
-  if (!onlySurface && !isImageOutput(s.output) &&
-      (!s.holdsGrids() || s.method == Method::kSdf || s.method == Method::kLevelSet))
+  if (!onlySurface && !isImageOutput(s.output) && (!s.holdsGrids() || !s.can().grids))
     throw InputError(
         "--grids " + v.grids + ": " +
         (s.holdsGrids() ? "this --method makes the surface alone" : s.output + " holds the surface alone"));
@@ -491,30 +491,33 @@ MorphSettings MorphOptionSet::checked() {
                      "with --grids surface");
   if (!s.like.empty() && !imageOutput && !(images && s.holdsGrids()))
     throw InputError("--like " + s.like + " is for in-between images; the output " + s.output + " is none");
-  if (s.method == Method::kDissolve && !s.holdsGrids() && !imageOutput)
-    throw InputError(
-        "--method dissolve blends values and makes no surface; the output must be .vdb, .exr, .png or an "
-        "image, not " +
-        s.output);
-  if ((s.method == Method::kSdf || s.method == Method::kLevelSet) && imageOutput)
-    throw InputError(
-        "--method sdf and levelset make surfaces, no images; the output must be .vdb .obj .ply .stl .glb "
-        ".exr .png, not " +
-        s.output);
-  if (s.method == Method::kLevelSet) {
-    if (!v.printConfig && lengthOfInputs(s.inputs) > 1)
-      throw InputError("--method levelset takes no sequences, only two still inputs");
-    if (s.inputs.size() != 2)
-      throw InputError("--method levelset takes two inputs, not " + std::to_string(s.inputs.size()));
+  if (!s.can().surface && !s.holdsGrids() && !imageOutput)
+    throw InputError("--method " + s.method +
+                     " blends values and makes no surface; the output must be .vdb, .exr, .png or an "
+                     "image, not " +
+                     s.output);
+  if (!s.can().images && imageOutput)
+    throw InputError("--method " + s.method +
+                     " makes surfaces, no images; the output must be .vdb .obj .ply .stl .glb "
+                     ".exr .png, not " +
+                     s.output);
+  const std::string method = "--method " + s.method;
+  const size_t most = s.can().mostInputs;
+  if (!s.can().anyTime && !v.printConfig && lengthOfInputs(s.inputs) > 1)
+    throw InputError(method + " takes no sequences, only still inputs");
+  if (most > 0 && s.inputs.size() > most)
+    throw InputError(method + " takes " + (most == 2 ? "two" : std::to_string(most)) + " inputs, not " +
+                     std::to_string(s.inputs.size()));
+  if (!s.can().anyTime) {
     if (v.atGiven->count() || v.weightsGiven->count() || s.frames.size() < 2)
-      throw InputError(
-          "--method levelset has no times or weights, only steps; ask for --frames N of at least 2");
+      throw InputError(method + " has no times or weights, only steps; ask for --frames N of at least 2");
     for (const char* key : {"keys", "timing", "ease"})
       if (said(key))
-        throw InputError(std::string("--") + key + " is not for --method levelset, which only has steps");
+        throw InputError(std::string("--") + key + " is not for " + method + ", which only has steps");
   }
-  if (s.method != Method::kSlices && !s.sliceFolder.empty())
-    throw InputError("--dump-slices draws the slices of --method slices; the other methods have none");
+  if (!s.can().guided && !s.sliceFolder.empty())
+    throw InputError("--dump-slices draws the slices of " + methodsThat(&MethodTraits::guided) +
+                     "; the other methods have none");
   return s;
 }
 

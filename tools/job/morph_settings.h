@@ -6,6 +6,7 @@
 #include "slicemorph/slicemorph.h"
 #include "tools/job/key_times.h"
 #include "tools/job/landmarks.h"
+#include "tools/job/methods.h"
 #include "tools/job/picture_options.h"
 #include "tools/job/slice_options.h"
 
@@ -15,8 +16,6 @@
 #include <vector>
 
 namespace slicemorph {
-
-enum class Method { kSlices, kSdf, kLevelSet, kDissolve };
 
 /// What .exr outputs hold.
 enum class ExrContent { kPicture, kSlices };
@@ -46,7 +45,7 @@ struct MorphSettings {
   std::string output;
   LoadOptions load;
   MorphOptions plan;
-  Method method = Method::kSlices;
+  std::string method = "slices";  ///< its name in methods.h
   std::vector<FrameJob> frames;
   WeightCourse course;  ///< of the frames; without keys where the weights are given
   double framesPerSecond = 24;
@@ -67,6 +66,8 @@ struct MorphSettings {
   bool quiet = false, resume = false;
   std::shared_ptr<void> threadLimit;
 
+  /// What the method is able to do.
+  const MethodTraits& can() const { return methodNamed(method).can; }
   /// An input is another file at every frame: one plan does not serve all frames.
   bool moving() const;
   /// Every frame is a picture, or its slices.
@@ -76,8 +77,6 @@ struct MorphSettings {
   bool holdsGrids() const { return OutputName(output).extension() == ".vdb" || toFrameImages(); }
   /// All frames go into one .glb file.
   bool oneGlb() const;
-  /// One of the reports is a page.
-  bool hasPage() const;
 };
 
 }  // namespace slicemorph

@@ -2,7 +2,7 @@
 
 #include "engine/spine/fit_spine.h"
 #include "slicemorph/errors.h"
-#include "tools/commands/common_options.h"
+#include "tools/job/option_values.h"
 #include "tools/job/plane_file.h"
 
 namespace slicemorph {
@@ -22,6 +22,8 @@ std::vector<JobOption> addSliceOptions(CLI::App& command, SliceOptions& s, const
   const auto flag = [&](const std::string& name, bool& value, const std::string& help) {
     remember(name, JobType::kFlag, command.add_flag("--" + name, value, help));
   };
+  CLI::Validator compressions = CLI::IsMember(exrCompressions());
+  compressions.description("");
   s.prefix = prefix;
   s.countGiven = add(prefix + "slices", s.section.count, JobType::kInteger, "Slices, 1 to 100000 (64)", "N");
   s.axisGiven = add(prefix + "axis", s.axis, JobType::kText, "Slicing direction; auto: the volume's longest",
@@ -38,7 +40,7 @@ std::vector<JobOption> addSliceOptions(CLI::App& command, SliceOptions& s, const
   add("compression", s.exr.compression, JobType::kText,
       "Of the slices' EXR files (zip); from pxr24 on values lose precision",
       "none|rle|zips|zip|piz|pxr24|b44|b44a|dwaa|dwab")
-      ->check(oneOf(exrCompressions()));
+      ->check(compressions);
   s.tilesGiven = add("tiles", s.exr.tile, JobType::kInteger,
                      "Slices in tiles of N x N pixels, 8 to 65536 (scan lines)", "N");
   return options;
