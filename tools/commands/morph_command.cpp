@@ -1,20 +1,44 @@
 #include "tools/commands/morph_command.h"
 
-#include "tools/commands/morph_options.h"
+#include "tools/commands/command_options.h"
+#include "tools/commands/common_options.h"
 #include "tools/commands/terminal_events.h"
+#include "tools/job/job_file.h"
+#include "tools/job/morph_checks.h"
+#include "tools/job/morph_job.h"
 #include "tools/job/run_morph.h"
 
+#include <cstdio>
+
 namespace slicemorph {
+namespace {
+
+/// Reads the job file, checks everything that can be checked without reading the inputs, and morphs. With
+/// --print-config it prints a job file instead.
+void runMorphCommand(OptionSet& options) {
+  const JobOptions& given = options.values();
+  if (!given.config.empty()) applyJobFile(given.config, options);
+  MorphJob job;
+  // A job file that is to be filled in asks for nothing.
+  if (!given.printConfig || !given.config.empty() || !given.inputs.empty()) job = morphJob(options);
+  printNotes("", job.notes, given.quiet, given.verbose);
+  if (given.printConfig) {
+    std::fputs(jobText(options, job.tables).c_str(), stdout);
+    return;
+  }
+  checkMorphFiles(job.settings, options);
+  const auto limit = limitThreads(given.threads);
+  TerminalEvents events(given.quiet, given.verbose);
+  runMorph(job.settings, events);
+}
+
+}  // namespace
 
 void addMorphCommand(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
       "morph", "Morph shapes, fog volumes or images into each other: a sequence, or one blend");
-  const auto options = std::make_shared<MorphOptionSet>(*command);
-  command->callback([options] {
-    const MorphSettings settings = options->settings();
-    TerminalEvents events(settings.quiet);
-    runMorph(settings, events);
-  });
+  const auto options = addOptions(*command, kMorph);
+  command->callback([options] { runMorphCommand(*options); });
 }
 
 }  // namespace slicemorph

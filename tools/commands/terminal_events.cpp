@@ -6,12 +6,15 @@
 
 namespace slicemorph {
 
-TerminalEvents::TerminalEvents(bool quiet) : quiet_(quiet), progress_(quiet) { cancelOnInterrupt(); }
+TerminalEvents::TerminalEvents(bool quiet, bool verbose)
+    : quiet_(quiet), verbose_(verbose), progress_(quiet) {
+  cancelOnInterrupt();
+}
 
 void TerminalEvents::note(const Note& note) {
   if (quiet_) return;
   progress_.clear();
-  printNotes("", {note}, quiet_);
+  printNotes("", {note}, quiet_, verbose_);
 }
 
 void TerminalEvents::fileWritten(const std::string& path, bool kept) {

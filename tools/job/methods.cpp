@@ -110,7 +110,7 @@ std::string methodHelp() {
   std::string help = methods[0].name + "; or a classic: ";
   for (size_t i = 1; i < methods.size(); ++i)
     help += (i > 1 ? ", " : "") + methods[i].name + " " + methods[i].help;
-  return help + " (" + methods[0].name + ")";
+  return help;
 }
 
 std::string methodsThat(bool MethodTraits::*can) {

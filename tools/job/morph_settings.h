@@ -4,6 +4,7 @@
 #include "slicemorph/io/input.h"
 #include "slicemorph/io/output.h"
 #include "slicemorph/slicemorph.h"
+#include "tools/job/job_options.h"
 #include "tools/job/key_times.h"
 #include "tools/job/landmarks.h"
 #include "tools/job/methods.h"
@@ -64,7 +65,8 @@ struct MorphSettings {
   std::vector<Landmark> landmarks;       ///< among the plan's features, too
   std::vector<Landmark> checkLandmarks;  ///< only measured, not used
   bool quiet = false, resume = false;
-  std::shared_ptr<void> threadLimit;
+  JobOptions options;  ///< as typed, for what needs no more than that
+  std::vector<std::pair<std::string, std::string>> frameSettings;  ///< all options that frames depend on
 
   /// What the method is able to do.
   const MethodTraits& can() const { return methodNamed(method).can; }

@@ -37,6 +37,7 @@ ResumeLog::ResumeLog(const MorphSettings& settings) {
   path_ = (output.parent_path() / ("." + output.filename().string() + ".slicemorph")).string();
   program_ = programBuild();
   job_ = describeJob(settings);
+  for (const auto& [name, value] : settings.frameSettings) job_["options"][name] = value;
   job_["files"] = Json::array();
   for (const std::string& input : settings.inputs) job_["files"].push_back(fingerprint(input));
   if (settings.resume) read();
