@@ -158,4 +158,10 @@ void AtomicFile::fail(const char* what) {
   throw IoError(path_, std::string(what) + ": " + reason);
 }
 
+void writeTextFile(const std::string& path, const std::string& text) {
+  AtomicFile file(path);
+  file.write(text);
+  file.commit();
+}
+
 }  // namespace slicemorph

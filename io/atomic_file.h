@@ -41,4 +41,7 @@ class AtomicFile {
   std::unique_ptr<std::ostream> stream_;
 };
 
+/// A text as a file, whole or not at all. Throws IoError.
+void writeTextFile(const std::string& path, const std::string& text);
+
 }  // namespace slicemorph

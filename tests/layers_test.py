@@ -69,6 +69,20 @@ for top in ABOVE:
             check_include(path, included)
 errors += ["engine/%s is in no order" % folder for folder in found - set(RANK)]
 errors += ["engine/%s is in the order, but not in the tree" % folder for folder in set(RANK) - found]
+# Jobs and reports serve hosts that have no command line and no terminal; reports know nothing of jobs.
+FORBIDDEN = {"a command line": r'#include\s*[<"]CLI/', "commands": r'#include "tools/commands/',
+             "printing": r"#include\s*<iostream>|\b(?:printf|puts|putchar)\s*\(|\b(?:cout|cerr|stdout|stderr)\b",
+             "exit codes": r"\b(?:std::)?(?:exit|abort|_Exit|quick_exit)\s*\("}
+for path in sources("tools"):
+    folder = path.split("/")[1]
+    if folder not in ("job", "report"):
+        continue
+    text = re.sub(r"//.*", "", open(os.path.join(repository, path)).read())
+    patterns = dict(FORBIDDEN, jobs=r'#include "tools/job/') if folder == "report" else FORBIDDEN
+    for what, pattern in patterns.items():
+        hit = re.search(pattern, text)
+        if hit:
+            errors.append("%s knows of %s: %s" % (path, what, hit.group()))
 # The heavy headers cost 10 s and more each to compile.
 HEAVY = ("MeshToVolume.h", "VolumeToMesh.h", "RayTracer.h", "FastSweeping.h", "LevelSetMorph.h", "LevelSetRebuild.h")
 for heavy in HEAVY:

@@ -21,7 +21,8 @@ class SdfBlend {
   std::vector<FloatGrid::Ptr> fields_;  ///< every voxel of the box active, the same leaves in each
 };
 
-/// Cross-dissolve: values are blended where they are, nothing moves. Weights as MorphPlan::carrier().
+/// Cross-dissolve: values are blended where they are, nothing moves. Weights as MorphPlan::pullback(). It makes
+/// no surface: Pullback::colors() throws InputError but at weight 1.
 Pullback dissolve(const Weights& weights);
 
 /// OpenVDB's LevelSetMorphing [BW01], [Mus11] from `source` to `target`.

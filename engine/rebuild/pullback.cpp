@@ -178,6 +178,8 @@ openvdb::Vec3SGrid::Ptr Pullback::colors(const FloatGrid& surface,
   Impl& p = *impl_;
   checkCount(colors.size(), "grids of colours", p.weights.size());
   if (p.alone && colors[*p.alone]) return colorsAround(surface, *colors[*p.alone]);
+  if (p.fields.empty())
+    throw InputError("a dissolve makes no surface, so there is none whose colours it could blend");
   std::vector<CarriedColors> carried, uncounted;
   for (size_t k = 0; k < colors.size(); ++k) {
     if (!colors[k]) continue;

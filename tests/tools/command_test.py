@@ -41,10 +41,9 @@ USAGE = [
     ("exr size", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.exr --size 0x10", 2, "--size 0x10", ""),
     ("exr one file", "morph {d}/a.obj {d}/b.obj -o {o}/m.exr", 2, "####", ""),
     ("exr folder", "morph {d}/a.obj {d}/b.obj -o {o}/no/m.####.exr", 1, "{o}/no", ""),
-    ("morph help", "morph --help", 0, "",
-     ["--frames", "--at", "--weights", "--voxel-size", "--resolution", "--slices", "--samples", "--axis", "--spine",
-      "--align", "--iso", "--method", "--fps", "--threads", "--report", "--config", "--quiet", "--resume",
-      "--dump-slices", "--keys", "--timing", "--ease", "--interpolation", "--print-config", "--glb-up", "--glb-unit", "--grids", "--conserve", "--velocity", "--velocity-unit", "--add-velocity"]),
+    ("morph help", "morph --help", 0, "", ["--frames", "--resolution", "--quiet", "--help-all", "Inputs:", "Farm:"]),
+    ("quiet and verbose", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --quiet --verbose", 2, ["--quiet", "--verbose", "exclude"], ""),
+    ("empty value", "convert {d}/a.obj -o {o}/m.vdb --iso=", 2, "--iso", ""),
     ("unknown option", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frmes 3", 2, "--frmes", ""),
     ("one input", "morph {d}/a.obj -o {o}/m.####.vdb", 2, "at least two inputs", ""),
     ("no output", "morph {d}/a.obj {d}/b.obj", 2, "needs an output", ""),
@@ -94,6 +93,10 @@ USAGE = [
     ("report extension", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --report {o}/r.txt", 2, ".json", ""),
     ("report folder", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --report {o}/no/r.json", 1, "does not exist", ""),
 ]
+
+MORPH_OPTIONS = ("--frames --at --weights --voxel-size --resolution --slices --samples --axis --spine --align --iso --method --fps "
+                 "--threads --report --config --quiet --verbose --resume --dump-slices --keys --timing --ease --interpolation "
+                 "--print-config --glb-up --glb-unit --grids --conserve --velocity --velocity-unit --add-velocity").split()
 
 BAD_INPUT = [
     ("missing file", "convert {d}/no.obj -o {o}/m.vdb", 1, "no.obj", ""),
@@ -361,6 +364,59 @@ def empty_grid(d, o):
     return problems_of(run("convert {d}/hollow.vdb -o {o}/m.obj", folders), 1, "hollow.vdb", "", folders)
 
 
+def options_of(help_text):
+    """Every option's text in a help, and the groups in their order."""
+    options, groups, name = {}, [], None
+    for line in help_text.split("\n"):
+        start = re.match(r"  (-\w,)?(--[\w-]+)", line)
+        if start:
+            name = start.group(2)
+        elif not line.startswith("  "):
+            groups += re.findall(r"^(\w+):$", line)
+            name = None
+        if name:
+            options[name] = options.get(name, "") + " " + line.strip()
+    return options, groups
+
+
+def help_of_all_options(d, o):
+    """Grouped; --help-all has all options, each with its default; --help some of them, in the same words."""
+    problems = []
+    order = ["Inputs", "Shape", "Matching", "Outputs", "Images", "Pictures", "Farm", "Help"]
+    for command in ("morph", "slice", "reconstruct", "convert", "render", "compare", "info"):
+        short, all_of_it = (options_of(run(command + word, {}).stdout) for word in (" --help", " --help-all"))
+        for options, groups in (short, all_of_it):
+            if groups != [g for g in order if g in groups] or "Inputs" not in groups:
+                problems.append("%s: groups %s" % (command, groups))
+        for name, text in all_of_it[0].items():
+            # Only the output of some commands has none: they cannot do without.
+            if "default " not in text and name not in ("--help", "--help-all") and "REQUIRED" not in text:
+                problems.append("%s: no default: %s" % (command, text))
+        if any(all_of_it[0].get(name) != text for name, text in short[0].items()):
+            problems.append("%s: --help is no part of --help-all" % command)
+    morph = [len(options_of(run("morph " + word, {}).stdout)[0]) for word in ("--help", "--help-all")]
+    for option in MORPH_OPTIONS:
+        if option not in options_of(run("morph --help-all", {}).stdout)[0]:
+            problems.append("morph --help-all lacks " + option)
+    return problems + (["%d of %d options are not few" % tuple(morph)] if 2 * morph[0] > morph[1] else [])
+
+
+def version_is_the_projects(d, o):
+    """What the program says is what CMake's project says."""
+    with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../CMakeLists.txt")) as f:
+        version = re.search(r"project\(slicemorph VERSION (\S+)", f.read()).group(1)
+    said = run("--version", {}).stdout
+    return [] if said == "slicemorph %s\n" % version else ["%s is not %s" % (said, version)]
+
+
+def verbose_says_more(d, o):
+    """Every note that is printed by default is printed with --verbose, and --quiet prints none."""
+    words = "morph {d}/a.obj {d}/b.obj -o {o}/m.vdb --at 0.5 --resolution 24 "
+    usual, verbose, quiet = (run(words + w, {"d": d, "o": o}).stderr.split("\n")[:-1] for w in ("", "--verbose", "--quiet"))
+    problems = ["not with --verbose: " + line for line in usual if line not in verbose]
+    return problems + (["with --quiet: %s" % quiet] if quiet else [])
+
+
 def report_holds(d, o):
     """The report's figures of a morph whose end frames are the inputs."""
     folders = {"d": d, "o": o}
@@ -416,6 +472,31 @@ def resume_keeps_frames(d, o):
     if "(kept)" in result.stdout:
         problems.append("frames of other settings were kept")
     return problems
+
+
+def resume_of_another_program(d, o):
+    """Frames of another version or build of the program are not kept beside new ones, and a note says why."""
+    folders = {"d": d, "o": o}
+    words = "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frames 40 --resolution 24 --method sdf"
+    process = subprocess.Popen([PROGRAM] + [w.format(**folders) for w in words.split()],
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    log = o + "/.m.####.vdb.slicemorph"
+    deadline = time.time() + 100
+    while process.poll() is None and not os.path.exists(log) and time.time() < deadline:
+        time.sleep(0.002)
+    process.send_signal(signal.SIGINT)
+    process.wait(timeout=100)
+    if not os.path.exists(log):
+        raise Skip("the morph was over before it could be interrupted")
+    with open(log) as file:
+        text = json.load(file)
+    text["program"] = "0.0.1"
+    with open(log, "w") as file:
+        json.dump(text, file)
+    result = run(words + " --resume", folders)
+    if "(kept)" in result.stdout:
+        return ["frames of version 0.0.1 were kept"]
+    return problems_of(result, 0, "made by version 0.0.1", "m.0040.vdb\n", folders)
 
 
 def threads_do_not_matter(d, o):
@@ -484,7 +565,7 @@ def render_previews(d, o):
     return problems
 
 
-SPECIAL = [render_empty_fog, render_preview_without_ffmpeg, render_preview_that_fails, render_previews, read_only_folder, disk_full, empty_grid, report_holds, resume_keeps_frames, threads_do_not_matter]
+SPECIAL = [help_of_all_options, version_is_the_projects, verbose_says_more, render_empty_fog, render_preview_without_ffmpeg, render_preview_that_fails, render_previews, read_only_folder, disk_full, empty_grid, report_holds, resume_keeps_frames, resume_of_another_program, threads_do_not_matter]
 
 
 def main():

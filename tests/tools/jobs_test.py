@@ -190,8 +190,8 @@ def case_bare(o):
                  "# [[region]]"):
         assert "\n" + line in text, line
     assert not [l for l in text.split("\n") if l and l[0] != "#"], text
-    for option in re.findall(r"--([a-z][a-z-]+)", done("morph", "--help", cwd=o).stdout):
-        if option not in ("help", "config", "print-config", "frmes"):
+    for option in re.findall(r"--([a-z][a-z-]+)", done("morph", "--help-all", cwd=o).stdout):
+        if option not in ("help", "help-all", "config", "print-config"):
             assert re.search(r"^# %s =" % option, text, re.M) or option in ("method",), option
 
 

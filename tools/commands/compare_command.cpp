@@ -2,7 +2,10 @@
 
 #include "engine/measure/measure.h"
 #include "engine/volume/voxelise.h"
+#include "tools/commands/command_options.h"
 #include "tools/commands/common_options.h"
+#include "tools/job/load_settings.h"
+#include "tools/job/option_values.h"
 
 #include <nlohmann/json.hpp>
 
@@ -14,10 +17,7 @@ namespace {
 struct CompareSettings {
   std::string inputs[2];
   LoadOptions load;
-  SamplingOptions sampling;
-  int threads = 0;
-  CLI::Option* threadsGiven = nullptr;
-  bool json = false, quiet = false;
+  bool json = false, quiet = false, verbose = false;
 };
 
 struct Comparison {
@@ -33,7 +33,7 @@ Comparison compare(const CompareSettings& s) {
   Mesh meshes[2];
   for (int i = 0; i < 2; ++i) {
     const LoadedObject loaded = loadObject(s.inputs[i], s.load);
-    printNotes(s.inputs[i] + ": ", loaded.notes, s.quiet);
+    printNotes(s.inputs[i] + ": ", loaded.notes, s.quiet, s.verbose);
     grids[i] = loaded.object.levelSet;
     meshes[i] = surfaceOf(*grids[i]);
     result.shapes[i] = measureMesh(meshes[i]);
@@ -78,10 +78,13 @@ void printText(const Comparison& c) {
   std::printf("%-14s %.6f\n", "dice", c.overlap.dice);
 }
 
-void runCompare(const CompareSettings& s) {
-  checkSampling(s.load, s.sampling);
+void runCompare(const OptionSet& options) {
+  options.checkExclusions();
+  const JobOptions& given = options.values();
+  const CompareSettings s = {
+      {given.input, given.other}, loadSettings(options), given.json, given.quiet, given.verbose};
   for (const std::string& input : s.inputs) checkInputExists(input);
-  const auto limit = limitThreads(s.threads, s.threadsGiven);
+  const auto limit = limitThreads(given.threads);
   const Comparison result = compare(s);
   if (s.json)
     printJson(s, result);
@@ -95,15 +98,8 @@ void addCompareCommand(CLI::App& program) {
   CLI::App* command = program.add_subcommand("compare",
                                              "Distance between two surfaces (both ways), volumes, areas, "
                                              "topology and overlap; meshes are voxelised");
-  const auto s = std::make_shared<CompareSettings>();
-  command->add_option("A", s->inputs[0], "Shape: .vdb (file.vdb:grid picks a grid) .obj .ply .stl .off .glb")
-      ->required();
-  command->add_option("B", s->inputs[1], "Shape to compare with A")->required();
-  s->sampling = addSamplingOptions(*command, s->load);
-  s->threadsGiven = addThreadsOption(*command, s->threads);
-  command->add_flag("--json", s->json, "Print JSON");
-  command->add_flag("--quiet", s->quiet, "No notes on stderr");
-  command->callback([s] { runCompare(*s); });
+  const auto options = addOptions(*command, kCompare);
+  command->callback([options] { runCompare(*options); });
 }
 
 }  // namespace slicemorph

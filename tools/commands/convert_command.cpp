@@ -10,8 +10,11 @@
 #include "slicemorph/io/image_writer.h"
 #include "slicemorph/io/output.h"
 #include "slicemorph/io/vdb_writer.h"
+#include "tools/commands/command_options.h"
 #include "tools/commands/common_options.h"
 #include "tools/job/image_lattice.h"
+#include "tools/job/load_settings.h"
+#include "tools/job/option_values.h"
 
 #include <cstdio>
 
@@ -21,10 +24,7 @@ namespace {
 struct ConvertSettings {
   std::string input, output, like;
   LoadOptions load;
-  SamplingOptions sampling;
-  int threads = 0;
-  CLI::Option* threadsGiven = nullptr;
-  bool quiet = false;
+  bool quiet = false, verbose = false;
 };
 
 bool isLabelMap(const Image& image, ImageKind kind) {
@@ -73,36 +73,39 @@ Image maskOf(const FloatGrid& levelSet) {
 void convertToImage(const ConvertSettings& s) {
   if (isImageInput(s.input)) {
     ImageFile file = readImage(s.input, s.load.image);
-    printNotes(s.input + ": ", file.notes, s.quiet);
+    printNotes(s.input + ": ", file.notes, s.quiet, s.verbose);
     writeImage(s.output, onAskedLattice(std::move(file.image), s));
   } else if (parseInput(s.input).isGrids()) {
     writeImage(s.output, onAskedLattice(imageOfGrid(s), s));
   } else {
     const LoadedObject loaded = loadObject(s.input, s.load);
-    printNotes(s.input + ": ", loaded.notes, s.quiet);
+    printNotes(s.input + ": ", loaded.notes, s.quiet, s.verbose);
     Image mask = maskOf(*loaded.object.levelSet);
     writeImage(s.output,
                s.like.empty() ? mask : nearestTo(mask, readImage(s.like, s.load.image).image.lattice));
   }
 }
 
-void runConvert(const ConvertSettings& s) {
-  checkSampling(s.load, s.sampling);
+void runConvert(const OptionSet& options) {
+  options.checkExclusions();
+  const JobOptions& given = options.values();
+  const ConvertSettings s = {given.input,           given.output, given.like,
+                             loadSettings(options), given.quiet,  given.verbose};
   if (OutputName(s.output).isSequence())
     throw InputError("-o " + s.output + ": convert writes one file; leave out the ####");
   checkOutput(s.output);
   checkInputExists(s.input);
-  const auto limit = limitThreads(s.threads, s.threadsGiven);
+  const auto limit = limitThreads(given.threads);
   if (isImageOutput(s.output)) {
     convertToImage(s);
   } else if (isImageInput(s.input) && extensionOf(s.output) == ".vdb") {
     ImageFile file = readImage(s.input, s.load.image);
-    printNotes(s.input + ": ", file.notes, s.quiet);
+    printNotes(s.input + ": ", file.notes, s.quiet, s.verbose);
     writeGrids(s, onAskedLattice(std::move(file.image), s));
   } else {
     if (!s.like.empty()) throw InputError("--like is for images; the output " + s.output + " is none");
     const LoadedObject loaded = loadObject(s.input, s.load);
-    printNotes(s.input + ": ", loaded.notes, s.quiet);
+    printNotes(s.input + ": ", loaded.notes, s.quiet, s.verbose);
     SurfaceOutput options;
     options.halfFloat = loaded.halfFloat;
     options.colors = loaded.colors;
@@ -116,25 +119,8 @@ void runConvert(const ConvertSettings& s) {
 void addConvertCommand(CLI::App& program) {
   CLI::App* command =
       program.add_subcommand("convert", "Voxelise, mesh or resample a shape, or convert an image");
-  const auto s = std::make_shared<ConvertSettings>();
-  command
-      ->add_option("INPUT", s->input,
-                   "Shape: .vdb (file.vdb:grid picks a grid) .obj .ply .stl .off .glb; image: .nii .nii.gz "
-                   ".nrrd .nhdr .mha .mhd "
-                   "(file:N for a volume), a DICOM folder (folder:N for a series), name.####.tif|png|exr")
-      ->required();
-  command
-      ->add_option("-o,--output", s->output,
-                   "Result: .vdb (a level set; of an image its values, with --iso the surface beside them), "
-                   ".obj .ply .stl .glb "
-                   "(the surface), .nii .nii.gz .nrrd .mha (an image; of a shape 1 inside)")
-      ->required()
-      ->type_name("OUTPUT");
-  s->sampling = addSamplingOptions(*command, s->load);
-  command->add_option("--like", s->like, "Put an image on the voxels of another one")->type_name("IMAGE");
-  s->threadsGiven = addThreadsOption(*command, s->threads);
-  command->add_flag("--quiet", s->quiet, "Print nothing but errors");
-  command->callback([s] { runConvert(*s); });
+  const auto options = addOptions(*command, kConvert);
+  command->callback([options] { runConvert(*options); });
 }
 
 }  // namespace slicemorph

@@ -2,7 +2,9 @@
 
 #include "slicemorph/io/file_info.h"
 #include "slicemorph/io/input.h"
-#include "tools/commands/common_options.h"
+#include "tools/commands/command_options.h"
+#include "tools/job/load_settings.h"
+#include "tools/job/option_values.h"
 
 #include <nlohmann/json.hpp>
 
@@ -154,25 +156,12 @@ void printText(const FileInfo& info) {
 }  // namespace
 
 void addInfoCommand(CLI::App& program) {
-  struct InfoSettings {
-    std::string input;
-    LoadOptions load;
-    bool json = false;
-  };
   CLI::App* command = program.add_subcommand("info", "What a file holds, and how it will be read");
-  const auto s = std::make_shared<InfoSettings>();
-  command
-      ->add_option(
-          "INPUT", s->input,
-          "File: .vdb (file.vdb:grid for one grid) .obj .ply .stl .off .glb, or an image: .nii .nii.gz "
-          ".nrrd .nhdr .mha .mhd (file:N for one of its volumes), a DICOM folder (folder:N for a series), "
-          "name.####.tif|png|exr")
-      ->required();
-  addSpacingOption(*command, s->load.image);
-  command->add_flag("--json", s->json, "Print JSON");
-  command->callback([s] {
-    const FileInfo info = describeFile(parseInput(s->input), s->load.image);
-    if (s->json)
+  const auto options = addOptions(*command, kInfo);
+  command->callback([options] {
+    const JobOptions& given = options->values();
+    const FileInfo info = describeFile(parseInput(given.input), loadSettings(*options).image);
+    if (given.json)
       printJson(info);
     else
       printText(info);

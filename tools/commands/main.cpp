@@ -32,6 +32,7 @@ int run(int argc, char** argv) {
   CLI::App program("Morphs volumes through oriented slices.\nExit code: 0 done, 1 failed, 2 wrong usage.",
                    "slicemorph");
   program.set_version_flag("--version", "slicemorph " SLICEMORPH_VERSION);
+  program.set_help_all_flag("--help-all", "Print every option and exit");
   program.require_subcommand(1);
   program.get_formatter()->column_width(34);
   slicemorph::addMorphCommand(program);

@@ -35,18 +35,4 @@ class TerminalProgress : public Progress {
   size_t width_ = 0;  ///< of the line on the screen
 };
 
-/// A part of a larger job: fractions 0 to 1 become `from` to `to` of the whole.
-class PartProgress : public Progress {
- public:
-  PartProgress(Progress& whole, double from, double to) : whole_(whole), from_(from), to_(to) {}
-  void report(const char* stage, double fraction) override {
-    whole_.report(stage, from_ + (to_ - from_) * fraction);
-  }
-  bool cancelled() const override { return whole_.cancelled(); }
-
- private:
-  Progress& whole_;
-  double from_, to_;
-};
-
 }  // namespace slicemorph

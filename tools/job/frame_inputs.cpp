@@ -1,7 +1,5 @@
 #include "tools/job/frame_inputs.h"
 
-#include "io/paths.h"
-#include "io/sequence.h"
 #include "slicemorph/errors.h"
 
 #include <algorithm>
@@ -24,13 +22,14 @@ Notes FrameInputs::notes(size_t frames) const {
   Notes notes;
   for (size_t k = 0; k < files_.size(); ++k)
     if (isMovingInput(settings_.inputs[k]) && files_[k].size() < frames)
-      notes.push_back(settings_.inputs[k] + " has " + std::to_string(files_[k].size()) + " files for " +
-                      std::to_string(frames) + " frames: the last one stays");
+      notes.emplace_back("sequence.shorter", Severity::kNote, "",
+                         settings_.inputs[k] + " has " + std::to_string(files_[k].size()) + " files for " +
+                             std::to_string(frames) + " frames: the last one stays");
   return notes;
 }
 
-bool FrameInputs::moveTo(size_t frame, Progress& progress) {
-  bool changed = false;
+FrameInputs::Step FrameInputs::moveTo(size_t frame, Progress& progress) {
+  Step step;
   for (size_t k = 0; k < files_.size(); ++k) {
     const InputSpec& file = files_[k][std::min(frame, files_[k].size() - 1)];
     if (open_[k] == file.text) continue;
@@ -38,13 +37,11 @@ bool FrameInputs::moveTo(size_t frame, Progress& progress) {
     progress.report("reading", double(k) / double(files_.size()));
     loaded_[k] = loadObject(file, optionsOfInput(settings_.load, k));
     open_[k] = file.text;
-    changed = true;
-    for (Note& note : about(file.text, loaded_[k].notes)) notes_.push_back(std::move(note));
+    step.changed = true;
+    for (Note& note : about(file.text, loaded_[k].notes)) step.notes.push_back(std::move(note));
   }
-  if (changed) addLabelSurfaces(loaded_);
-  return changed;
+  if (step.changed) addLabelSurfaces(loaded_);
+  return step;
 }
-
-Notes FrameInputs::takeNotes() { return std::exchange(notes_, {}); }
 
 }  // namespace slicemorph

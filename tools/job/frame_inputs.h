@@ -4,7 +4,6 @@
 #include "slicemorph/note.h"
 #include "tools/job/morph_settings.h"
 
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -17,22 +16,23 @@ class FrameInputs {
   /// Throws IoError where there is no file of a sequence.
   explicit FrameInputs(const MorphSettings& settings);
 
-  /// Which sequences end before a job of so many frames does, one sentence each.
+  /// Which sequences end before a job of so many frames does.
   Notes notes(size_t frames) const;
 
-  /// Loads what a frame (from 0) needs and is not loaded. Returns whether anything changed. Throws as
-  /// loadObject.
-  bool moveTo(size_t frame, Progress& progress);
+  /// What a step from one frame to another changed.
+  struct Step {
+    bool changed = false;
+    Notes notes;  ///< on what was read
+  };
+  /// Loads what a frame (from 0) needs and is not loaded. Throws as loadObject.
+  Step moveTo(size_t frame, Progress& progress);
   const std::vector<LoadedObject>& loaded() const { return loaded_; }
-  /// Of the inputs loaded last, one sentence each.
-  Notes takeNotes();
 
  private:
   const MorphSettings& settings_;
   std::vector<std::vector<InputSpec>> files_;  ///< per input
   std::vector<std::string> open_;              ///< per input: what is loaded
   std::vector<LoadedObject> loaded_;
-  Notes notes_;
 };
 
 }  // namespace slicemorph

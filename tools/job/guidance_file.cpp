@@ -55,7 +55,7 @@ Weights weightsOf(const toml::table& table, const Inputs& inputs, TomlReader& re
   if (key == "weights") {
     const std::string said = read.where(node) + "weights " + shortText(node);
     const CheckedWeights checked = checkWeights(said, read.numbers(node, key), inputs.size());
-    if (!checked.note.empty()) read.addNote(checked.note);
+    if (!checked.note.empty()) read.addNote({"job.weights-normalised", Severity::kNote, "", checked.note});
     return checked.weights;
   }
   Weights weights(inputs.size(), 0.0);

@@ -33,7 +33,7 @@ ImageLattice cubicLattice(const ImageLattice& lattice, const LoadOptions& option
   return cubic;
 }
 
-ImageLattice latticeAround(const std::vector<LoadedObject>& objects, Notes& notes) {
+LatticeChoice latticeAround(const std::vector<LoadedObject>& objects) {
   const ImageLattice& first = objects[0].image->lattice;
   const WorldToVoxel voxel(first);
   openvdb::Coord low(0), high = first.size - openvdb::Coord(1);
@@ -58,12 +58,13 @@ ImageLattice latticeAround(const std::vector<LoadedObject>& objects, Notes& note
   ImageLattice lattice = first;
   lattice.size = high - low + openvdb::Coord(1);
   lattice.origin = first.toWorld(low.asVec3d());
-  if (lattice.size != first.size)
-    notes.push_back("the shapes reach beyond the first image: the result has " +
-                    std::to_string(lattice.size[0]) + " x " + std::to_string(lattice.size[1]) + " x " +
-                    std::to_string(lattice.size[2]) +
-                    " voxels, the first image's own and more around them (--like keeps an image's voxels)");
-  return lattice;
+  if (lattice.size == first.size) return {lattice, {}};
+  const Note grown(
+      "image.lattice-grown", Severity::kNote, "",
+      "the shapes reach beyond the first image: the result has " + std::to_string(lattice.size[0]) + " x " +
+          std::to_string(lattice.size[1]) + " x " + std::to_string(lattice.size[2]) +
+          " voxels, the first image's own and more around them (--like keeps an image's voxels)");
+  return {lattice, {grown}};
 }
 
 void checkOutput(const std::string& path) {

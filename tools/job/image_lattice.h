@@ -13,8 +13,12 @@ namespace slicemorph {
 ImageLattice cubicLattice(const ImageLattice& lattice, const LoadOptions& options);
 
 /// The voxels that the in-betweens of images are put on: those of the first, and as many more around them as
-/// the other objects' shapes need. `notes`: where that is so.
-ImageLattice latticeAround(const std::vector<LoadedObject>& objects, Notes& notes);
+/// the other objects' shapes need; the notes say where that is so.
+struct LatticeChoice {
+  ImageLattice lattice;
+  Notes notes;
+};
+LatticeChoice latticeAround(const std::vector<LoadedObject>& objects);
 
 /// Throws where the folder of an output is missing or its extension is none that a surface or image can be
 /// written to.

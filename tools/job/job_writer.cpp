@@ -51,7 +51,7 @@ std::string numbersOrText(const std::string& text) {
   }
 }
 
-/// Landmarks as JobOption has them, `x,y,z=x,y,z;...`, or the names of files.
+/// Landmarks as options have them, `x,y,z=x,y,z;...`, or the names of files.
 std::string placesOrText(const std::string& text) {
   if (text.find('=') == std::string::npos) return quoted(text);
   std::vector<std::string> marks;
@@ -63,32 +63,26 @@ std::string placesOrText(const std::string& text) {
   return listOf(marks);
 }
 
-std::string spelled(const std::vector<std::string>& words, JobType type) {
-  const std::string& word = words.back();
-  switch (type) {
-    case JobType::kFlag:
-      return word;
-    case JobType::kInteger:
-    case JobType::kNumber:
-    case JobType::kNumbers:
-      return numbersOrText(word);
-    case JobType::kPlaces:
-      return placesOrText(word);
-    case JobType::kTexts: {
-      std::vector<std::string> texts;
-      for (const std::string& text : words) texts.push_back(quoted(text));
-      return listOf(texts);
+/// A value that the command line has as these texts, as TOML.
+std::string valueOf(const OptionRow& row, const std::vector<std::string>& texts) {
+  const std::string& text = texts.back();
+  switch (row.type) {
+    case OptionType::kFlag:
+      return text;
+    case OptionType::kInteger:
+    case OptionType::kNumber:
+    case OptionType::kNumbers:
+      return numbersOrText(text);
+    case OptionType::kPlaces:
+      return placesOrText(text);
+    case OptionType::kTexts: {
+      std::vector<std::string> items;
+      for (const std::string& each : texts) items.push_back(quoted(each));
+      return listOf(items);
     }
     default:
-      return quoted(word);
+      return quoted(text);
   }
-}
-
-/// Values of an option that was given, as TOML.
-std::string givenValue(const JobOption& option) {
-  if (option.type == JobType::kFlag) return option.option->as<bool>() ? "true" : "false";
-  if (option.type == JobType::kInteger) return std::to_string(option.option->as<long>());
-  return spelled(option.option->results(), option.type);
 }
 
 std::string comment(const std::string& text) {
@@ -101,16 +95,16 @@ std::string comment(const std::string& text) {
   return lines + line + "\n";
 }
 
-std::string describe(const JobOption& option, const JobTables& tables) {
-  const std::string type = option.type == JobType::kFlag ? "" : option.option->get_type_name();
-  std::string text = comment(option.option->get_description() + (type.empty() ? "" : " [" + type + "]"));
-  const auto value = tables.values.find(option.key);
-  if (value != tables.values.end()) return text + option.key + " = " + value->second + "\n";
-  if (option.option->count()) return text + option.key + " = " + givenValue(option) + "\n";
-  const std::string fallback = option.type == JobType::kFlag ? "false"
-                               : option.fallback.empty()     ? ""
-                                                             : spelled({option.fallback}, option.type);
-  return text + "# " + option.key + " =" + (fallback.empty() ? "" : " " + fallback) + "\n";
+/// The option with its help: its value where it was given, else its default as a comment.
+std::string describe(const OptionRow& row, const OptionSet& options, const JobTables& tables) {
+  const std::string form = formOf(row);
+  const std::string text = comment(helpOf(row) + (form.empty() ? "" : " [" + form + "]"));
+  const auto value = tables.values.find(row.name);
+  if (value != tables.values.end()) return text + row.name + " = " + value->second + "\n";
+  const std::vector<std::string> given = options.texts(row.name);
+  if (!given.empty()) return text + row.name + " = " + valueOf(row, given) + "\n";
+  const std::string fallback = row.type == OptionType::kFlag ? "false" : defaultOf(row);
+  return text + "# " + row.name + " =" + (fallback.empty() ? "" : " " + valueOf(row, {fallback})) + "\n";
 }
 
 std::string describe(const std::vector<WeightKey>& keys, const std::vector<std::string>& inputs) {
@@ -188,12 +182,12 @@ std::string tomlOf(const std::vector<double>& numbers) {
   return listOf(items);
 }
 
-std::string jobText(const std::vector<JobOption>& options, const JobTables& tables) {
+std::string jobText(const OptionSet& options, const JobTables& tables) {
   std::string text = "# Job of: slicemorph morph --config FILE. What the command line says wins.\n";
   JobTables all = tables;
   if (!tables.keys.empty()) all.values["keys"] = describe(tables.keys, tables.inputs);
-  for (const JobOption& option : options)
-    if (option.option) text += "\n" + describe(option, all);
+  for (const OptionRow* row : options.rows())
+    if (row->inFiles && row->field) text += "\n" + describe(*row, options, all);
   for (const Feature& feature : tables.features) text += describe(feature);
   if (tables.features.empty()) text += kNoFeature;
   for (const Region& region : tables.regions) text += describe(region, tables.inputs);

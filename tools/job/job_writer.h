@@ -1,8 +1,8 @@
 #pragma once
 
 #include "slicemorph/guidance.h"
-#include "tools/job/job_file.h"
 #include "tools/job/key_times.h"
+#include "tools/job/option_set.h"
 
 #include <map>
 #include <string>
@@ -21,7 +21,7 @@ struct JobTables {
 
 /// A whole job file: every option with its help, those that were not given as comments, then features and
 /// regions. Read back it says the same. Throws InputError where a text is not UTF-8, which TOML asks for.
-std::string jobText(const std::vector<JobOption>& options, const JobTables& tables);
+std::string jobText(const OptionSet& options, const JobTables& tables);
 
 /// Numbers as TOML has them, `[1, 0.5]`.
 std::string tomlOf(const std::vector<double>& numbers);

@@ -2,11 +2,11 @@
 
 #include "io/paths.h"
 #include "slicemorph/errors.h"
+#include "tools/job/number_line.h"
 #include "tools/job/option_values.h"
 
-#include <algorithm>
-#include <cmath>
 #include <fstream>
+#include <optional>
 #include <sstream>
 
 namespace slicemorph {
@@ -19,28 +19,25 @@ std::vector<std::string> parted(const std::string& text, char mark) {
   return parts;
 }
 
-Vec3d placeOf(const std::string& option, const std::string& text) {
+Vec3d positionOf(const std::string& option, const std::string& text) {
   const std::vector<double> n = parseNumbers(option, text);
   if (n.size() != 3) throw InputError(option + ": '" + text + "' is no place; expected x,y,z");
   return {n[0], n[1], n[2]};
 }
 
-/// The numbers of a line; words are passed over where `words`, else make it no line of numbers.
-std::vector<double> numbersOf(const std::string& line, bool words) {
-  std::string spaced = line;
-  std::replace(spaced.begin(), spaced.end(), ',', ' ');
-  std::replace(spaced.begin(), spaced.end(), ';', ' ');
-  std::vector<double> numbers;
-  std::istringstream stream(spaced);
-  for (std::string word; stream >> word;) {
-    char* end = nullptr;
-    const double number = std::strtod(word.c_str(), &end);
-    if (*end == 0 && std::isfinite(number))
-      numbers.push_back(number);
-    else if (!words)
-      return {};
-  }
-  return numbers;
+/// The coordinates in a line of 3D Slicer's .fcsv: its second to fourth field; none where these are no
+/// numbers.
+std::optional<Vec3d> slicerPoint(const std::string& line) {
+  const std::vector<std::string> fields = parted(line, ',');
+  if (fields.size() < 4) return std::nullopt;
+  const NumberLine parts = numberLine(fields[1] + "," + fields[2] + "," + fields[3]);
+  if (!parts.words.empty() || parts.numbers.size() != 3) return std::nullopt;
+  return Vec3d(parts.numbers[0], parts.numbers[1], parts.numbers[2]);
+}
+
+/// Slicer's own files are RAS unless they say LPS.
+bool saysRas(const std::string& comment) {
+  return comment.find("RAS") != std::string::npos || comment.find("= 0") != std::string::npos;
 }
 
 std::vector<Vec3d> readPoints(const std::string& option, const std::string& path) {
@@ -54,33 +51,26 @@ std::vector<Vec3d> readPoints(const std::string& option, const std::string& path
     ++number;
     line.erase(line.find_last_not_of(" \t\r") + 1);
     if (line.empty() || line[0] == '#') {
-      // Slicer's own files are RAS unless they say LPS.
-      if (line.find("CoordinateSystem") != std::string::npos)
-        ras = line.find("RAS") != std::string::npos || line.find("= 0") != std::string::npos;
+      if (line.find("CoordinateSystem") != std::string::npos) ras = saysRas(line);
       continue;
     }
+    const std::string place = option + ": " + path + ":" + std::to_string(number) + ": ";
     if (slicer) {
-      const std::vector<std::string> fields = parted(line, ',');
-      const std::vector<double> n = fields.size() < 4
-                                        ? std::vector<double>()
-                                        : numbersOf(fields[1] + "," + fields[2] + "," + fields[3], false);
-      if (n.size() != 3)
-        throw InputError(option + ": " + path + ":" + std::to_string(number) + ": no point: " + line);
-      points.emplace_back(n[0], n[1], n[2]);
+      const std::optional<Vec3d> point = slicerPoint(line);
+      if (!point) throw InputError(place + "no point: " + line);
+      points.push_back(*point);
       continue;
     }
-    const std::vector<double> n = numbersOf(line, true);
-    if (points.empty() && (line == "point" || n.empty())) continue;  // a header
+    const std::vector<double> n = numberLine(line).numbers;
+    if (points.empty() && n.empty() && line != "index") continue;  // a header
     if (line == "index")
       throw InputError(option + ": " + path + " holds voxel indices; give points in world units");
-    if (points.empty() && n.size() == 1 && stated == 0) {
+    if (points.empty() && n.size() == 1 && stated == 0)
       stated = size_t(n[0]);
-    } else if (n.size() == 3) {
+    else if (n.size() == 3)
       points.emplace_back(n[0], n[1], n[2]);
-    } else {
-      throw InputError(option + ": " + path + ":" + std::to_string(number) + ": expected x y z, not '" +
-                       line + "'");
-    }
+    else
+      throw InputError(place + "expected x y z, not '" + line + "'");
   }
   if (points.empty()) throw InputError(option + ": " + path + " holds no points");
   if (stated != 0 && stated != points.size())
@@ -110,7 +100,8 @@ std::vector<Landmark> readLandmarks(const std::string& option, const std::string
   if (text.find('=') != std::string::npos) {
     for (const std::string& mark : parted(text, ';')) {
       landmarks.emplace_back();
-      for (const std::string& place : parted(mark, '=')) landmarks.back().push_back(placeOf(option, place));
+      for (const std::string& place : parted(mark, '='))
+        landmarks.back().push_back(positionOf(option, place));
       if (landmarks.back().size() != inputs)
         throw InputError(option + ": a landmark has " + std::to_string(landmarks.back().size()) +
                          " places for " + std::to_string(inputs) + " inputs: " + mark);

@@ -4,11 +4,6 @@
 
 namespace slicemorph {
 
-bool MorphSettings::hasPage() const {
-  return std::any_of(reports.begin(), reports.end(),
-                     [](const std::string& r) { return OutputName(r).extension() == ".html"; });
-}
-
 bool MorphSettings::moving() const { return std::any_of(inputs.begin(), inputs.end(), isMovingInput); }
 
 bool MorphSettings::toFrameImages() const {

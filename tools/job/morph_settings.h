@@ -4,8 +4,10 @@
 #include "slicemorph/io/input.h"
 #include "slicemorph/io/output.h"
 #include "slicemorph/slicemorph.h"
+#include "tools/job/job_options.h"
 #include "tools/job/key_times.h"
 #include "tools/job/landmarks.h"
+#include "tools/job/methods.h"
 #include "tools/job/picture_options.h"
 #include "tools/job/slice_options.h"
 
@@ -15,8 +17,6 @@
 #include <vector>
 
 namespace slicemorph {
-
-enum class Method { kSlices, kSdf, kLevelSet, kDissolve };
 
 /// What .exr outputs hold.
 enum class ExrContent { kPicture, kSlices };
@@ -46,7 +46,7 @@ struct MorphSettings {
   std::string output;
   LoadOptions load;
   MorphOptions plan;
-  Method method = Method::kSlices;
+  std::string method = "slices";  ///< its name in methods.h
   std::vector<FrameJob> frames;
   WeightCourse course;  ///< of the frames; without keys where the weights are given
   double framesPerSecond = 24;
@@ -65,8 +65,11 @@ struct MorphSettings {
   std::vector<Landmark> landmarks;       ///< among the plan's features, too
   std::vector<Landmark> checkLandmarks;  ///< only measured, not used
   bool quiet = false, resume = false;
-  std::shared_ptr<void> threadLimit;
+  JobOptions options;  ///< as typed, for what needs no more than that
+  std::vector<std::pair<std::string, std::string>> frameSettings;  ///< all options that frames depend on
 
+  /// What the method is able to do.
+  const MethodTraits& can() const { return methodNamed(method).can; }
   /// An input is another file at every frame: one plan does not serve all frames.
   bool moving() const;
   /// Every frame is a picture, or its slices.
@@ -76,8 +79,6 @@ struct MorphSettings {
   bool holdsGrids() const { return OutputName(output).extension() == ".vdb" || toFrameImages(); }
   /// All frames go into one .glb file.
   bool oneGlb() const;
-  /// One of the reports is a page.
-  bool hasPage() const;
 };
 
 }  // namespace slicemorph

@@ -1,6 +1,5 @@
 #include "tools/job/option_values.h"
 
-#include "io/atomic_file.h"
 #include "io/paths.h"
 #include "slicemorph/errors.h"
 #include "slicemorph/io/input.h"
@@ -95,12 +94,6 @@ void checkPositive(const std::string& option, double value) {
 }
 
 void checkInputExists(const std::string& input) { filesOfInput(parseInput(input)); }
-
-void writeTextFile(const std::string& path, const std::string& text) {
-  AtomicFile file(path);
-  file.write(text);
-  file.commit();
-}
 
 void checkOutputPath(const std::string& path) {
   namespace fs = std::filesystem;

@@ -27,8 +27,6 @@ void checkPositive(const std::string& option, double value);
 /// Throws IoError where an input (`file.vdb:grid` too) is missing or empty, so that a long job does not find
 /// out late.
 void checkInputExists(const std::string& input);
-/// Writes a file whole or not at all. Throws IoError.
-void writeTextFile(const std::string& path, const std::string& text);
 /// Throws IoError where the folder of an output is not there or cannot be written to, or the path is a
 /// folder.
 void checkOutputPath(const std::string& path);

@@ -4,6 +4,7 @@
 #include "io/image/png_writer.h"
 #include "slicemorph/errors.h"
 #include "slicemorph/io/output.h"
+#include "tools/job/option_set.h"
 #include "tools/job/option_values.h"
 
 #include <algorithm>
@@ -19,59 +20,60 @@ Vec3d parsePoint(const std::string& option, const std::string& text) {
   return Vec3d(v[0], v[1], v[2]);
 }
 
-void checkSize(PictureOptions& s) {
-  int width = 0, height = 0;
-  if (!parseSize(s.size, width, height))
+/// The most that RenderOptions takes, pixels.
+constexpr int kLargestSide = 16384;
+
+PictureSize checkedSize(const PictureOptions& s) {
+  const std::optional<PictureSize> size = parseSize(s.size);
+  if (!size)
     throw InputError("--size " + s.size + " is not a size; expected WIDTHxHEIGHT, for example 640x480");
-  for (const int side : {width, height}) {
-    if (side < 1 || side > 16384)
-      throw InputError(s.sizeOption + " " + s.size +
-                       " is out of range; width and height must be 1 to 16384 pixels");
-  }
-  s.render.width = width, s.render.height = height;
-  s.framing.aspect = double(width) / height;
+  for (const int side : {size->width, size->height})
+    if (side < 1 || side > kLargestSide)
+      throw InputError(s.sizeOption + " " + s.size + " is out of range; width and height must be 1 to " +
+                       std::to_string(kLargestSide) + " pixels");
+  return *size;
 }
 
-void checkCamera(PictureOptions& s) {
-  if (s.ortho && s.fovGiven->count())
-    throw InputError("--ortho and --fov exclude each other; give one of them");
-  if (!(s.fov >= 1 && s.fov <= 170))
-    throw InputError("--fov " + formatNumber(s.fov) + " is out of range; it must be 1 to 170 degrees");
-  s.framing.verticalFov = s.ortho ? 0 : s.fov;
-  if (!s.camera.empty() && !s.view.empty())
-    throw InputError("--camera and --view exclude each other; give one of them (--look-at with --camera)");
-  if (s.camera.empty() && !s.lookAt.empty())
-    throw InputError("--look-at " + s.lookAt + " needs --camera X,Y,Z");
-  if (!s.view.empty()) s.framing.direction = parseDirection("--view", s.view);
-  if (!s.up.empty()) s.framing.up = parseDirection("--up", s.up);
-  const Vec3d &view = s.framing.direction, &up = s.framing.up;
-  if (s.camera.empty() && view.cross(up).length() < 1e-6 * view.length() * up.length()) {
-    if (!s.up.empty())
-      throw InputError("--view " + s.view + " is along --up " + s.up + "; choose another for one of them");
-    // Straight up or down, the picture's top has to be another direction.
-    s.framing.up = Vec3d(0, 0, -1);
-  }
-}
-
-void checkLook(PictureOptions& s) {
-  if (!s.light.empty()) s.render.light = parseDirection("--light", s.light);
-  if (!(s.render.intensity >= 0) || !std::isfinite(s.render.intensity))
-    throw InputError("--light-intensity " + formatNumber(s.render.intensity) + " must be 0 or more");
-  if (s.extinctionGiven->count()) checkPositive("--extinction", s.extinction);
-  if (!(s.emission >= 0) || !std::isfinite(s.emission))
-    throw InputError("--emission " + formatNumber(s.emission) + " must be 0 or more");
-  if (s.albedo.empty()) return;
-  const std::vector<double> v = parseNumbers("--albedo", s.albedo);
+std::vector<double> parseAlbedo(const std::string& text) {
+  const std::vector<double> v = parseNumbers("--albedo", text);
   const bool inside = std::all_of(v.begin(), v.end(), [](double share) { return share >= 0 && share <= 1; });
   if ((v.size() != 1 && v.size() != 3) || !inside)
-    throw InputError("--albedo " + s.albedo + ": expected one share from 0 to 1, or three (red,green,blue)");
+    throw InputError("--albedo " + text + ": expected one share from 0 to 1, or three (red,green,blue)");
+  return v;
+}
+
+/// Throws where the camera's position cannot be what --camera and --look-at say.
+void checkPosition(const PictureOptions& s, const OptionSet& options) {
+  if (!s.camera.empty()) options.about("camera", [&] { parsePoint("--camera", s.camera); });
+  if (s.lookAt.empty()) return;
+  if (s.camera.empty()) options.refuse("look-at", "--look-at " + s.lookAt + " needs --camera X,Y,Z");
+  options.about("look-at", [&] { parsePoint("--look-at", s.lookAt); });
+}
+
+FrameAllOptions checkedFraming(const PictureOptions& s, const OptionSet& options) {
+  FrameAllOptions framing = s.framing;
+  framing.aspect = double(s.render.width) / s.render.height;
+  framing.verticalFov = s.ortho ? 0 : s.fov;
+  if (!s.view.empty())
+    framing.direction = options.about("view", [&] { return parseDirection("--view", s.view); });
+  if (!s.up.empty()) framing.up = options.about("up", [&] { return parseDirection("--up", s.up); });
+  const Vec3d &view = framing.direction, &up = framing.up;
+  if (!s.camera.empty() || view.cross(up).length() >= 1e-6 * view.length() * up.length()) return framing;
+  if (!s.up.empty())
+    options.refuse("view",
+                   "--view " + s.view + " is along --up " + s.up + "; choose another for one of them");
+  // Straight up or down, the picture's top has to be another direction.
+  framing.up = Vec3d(0, 0, -1);
+  return framing;
 }
 
 }  // namespace
 
-bool parseSize(const std::string& text, int& width, int& height) {
+std::optional<PictureSize> parseSize(const std::string& text) {
+  PictureSize size;
   char rest = 0;
-  return std::sscanf(text.c_str(), "%dx%d%c", &width, &height, &rest) == 2;
+  if (std::sscanf(text.c_str(), "%dx%d%c", &size.width, &size.height, &rest) != 2) return std::nullopt;
+  return size;
 }
 
 Camera cameraFor(const std::vector<openvdb::BBoxd>& boxes, const PictureOptions& s) {
@@ -92,20 +94,29 @@ Camera cameraFor(const std::vector<openvdb::BBoxd>& boxes, const PictureOptions&
 
 FogLook lookFor(const std::vector<FogMeasure>& measures, const PictureOptions& s) {
   FogLook look = lookOf(measures);
-  if (s.extinctionGiven->count()) look.extinction = s.extinction;
+  if (s.extinction > 0) look.extinction = s.extinction;
   look.emission *= s.emission;
   if (!s.albedo.empty()) {
-    const std::vector<double> v = parseNumbers("--albedo", s.albedo);
+    const std::vector<double> v = parseAlbedo(s.albedo);
     look.albedo = v.size() == 1 ? Colour(float(v[0])) : Colour(float(v[0]), float(v[1]), float(v[2]));
   }
   return look;
 }
 
-void checkPictureOptions(PictureOptions& s) {
-  checkSize(s);
-  checkCamera(s);
-  checkLook(s);
+PictureOptions checkedPicture(PictureOptions s, const OptionSet& options) {
+  const PictureSize size = options.about("size", [&] { return checkedSize(s); });
+  s.render.width = size.width, s.render.height = size.height;
+  checkPosition(s, options);
+  s.framing = checkedFraming(s, options);
+  if (!s.light.empty())
+    s.render.light = options.about("light", [&] { return parseDirection("--light", s.light); });
+  if (!s.albedo.empty()) options.about("albedo", [&] { parseAlbedo(s.albedo); });
   s.render.background = !s.transparent;
+  return s;
+}
+
+PictureOptions checkedPicture(const OptionSet& options) {
+  return checkedPicture(options.values().picture, options);
 }
 
 void writePicture(const std::string& path, const Picture& picture) {
@@ -113,42 +124,6 @@ void writePicture(const std::string& path, const Picture& picture) {
     writePictureExr(path, picture);
   else
     writePng(path, picture);
-}
-
-std::vector<JobOption> addPictureOptions(CLI::App& command, PictureOptions& s) {
-  std::vector<JobOption> options;
-  const auto add = [&](const std::string& name, auto& value, JobType type, const std::string& help,
-                       const std::string& typeName) {
-    const std::string fallback = fallbackOf(value);
-    CLI::Option* option = command.add_option("--" + name, value, help)->type_name(typeName);
-    options.push_back({name, type, option, {}, fallback});
-    return option;
-  };
-  const auto flag = [&](const std::string& name, bool& value, const std::string& help) {
-    options.push_back({name, JobType::kFlag, command.add_flag("--" + name, value, help)});
-  };
-  add("size", s.size, JobType::kText, "Pixels of a picture (640x480)", "WxH");
-  add("view", s.view, JobType::kNumbers, "Direction from the camera into the scene (-0.55,-0.3,-1)",
-      "DX,DY,DZ");
-  add("up", s.up, JobType::kNumbers, "Direction that is up in the picture, and the turntable's axis (y)",
-      "x|y|z|DX,DY,DZ");
-  add("camera", s.camera, JobType::kNumbers, "Place of the camera, world units (all is seen whole)", "X,Y,Z");
-  add("look-at", s.lookAt, JobType::kNumbers,
-      "Place that --camera looks at (middle of all that is to be seen)", "X,Y,Z");
-  s.fovGiven =
-      add("fov", s.fov, JobType::kNumber, "Angle seen from bottom to top, 1 to 170 degrees (25)", "DEG");
-  flag("ortho", s.ortho, "Parallel rays, no perspective");
-  add("light", s.light, JobType::kNumbers,
-      "Direction in which the main light shines (from the camera's upper left)", "DX,DY,DZ");
-  add("light-intensity", s.render.intensity, JobType::kNumber, "Of the main light, 0 or more (1)", "F");
-  s.extinctionGiven = add("extinction", s.extinction, JobType::kNumber,
-                          "Of fog: per world unit at density 1 (its thickest is just opaque)", "F");
-  add("albedo", s.albedo, JobType::kNumbers, "Of fog: share of the light that is scattered (0.85)",
-      "A|R,G,B");
-  add("emission", s.emission, JobType::kNumber,
-      "Of fog: strength of the glow of its flame or temperature, 0 or more (1)", "F");
-  flag("transparent", s.transparent, "No background");
-  return options;
 }
 
 }  // namespace slicemorph

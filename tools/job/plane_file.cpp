@@ -2,45 +2,27 @@
 
 #include "io/paths.h"
 #include "slicemorph/errors.h"
+#include "tools/job/number_line.h"
 #include "tools/job/option_values.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
 #include <fstream>
-#include <sstream>
+#include <optional>
 
 namespace slicemorph {
 namespace {
 
-/// Six numbers, the last three no zero vector.
-bool toPlane(const std::vector<double>& n, PlaneInSpace& plane) {
-  if (n.size() != 6) return false;
-  plane = {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
-  return plane.normal.length() > 0;
-}
-
-/// Numbers up to the first word that is none; `word`: that word.
-std::vector<double> numbersOf(std::string line, std::string& word) {
-  std::replace_if(
-      line.begin(), line.end(), [](char c) { return c == ',' || c == ';'; }, ' ');
-  std::istringstream stream(line);
-  std::vector<double> numbers;
-  while (stream >> word) {
-    char* end = nullptr;
-    const double number = std::strtod(word.c_str(), &end);
-    if (*end != 0 || !std::isfinite(number)) return numbers;
-    numbers.push_back(number);
-  }
-  word.clear();
-  return numbers;
+/// Of six numbers, the last three of which are no zero vector; else none.
+std::optional<PlaneInSpace> planeOf(const std::vector<double>& n) {
+  if (n.size() != 6) return std::nullopt;
+  const PlaneInSpace plane{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
+  return plane.normal.length() > 0 ? std::optional(plane) : std::nullopt;
 }
 
 }  // namespace
 
 PlaneInSpace parsePlane(const std::string& option, const std::string& text) {
   const size_t slash = text.find('/');
-  PlaneInSpace plane;
   std::vector<double> numbers;
   if (slash != std::string::npos) {
     numbers = parseNumbers(option, text.substr(0, slash));
@@ -48,11 +30,12 @@ PlaneInSpace parsePlane(const std::string& option, const std::string& text) {
     if (numbers.size() != 3) numbers.clear();
     numbers.insert(numbers.end(), normal.begin(), normal.end());
   }
-  if (!toPlane(numbers, plane))
+  const std::optional<PlaneInSpace> plane = planeOf(numbers);
+  if (!plane)
     throw InputError(option + " " + text +
                      " is no plane; expected OX,OY,OZ/NX,NY,NZ, a point and a normal that is not zero, for "
                      "example 0,0,1/0,0,1");
-  return plane;
+  return *plane;
 }
 
 std::vector<PlaneInSpace> readPlanes(const std::string& path) {
@@ -63,15 +46,13 @@ std::vector<PlaneInSpace> readPlanes(const std::string& path) {
   for (std::string line; std::getline(file, line);) {
     ++number;
     line.erase(std::min(line.find('#'), line.size()));
-    std::string word;
-    const std::vector<double> numbers = numbersOf(line, word);
-    const bool heading = planes.empty() && numbers.empty();
-    if (heading || line.find_first_not_of(" \t\r") == std::string::npos) continue;
-    PlaneInSpace plane;
-    if (!word.empty() || !toPlane(numbers, plane))
+    const NumberLine parts = numberLine(line);
+    if (parts.empty() || (planes.empty() && parts.wordFirst)) continue;
+    const std::optional<PlaneInSpace> plane = planeOf(parts.numbers);
+    if (!parts.words.empty() || !plane)
       throw InputError(path + ":" + std::to_string(number) +
                        ": no plane: expected six numbers, a point and a normal that is not zero: " + line);
-    planes.push_back(plane);
+    planes.push_back(*plane);
   }
   if (planes.empty()) throw InputError(path + " holds no planes; expected ox oy oz nx ny nz on every line");
   return planes;

@@ -8,28 +8,30 @@
 #include "slicemorph/io/image_writer.h"
 #include "slicemorph/io/mesh_writer.h"
 #include "slicemorph/io/vdb_writer.h"
-#include "tools/commands/common_options.h"
-#include "tools/commands/terminal_progress.h"
 #include "tools/job/image_lattice.h"
+#include "tools/job/option_values.h"
 
 #include <algorithm>
-#include <cstdio>
 
 namespace slicemorph {
 namespace {
 
-/// A pixel, or less where a level set needs that.
-double voxelSizeFor(const ExrSlices& slices, const SlicedGrid& sliced, const SlicesJob& job) {
-  if (job.voxelSize > 0) return job.voxelSize;
+/// A pixel, or less where a level set needs that; then the notes say so.
+struct VoxelChoice {
+  double size = 0;
+  Notes notes;
+};
+
+VoxelChoice voxelSizeFor(const ExrSlices& slices, const SlicedGrid& sliced, const ReconstructJob& job) {
+  if (job.voxelSize > 0) return {job.voxelSize, {}};
   double pixel = slices.planes[0].pixelSize;
   for (const SectionPlane& plane : slices.planes) pixel = std::min(pixel, plane.pixelSize);
   const double most = mostVoxelSize(*sliced.like);
-  if (pixel <= most * 1.001) return pixel;
-  printNotes(job.input + ": ",
-             {"'" + sliced.like->getName() + "' gets voxels of " + formatNumber(most) +
-              ", finer than the pixels of " + formatNumber(pixel) + ": its distances reach no farther"},
-             job.quiet);
-  return most;
+  if (pixel <= most * 1.001) return {pixel, {}};
+  return {most,
+          {{"reconstruct.finer-voxels", Severity::kNote, job.input,
+            "'" + sliced.like->getName() + "' gets voxels of " + formatNumber(most) +
+                ", finer than the pixels of " + formatNumber(pixel) + ": its distances reach no farther"}}};
 }
 
 std::string namesOf(const ExrSlices& slices) {
@@ -39,13 +41,13 @@ std::string namesOf(const ExrSlices& slices) {
 }
 
 /// Meshes and images hold one grid.
-void checkOne(const ExrSlices& slices, const SlicesJob& job) {
+void checkOne(const ExrSlices& slices, const ReconstructJob& job) {
   if (slices.grids.size() > 1)
     throw InputError("-o " + job.output + " holds one grid, " + job.input + " has " + namesOf(slices) +
                      "; choose one with --grids, or write a .vdb");
 }
 
-void writeGrids(const openvdb::GridCPtrVec& grids, const SlicesJob& job) {
+void writeGridsTo(const ReconstructJob& job, const openvdb::GridCPtrVec& grids) {
   if (extensionOf(job.output) == ".vdb") return writeVdb(job.output, grids, {});
   if (isImageOutput(job.output)) return writeImage(job.output, imageOf(*grids[0]));
   const auto scalars = openvdb::GridBase::grid<FloatGrid>(grids[0]);
@@ -57,28 +59,26 @@ void writeGrids(const openvdb::GridCPtrVec& grids, const SlicesJob& job) {
 
 }  // namespace
 
-void reconstructSlices(const SlicesJob& job) {
-  TerminalProgress progress(job.quiet);
-  progress.report("reading", 0);
-  const ExrSlices slices = readSliceExrs(
-      parseInput(job.input), job.grids ? parseNames("--grids", *job.grids) : std::vector<std::string>());
-  progress.clear();
-  printNotes(job.input + ": ", slices.notes, job.quiet);
+void reconstructSlices(const ReconstructJob& job, JobEvents& events) {
+  events.report("reading", 0);
+  const ExrSlices slices =
+      readSliceExrs(parseInput(job.input), job.grids.value_or(std::vector<std::string>()));
+  events.notes(about(job.input, slices.notes));
   if (extensionOf(job.output) != ".vdb") checkOne(slices, job);
   openvdb::GridCPtrVec grids;
   for (size_t g = 0; g < slices.grids.size(); ++g) {
-    if (progress.cancelled()) throw Cancelled();
-    progress.report("reconstructing", double(g + 1) / double(slices.grids.size() + 1));
+    events.throwIfCancelled();
+    events.report("reconstructing", double(g + 1) / double(slices.grids.size() + 1));
+    const VoxelChoice voxel = voxelSizeFor(slices, slices.grids[g], job);
+    events.notes(voxel.notes);
     try {
-      grids.push_back(
-          gridOfSections(slices.planes, slices.grids[g], voxelSizeFor(slices, slices.grids[g], job)));
+      grids.push_back(gridOfSections(slices.planes, slices.grids[g], voxel.size));
     } catch (const InputError& error) {
       throw InputError(job.input + ": " + error.what());
     }
   }
-  writeGrids(grids, job);
-  progress.clear();
-  if (!job.quiet) std::printf("%s\n", job.output.c_str());
+  writeGridsTo(job, grids);
+  events.fileWritten(job.output, false);
 }
 
 }  // namespace slicemorph

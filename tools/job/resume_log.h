@@ -1,5 +1,6 @@
 #pragma once
 
+#include "slicemorph/note.h"
 #include "tools/job/morph_settings.h"
 
 #include <nlohmann/json.hpp>
@@ -11,13 +12,15 @@ namespace slicemorph {
 
 /// What is done of a sequence, kept beside it as the hidden file `.NAME.slicemorph` (NAME as given, with its
 /// ####) while frames are being made, and removed when all are. It lets --resume tell the frames of this very
-/// job (same settings, inputs of the same size and time) from older files of the same names. Single frames
-/// have none.
+/// job (same settings, inputs of the same size and time, the same build of the program) from older files of
+/// the same names. Single frames have none.
 class ResumeLog {
  public:
   /// Reads the log of an earlier run where `settings.resume` is set and the log is of the same job.
   explicit ResumeLog(const MorphSettings& settings);
 
+  /// Why the frames of an earlier run are not gone on with, where there are some.
+  const Notes& notes() const { return notes_; }
   /// Whether the frame was made and its file is still there at its size.
   bool has(const FrameJob& job) const;
   /// Its row of the report; null where that run measured nothing.
@@ -35,7 +38,9 @@ class ResumeLog {
 
   std::string path_;  ///< empty: no sequence
   nlohmann::ordered_json job_;
+  std::string program_;
   std::map<int, Entry> entries_;
+  Notes notes_;
 };
 
 }  // namespace slicemorph

@@ -41,7 +41,7 @@ class TomlReader {
   double number(const toml::node& node, const std::string& what) const;  ///< finite
   std::vector<double> numbers(const toml::node& node, const std::string& what) const;
   Vec3d vector(const toml::node& node, const std::string& what) const;
-  void addNote(const std::string& note) { notes_.push_back(note); }
+  void addNote(const Note& note) { notes_.push_back(note); }
   const Notes& notes() const { return notes_; }
 
  private:

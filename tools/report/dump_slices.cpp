@@ -1,7 +1,7 @@
 #include "tools/report/dump_slices.h"
 
+#include "io/atomic_file.h"
 #include "slicemorph/errors.h"
-#include "tools/job/option_values.h"
 
 #include <algorithm>
 #include <cstdio>

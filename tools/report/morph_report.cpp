@@ -1,6 +1,7 @@
 #include "tools/report/morph_report.h"
 
-#include "tools/job/option_values.h"
+#include "io/atomic_file.h"
+#include "slicemorph/io/output.h"
 
 #include <sys/resource.h>
 
@@ -11,50 +12,6 @@ namespace slicemorph {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-const char* nameOf(Method method) {
-  if (method == Method::kDissolve) return "dissolve";
-  return method == Method::kSdf ? "sdf" : method == Method::kLevelSet ? "levelset" : "slices";
-}
-
-const char* nameOf(Timing timing) {
-  if (timing == Timing::kCatmullRom) return "catmull-rom";
-  return timing == Timing::kSmoothstep ? "smoothstep" : "linear";
-}
-
-const char* nameOf(ContourPath path) {
-  if (path == ContourPath::kHermite) return "hermite";
-  return path == ContourPath::kIntrinsic ? "intrinsic" : "linear";
-}
-
-Json describe(const Vec3d& v) { return {v[0], v[1], v[2]}; }
-
-Json describe(const Feature& feature) {
-  const char* kinds[] = {"point", "line", "disk"};
-  Json json = {{"name", feature.name}, {"kind", kinds[int(feature.kind)]}, {"places", Json::array()}};
-  for (const std::vector<Vec3d>& ofInput : feature.places) {
-    json["places"].push_back(Json::array());
-    for (const Vec3d& place : ofInput) json["places"].back().push_back(describe(place));
-  }
-  if (feature.kind != Feature::Kind::kDisk) return json;
-  json["normals"] = Json::array();
-  for (const Vec3d& normal : feature.normals) json["normals"].push_back(describe(normal));
-  json["radii"] = feature.radii;
-  return json;
-}
-
-Json describe(const Region& region) {
-  Json json = {{"name", region.name}, {"on", region.object + 1}};
-  if (region.kind == Region::Kind::kSphere)
-    json["sphere"] = {{"center", describe(region.center)}, {"radius", region.radius}};
-  else if (region.kind == Region::Kind::kBox)
-    json["box"] = {{"min", describe(region.box.min())}, {"max", describe(region.box.max())}};
-  else
-    json["spine"] = {region.from, region.to};
-  json["border"] = region.border;
-  json["weights"] = region.weights;
-  return json;
-}
 
 Json orNull(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
@@ -89,62 +46,16 @@ Json summarise(const std::vector<Json>& frames) {
 
 }  // namespace
 
-Json describeJob(const MorphSettings& s) {
-  Json job = {{"inputs", s.inputs}, {"output", s.output}, {"method", nameOf(s.method)}};
-  job["frames"] = s.frames.size();
-  Json times = Json::array();
-  for (const FrameJob& frame : s.frames) times.push_back(frame.t ? Json(*frame.t) : Json(frame.weights));
-  job["times"] = times;
-  job["keys"] = Json::array();
-  for (const WeightKey& key : s.course.keys)
-    job["keys"].push_back({{"at", key.at}, {"weights", key.weights}});
-  job["timing"] = nameOf(s.course.timing);
-  job["ease"] = {s.course.easing.x1, s.course.easing.y1, s.course.easing.x2, s.course.easing.y2};
-  job["interpolation"] = nameOf(s.plan.path);
-  job["features"] = Json::array();
-  for (const Feature& feature : s.plan.features) job["features"].push_back(describe(feature));
-  job["regions"] = Json::array();
-  for (const Region& region : s.plan.regions) job["regions"].push_back(describe(region));
-  job["voxelSize"] = s.load.voxelSize;
-  job["resolution"] = s.load.resolution;
-  job["iso"] = s.load.iso;
-  job["slices"] = s.plan.slices;
-  job["samples"] = s.plan.samples;
-  job["axis"] = {s.plan.axis[0], s.plan.axis[1], s.plan.axis[2]};
-  job["spine"] = s.plan.spine == SpineKind::kStraight ? "straight"
-                 : s.plan.spine == SpineKind::kCurved ? "curved"
-                                                      : "auto";
-  job["align"] = s.plan.align == Align::kNone ? "none" : "auto";
-  job["fps"] = s.framesPerSecond;
-  job["image"] = s.load.imageKind == ImageKind::kGrey     ? "grey"
-                 : s.load.imageKind == ImageKind::kLabels ? "labels"
-                                                          : "auto";
-  job["furtherIsos"] = s.load.furtherIsos;
-  job["isosByInput"] = s.load.isosByInput;
-  job["spacing"] = {s.load.image.spacing[0], s.load.image.spacing[1], s.load.image.spacing[2]};
-  job["like"] = s.like;
-  job["glb"] = {{"metres", s.glb.metres}, {"zUp", s.glb.zUp}};
-  if (s.toFrameImages()) {
-    job["exr"] = s.exrContent == ExrContent::kSlices ? "slices" : "picture";
-    job["imageOptions"] = Json::object();
-    for (const auto* options : {&s.pictureOptions, &s.sliceOptions})
-      for (const auto& [name, value] : *options) job["imageOptions"][name] = value;
-  }
-  job["grids"] = s.grids;
-  job["conserve"] = s.conserve;
-  job["velocity"] = {
-      {"name", s.velocity.name}, {"unit", s.velocity.perFrame ? "frame" : "second"}, {"add", s.velocity.add}};
-  return job;
-}
-
-Json describeFrame(const FrameJob& job, const FrameFigures& figures,
-                   const std::vector<ShapeMeasures>& inputs) {
+Json describeFrame(const FrameFigures& figures, const std::vector<ShapeMeasures>& inputs) {
   double linear = 0, size = 0;
   for (size_t k = 0; k < inputs.size(); ++k) {
-    linear += job.weights[k] * inputs[k].volume;
-    size += job.weights[k] * std::cbrt(inputs[k].volume);
+    linear += figures.weights[k] * inputs[k].volume;
+    size += figures.weights[k] * std::cbrt(inputs[k].volume);
   }
-  Json frame = {{"frame", job.number}, {"t", orNull(job.t)}, {"weights", job.weights}, {"file", job.path}};
+  Json frame = {{"frame", figures.number},
+                {"t", orNull(figures.t)},
+                {"weights", figures.weights},
+                {"file", figures.file}};
   frame["voxelSize"] = figures.voxelSize;
   const auto ofShape = [&](auto value) {
     return figures.shape ? Json(value(*figures.shape)) : Json(nullptr);
@@ -182,10 +93,10 @@ Json describeFrame(const FrameJob& job, const FrameFigures& figures,
   return frame;
 }
 
-LandmarkErrors landmarkErrors(const std::vector<Landmark>& landmarks, const MorphPlan& plan) {
+LandmarkErrors landmarkErrors(const std::vector<std::vector<Vec3d>>& landmarks, const MorphPlan& plan) {
   LandmarkErrors e;
   std::vector<Vec3d> points;
-  for (const Landmark& mark : landmarks) points.push_back(mark.front());
+  for (const std::vector<Vec3d>& mark : landmarks) points.push_back(mark.front());
   const std::vector<Vec3d> arrived = plan.correspond(points, 0, plan.objectCount() - 1);
   std::vector<double> off;
   e.count = landmarks.size();
@@ -235,14 +146,12 @@ std::string asTable(const std::vector<Json>& frames) {
   return text;
 }
 
-}  // namespace
-
-void writeReports(const MorphSettings& settings, const ReportParts& parts) {
+Json reportOf(const ReportParts& parts) {
   Json report;
-  report["settings"] = describeJob(settings);
+  report["settings"] = parts.settings;
   report["inputs"] = Json::array();
-  for (size_t k = 0; k < settings.inputs.size(); ++k) {
-    Json input = {{"file", settings.inputs[k]}};
+  for (size_t k = 0; k < parts.inputs.size(); ++k) {
+    Json input = {{"file", parts.inputNames[k]}};
     input.update(describeShape(parts.inputs[k]));
     report["inputs"].push_back(input);
   }
@@ -256,9 +165,16 @@ void writeReports(const MorphSettings& settings, const ReportParts& parts) {
   getrusage(RUSAGE_SELF, &usage);
   report["seconds"] = {{"load", parts.loadSeconds}, {"plan", parts.planSeconds}};
   report["peakMemoryBytes"] = std::int64_t(usage.ru_maxrss) * 1024;
-  // Names of files need not be UTF-8.
-  for (const std::string& path : settings.reports) {
+  return report;
+}
+
+}  // namespace
+
+void writeReports(const std::vector<std::string>& paths, const ReportParts& parts) {
+  const Json report = reportOf(parts);
+  for (const std::string& path : paths) {
     const std::string extension = OutputName(path).extension();
+    // Names of files need not be UTF-8.
     writeTextFile(path, extension == ".csv" ? asTable(parts.frames)
                         : extension == ".html"
                             ? pageOf(report, parts.page)

@@ -3,11 +3,12 @@
 #include "engine/measure/label_measures.h"
 #include "engine/measure/measure.h"
 #include "slicemorph/note.h"
-#include "tools/job/morph_settings.h"
+#include "slicemorph/slicemorph.h"
 #include "tools/report/report_page.h"
 
 #include <nlohmann/json.hpp>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,10 @@ struct GridFigures {
 };
 
 struct FrameFigures {
+  int number = 1;           ///< of the frame, as in its file's name
+  std::optional<double> t;  ///< none for a blend given by weights
+  Weights weights;
+  std::string file;
   double voxelSize = 0, foldShare = 0;
   std::optional<ShapeMeasures> shape;         ///< none where the method makes no surface
   std::vector<GridFigures> grids;             ///< of VDB outputs
@@ -33,23 +38,22 @@ struct FrameFigures {
   FrameSeconds seconds;
 };
 
-/// The inputs' settings as they bear on the result: what --resume compares, and the head of the report.
-nlohmann::ordered_json describeJob(const MorphSettings& settings);
-
 /// One frame of the report. `inputs`: measures of the inputs, in order.
-nlohmann::ordered_json describeFrame(const FrameJob& job, const FrameFigures& figures,
-                                     const std::vector<ShapeMeasures>& inputs);
+nlohmann::ordered_json describeFrame(const FrameFigures& figures, const std::vector<ShapeMeasures>& inputs);
 
 /// How far from where they should be landmarks of the first object arrive on the last one, world units.
 struct LandmarkErrors {
   size_t count = 0;
   double before = 0, mean = 0, median = 0, most = 0;  ///< before: mean distance of the places as given
 };
-LandmarkErrors landmarkErrors(const std::vector<Landmark>& landmarks, const MorphPlan& plan);
+/// `landmarks`: each a position per object, world units.
+LandmarkErrors landmarkErrors(const std::vector<std::vector<Vec3d>>& landmarks, const MorphPlan& plan);
 
 struct ReportParts {
+  nlohmann::ordered_json settings;      ///< of the job, as they bear on the result
+  std::vector<std::string> inputNames;  ///< in order
+  std::vector<ShapeMeasures> inputs;    ///< in order
   Notes notes;
-  std::vector<ShapeMeasures> inputs;
   std::vector<nlohmann::ordered_json> frames;
   double loadSeconds = 0, planSeconds = 0;
   std::optional<double> restDistance;  ///< of --method levelset, voxels
@@ -57,7 +61,7 @@ struct ReportParts {
   PageParts page;  ///< for .html
 };
 
-/// Writes the reports, each whole or not at all. Throws IoError.
-void writeReports(const MorphSettings& settings, const ReportParts& parts);
+/// Writes the reports, each whole or not at all, as their extensions say: .json, .csv, .html. Throws IoError.
+void writeReports(const std::vector<std::string>& paths, const ReportParts& parts);
 
 }  // namespace slicemorph

@@ -8,7 +8,6 @@
 #include "io/image/png_writer.h"
 #include "io/mesh/glb_writer.h"
 #include "slicemorph/errors.h"
-#include "tools/job/option_values.h"
 #include "tools/report/dump_slices.h"
 
 #include <algorithm>
@@ -72,47 +71,47 @@ std::string inPage(const Json& json) {
 
 }  // namespace
 
-PageShapes::PageShapes(const MorphSettings& settings)
-    : settings_(settings), frames_(spread(settings.frames.size(), kMostFrames)) {}
+PageShapes::PageShapes(PageJob job) : job_(std::move(job)), shown_(spread(job_.frames, kMostFrames)) {}
 
-bool PageShapes::has(size_t frame) const { return std::binary_search(frames_.begin(), frames_.end(), frame); }
+bool PageShapes::has(size_t frame) const { return std::binary_search(shown_.begin(), shown_.end(), frame); }
 
-void PageShapes::add(size_t frame, const FloatGrid& surface, const openvdb::Vec3SGrid* colors) {
+void PageShapes::add(const PageFrame& frame) {
+  if (!frame.surface || frame.surface->empty()) return;
+  PageFrame coarse = frame;
   try {
-    const Vec3d size = surfaceBox(surface).extents();
-    const double voxel = std::max(surface.voxelSize()[0], std::max({size[0], size[1], size[2]}) / kVoxels);
-    surfaces_.push_back(toLevelSet(surface.copy(), voxel).grid);
-    colors_.push_back(colors ? colorsAround(*surfaces_.back(), *colors) : nullptr);
+    const Vec3d size = surfaceBox(*frame.surface).extents();
+    const double voxel =
+        std::max(frame.surface->voxelSize()[0], std::max({size[0], size[1], size[2]}) / kVoxels);
+    coarse.surface = toLevelSet(frame.surface->copy(), voxel).grid;
+    coarse.colors = frame.colors ? colorsAround(*coarse.surface, *frame.colors) : nullptr;
   } catch (const GeometryError&) {
     return;  // too thin to be seen at this size
   }
-  added_.push_back(frame);
+  added_.push_back(std::move(coarse));
 }
 
-PageParts PageShapes::finish(const MorphPlan* plan, Progress& progress) {
+PageParts PageShapes::finish(const MorphPlan* plan, Progress& progress) const {
   PageParts parts;
-  if (plan) parts.slices = drawSlices(plan->slicePictures(), settings_.inputs);
-  if (surfaces_.empty()) return parts;
-  parts.frames = added_;
+  if (plan) parts.slices = drawSlices(plan->slicePictures(), job_.inputs);
+  if (added_.empty()) return parts;
   std::vector<SurfaceFrame> frames;
   std::vector<openvdb::BBoxd> boxes;
-  for (size_t i = 0; i < added_.size(); ++i) {
-    frames.push_back({surfaces_[i], settings_.frames[added_[i]].weights, colors_[i]});
-    boxes.push_back(surfaceBox(*surfaces_[i]));
+  for (const PageFrame& frame : added_) {
+    parts.frames.push_back(frame.index);
+    frames.push_back({frame.surface, frame.weights, frame.colors});
+    boxes.push_back(surfaceBox(*frame.surface));
   }
-  parts.glb = encodeGlb(followSurfaces(frames, plan, {}, &progress), 1, settings_.glb);
+  parts.glb = encodeGlb(followSurfaces(frames, plan, {}, &progress), 1, job_.space);
   FrameAllOptions framing;
   framing.aspect = double(kWidth) / kHeight;
-  if (settings_.glb.zUp) framing.direction = {-0.55, 1, -0.3}, framing.up = {0, 0, 1};
+  if (job_.space.zUp) framing.direction = {-0.55, 1, -0.3}, framing.up = {0, 0, 1};
   const Camera camera = frameAll(boxes, framing);
   RenderOptions options;
   options.width = kWidth, options.height = kHeight;
   std::vector<Tile> tiles;
-  for (size_t i : spread(added_.size(), kMostPictures)) {
-    const FrameJob& job = settings_.frames[added_[i]];
-    tiles.push_back({renderSurface(*surfaces_[i], camera, options, colors_[i].get()),
-                     job.t ? "t=" + formatNumber(*job.t, 2) : std::to_string(job.number)});
-  }
+  for (size_t i : spread(added_.size(), kMostPictures))
+    tiles.push_back(
+        {renderSurface(*added_[i].surface, camera, options, added_[i].colors.get()), added_[i].caption});
   parts.sheet = encodePng(contactSheet(tiles));
   return parts;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
-#include "tools/job/morph_settings.h"
+#include "io/mesh/glb_writer.h"
+#include "slicemorph/slicemorph.h"
 
 #include <nlohmann/json.hpp>
 
@@ -17,24 +18,38 @@ struct PageParts {
   std::vector<std::string> slices;  ///< an SVG each
 };
 
+/// The job that a page tells of.
+struct PageJob {
+  std::vector<std::string> inputs;  ///< names
+  size_t frames = 0;                ///< how many it has
+  GlbSpace space;                   ///< of the player's shapes
+};
+
+/// One frame's surface for the page.
+struct PageFrame {
+  size_t index = 0;  ///< of the job, from 0
+  Weights weights;
+  std::string caption;  ///< of its picture
+  FloatGrid::ConstPtr surface;
+  openvdb::Vec3SGrid::ConstPtr colors;  ///< of the surface; null: it has none
+};
+
 /// Collects a job's surfaces, coarse and of some frames only, and makes the page's shapes and pictures of
 /// them.
 class PageShapes {
  public:
-  explicit PageShapes(const MorphSettings& settings);
+  explicit PageShapes(PageJob job);
   /// Whether the page shows a frame, from 0.
   bool has(size_t frame) const;
-  /// `colors`: of the surface; null: it has none.
-  void add(size_t frame, const FloatGrid& surface, const openvdb::Vec3SGrid* colors);
+  /// Frames come in order; surfaces that are null, empty or too thin to be seen are left out.
+  void add(const PageFrame& frame);
   /// `plan`: null where one does not serve all frames, or there is none.
-  PageParts finish(const MorphPlan* plan, Progress& progress);
+  PageParts finish(const MorphPlan* plan, Progress& progress) const;
 
  private:
-  const MorphSettings& settings_;
-  std::vector<size_t> frames_;  ///< that are shown
-  std::vector<size_t> added_;
-  std::vector<FloatGrid::Ptr> surfaces_;
-  std::vector<openvdb::Vec3SGrid::ConstPtr> colors_;  ///< per surface
+  PageJob job_;
+  std::vector<size_t> shown_;     ///< frames that the page has room for
+  std::vector<PageFrame> added_;  ///< with coarse surfaces
 };
 
 /// The page: one file that opens from the disk, without a network. `report`: all figures, as in the .json.

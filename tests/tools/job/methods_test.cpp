@@ -1,0 +1,82 @@
+#include "tools/job/methods.h"
+
+#include "engine/measure/measure.h"
+#include "slicemorph/errors.h"
+#include "slicemorph/io/input.h"
+#include "tools/job/morph_settings.h"
+
+#include <openvdb/tools/LevelSetSphere.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+namespace slicemorph {
+namespace {
+
+constexpr double kVoxel = 0.08, kSmall = 0.8, kLarge = 1.2;
+
+LoadedObject sphere(double radius) {
+  LoadedObject input;
+  input.object.levelSet =
+      openvdb::tools::createLevelSetSphere<FloatGrid>(float(radius), openvdb::Vec3f(0.f), float(kVoxel));
+  return input;
+}
+
+/// A job of three frames from a small sphere to a large one about the same centre.
+MorphSettings jobOf(const std::string& method) {
+  MorphSettings settings;
+  settings.inputs = {"small", "large"};
+  settings.method = method;
+  settings.plan.slices = 32;
+  for (int i = 0; i < 3; ++i) settings.frames.push_back({i + 1, i / 2.0, {1 - i / 2.0, i / 2.0}, "", 0, {}});
+  return settings;
+}
+
+double radiusOf(const FloatGrid& levelSet) { return std::cbrt(measureShape(levelSet).volume * 3 / 4 / M_PI); }
+
+TEST(Methods, HaveNamesOfTheirOwnAndHelp) {
+  std::set<std::string> names;
+  for (const MorphMethod& method : morphMethods()) {
+    EXPECT_TRUE(names.insert(method.name).second) << method.name;
+    EXPECT_FALSE(method.help.empty()) << method.name;
+    EXPECT_NE(methodHelp().find(method.name), std::string::npos);
+    EXPECT_EQ(&methodNamed(method.name), &method);
+  }
+  EXPECT_EQ(methodNames().size(), names.size());
+  EXPECT_EQ(MorphSettings().method, morphMethods()[0].name);
+  try {
+    methodNamed("melt");
+    FAIL();
+  } catch (const InputError& error) {
+    for (const std::string& name : names) EXPECT_NE(std::string(error.what()).find(name), std::string::npos);
+  }
+}
+
+/// What a row says that a method makes is what its plan makes.
+TEST(Methods, DoWhatTheirTraitsSay) {
+  const std::vector<LoadedObject> inputs{sphere(kSmall), sphere(kLarge)};
+  for (const MorphMethod& method : morphMethods()) {
+    SCOPED_TRACE(method.name);
+    const MorphSettings settings = jobOf(method.name);
+    Progress progress;
+    const MethodPlan plan = method.plan({settings, inputs, 1, nullptr, progress});
+    EXPECT_EQ(bool(plan.pullback), method.can.grids || method.can.colors || method.can.images);
+    EXPECT_EQ(bool(plan.slices), method.can.guided);
+    for (const FrameJob& job : settings.frames) {
+      const InBetween frame = plan.shape(job);
+      EXPECT_EQ(bool(frame.surface), method.can.surface);
+      if (!frame.surface) continue;
+      // The ends are the inputs, within the half voxel at which --method levelset ends.
+      const double radius = radiusOf(*frame.surface), linear = kSmall + (kLarge - kSmall) * *job.t;
+      if (*job.t == 0 || *job.t == 1) EXPECT_NEAR(radius, linear, kVoxel / 2) << job.number;
+      // Concentric spheres pass through each other's radii in between, whatever the method.
+      EXPECT_GT(radius, kSmall - kVoxel / 2);
+      EXPECT_LT(radius, kLarge + kVoxel / 2);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace slicemorph

@@ -1,0 +1,96 @@
+#include "tools/commands/command_options.h"
+
+#include <algorithm>
+#include <sstream>
+
+namespace slicemorph {
+namespace {
+
+/// Column in which the help's sentences begin, and the one before which they end.
+constexpr size_t kHelpColumn = 34, kHelpWidth = 118;
+
+/// As CLI11 wants names: `INPUT`, `-o,--output`, `--frames`.
+std::string commandLineName(const OptionRow& row) {
+  if (!row.positional.empty()) return row.positional;
+  return (row.name == "output" ? "-o," : "") + ("--" + row.name);
+}
+
+std::string wrapped(const std::string& text, size_t width) {
+  std::string lines;
+  size_t length = 0;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    const bool breaks = length > 0 && length + 1 + word.size() > width;
+    lines += (length == 0 ? "" : breaks ? "\n" : " ") + word;
+    length = (breaks || length == 0 ? 0 : length + 1) + word.size();
+  }
+  return lines;
+}
+
+/// The help of one command: options by the table's groups, only the usual ones unless all are asked for.
+class GroupedHelp : public CLI::Formatter {
+ public:
+  explicit GroupedHelp(std::shared_ptr<const OptionSet> options) : options_(std::move(options)) {
+    column_width(kHelpColumn);
+  }
+
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
+    const bool all = mode != CLI::AppFormatMode::Normal;
+    std::string text = make_description(app) + make_usage(app, name);
+    for (int group = 0; group <= int(OptionGroup::kFarm); ++group)
+      text += groupText(app, OptionGroup(group), all);
+    text += "\nHelp:\n" + make_option(app->get_help_ptr(), false);
+    if (app->get_help_all_ptr()) text += make_option(app->get_help_all_ptr(), false);
+    return text;
+  }
+
+  std::string make_option_desc(const CLI::Option* option) const override {
+    return wrapped(option->get_description(), kHelpWidth - kHelpColumn);
+  }
+
+ private:
+  std::string groupText(const CLI::App* app, OptionGroup group, bool all) const {
+    std::string text;
+    for (const OptionRow* row : options_->rows())
+      if (row->field && row->group == group && (all || row->basic))
+        text += make_option(app->get_option(row->positional.empty() ? "--" + row->name : row->positional),
+                            !row->positional.empty());
+    return text.empty() ? text : "\n" + titleOf(group) + ":\n" + text;
+  }
+
+  std::shared_ptr<const OptionSet> options_;
+};
+
+CLI::Option* addOption(CLI::App& command, const OptionRow& row, const std::shared_ptr<OptionSet>& options) {
+  const std::string name = commandLineName(row), help = helpOf(row);
+  const OptionRow* const known = &row;
+  const auto set = [options, known](const std::vector<std::string>& texts) { options->set(*known, texts); };
+  if (row.type == OptionType::kFlag)
+    return command.add_flag_function(
+        name,
+        [set](std::int64_t count) {
+          if (count > 0) set({"true"});
+        },
+        help);
+  if (row.type != OptionType::kTexts)
+    return command.add_option_function<std::string>(
+        name, [set](const std::string& text) { set({text}); }, help);
+  CLI::Option* option = command.add_option_function<std::vector<std::string>>(name, set, help);
+  return row.positional.empty() ? option->allow_extra_args(false) : option;
+}
+
+}  // namespace
+
+std::shared_ptr<OptionSet> addOptions(CLI::App& command, Command which) {
+  const auto options = std::make_shared<OptionSet>(which);
+  for (const OptionRow* row : options->rows()) {
+    if (!row->field) continue;
+    CLI::Option* option = addOption(command, *row, options);
+    option->group(titleOf(row->group))->required(row->required);
+    if (row->type != OptionType::kFlag) option->type_name(formOf(*row));
+  }
+  command.formatter(std::make_shared<GroupedHelp>(options));
+  return options;
+}
+
+}  // namespace slicemorph

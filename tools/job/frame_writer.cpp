@@ -1,0 +1,88 @@
+#include "tools/job/frame_writer.h"
+
+#include "engine/volume/surface_colors.h"
+#include "engine/volume/voxelise.h"
+#include "io/mesh/glb_writer.h"
+#include "slicemorph/io/image_writer.h"
+#include "slicemorph/io/mesh_writer.h"
+#include "slicemorph/io/vdb_writer.h"
+
+namespace slicemorph {
+namespace {
+
+Mesh coloredSurfaceOf(const MorphFrame& frame) {
+  Mesh mesh = surfaceOf(*frame.shape.surface);
+  if (frame.colors) mesh.colors = colorsAt(*frame.colors, mesh.points);
+  return mesh;
+}
+
+void writeStill(const FrameTask& task, const MorphFrame& frame) {
+  Mesh mesh = coloredSurfaceOf(frame);
+  MovingMesh still{0, std::move(mesh.triangles), {std::move(mesh.points)}, {}};
+  if (!mesh.colors.empty()) still.colors = {std::move(mesh.colors)};
+  writeGlb(task.job.path, {std::move(still)}, task.settings.framesPerSecond, task.settings.glb);
+}
+
+void writeGrids(const FrameTask& task, const MorphFrame& frame) {
+  VdbOutput options = fileOptionsOf(task.inputs);
+  options.framesPerSecond = task.settings.framesPerSecond;
+  options.frame = task.job.number;
+  writeVdb(task.job.path, frame.grids, options);
+}
+
+/// "1-4, 5": the frames that each mesh serves.
+std::string runsOf(const std::vector<MovingMesh>& meshes) {
+  std::string runs;
+  for (const MovingMesh& m : meshes) {
+    runs += (runs.empty() ? "" : ", ") + std::to_string(m.first + 1);
+    if (m.points.size() > 1) runs += "-" + std::to_string(m.first + m.points.size());
+  }
+  return runs;
+}
+
+Note noteOn(const std::string& output, const std::vector<MovingMesh>& meshes) {
+  if (meshes.size() == 1)
+    return {"glb.one-mesh", Severity::kNote, output,
+            meshes[0].points.size() > 1 ? "one mesh with a morph target for each frame" : "one mesh"};
+  return {"glb.several-meshes", Severity::kNote, output,
+          std::to_string(meshes.size()) +
+              " meshes, each shown in its own frames, as none fits the surfaces of all: frames " +
+              runsOf(meshes)};
+}
+
+}  // namespace
+
+void FrameWriter::prepare(const FrameMaker& maker, double done) {
+  if (!settings_.toFrameImages()) return;
+  PartProgress looking(events_, done, done);
+  images_ = setUpImages(settings_, maker, looking);
+  events_.notes(images_->notes);
+}
+
+void FrameWriter::write(const FrameTask& task, const MorphFrame& frame) {
+  if (images_) {
+    events_.notes(writeFrameImage(task, *images_, frame, events_));
+  } else if (frame.image) {
+    writeImage(task.job.path, *frame.image);
+  } else if (settings_.oneGlb()) {
+    surfaces_.push_back({frame.shape.surface, task.job.weights, frame.colors});
+  } else if (OutputName(task.job.path).extension() == ".glb") {
+    writeStill(task, frame);
+  } else if (frame.grids.empty()) {
+    writeMesh(task.job.path, coloredSurfaceOf(frame));
+  } else {
+    writeGrids(task, frame);
+  }
+}
+
+void FrameWriter::finish(const MorphPlan* plan, double from) {
+  if (!settings_.oneGlb()) return;
+  PartProgress following(events_, from, 1);
+  const std::vector<MovingMesh> meshes = followSurfaces(surfaces_, plan, {}, &following);
+  surfaces_.clear();
+  events_.note(noteOn(settings_.output, meshes));
+  writeGlb(settings_.output, meshes, settings_.framesPerSecond, settings_.glb);
+  events_.fileWritten(settings_.output, false);
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,53 @@
+#pragma once
+
+#include "slicemorph/io/input.h"
+#include "slicemorph/slicemorph.h"
+#include "tools/job/picture_options.h"
+#include "tools/job/slice_options.h"
+
+#include <string>
+#include <vector>
+
+namespace slicemorph {
+
+/// What the options of all commands are bound to, as typed: texts are parsed and values of several options
+/// compared later. The initial values are the defaults that the help tells; what stands for "not given" (an
+/// empty text, 0) has its default told in the table (option_table.h).
+struct JobOptions {
+  // Inputs
+  std::vector<std::string> inputs;  ///< of commands that take any number
+  std::string input, other;         ///< of commands that take one; the second of `compare`
+  std::string iso, imageKind = "auto", spacing, upright = "y", unit = "m";
+  LoadOptions load;
+
+  // Shape and matching
+  std::string method = "slices", pictureResolution;
+  MorphOptions plan;
+  std::string axis = "auto", spine = "auto", align = "auto", interpolation = "linear", landmarks,
+              checkLandmarks;
+  bool fogAsSurface = false;
+
+  // Outputs
+  std::string output, at, weights, keys, timing = "linear", ease = "linear", grids, sliceFolder, like;
+  int frames = 24;
+  double framesPerSecond = 24;
+  std::string velocity = "vel", velocityUnit = "second";
+  bool conserve = false, addVelocity = false, json = false;
+  std::vector<std::string> reports;
+  int every = 0, between = 0;  ///< of `reconstruct`; 0: not given
+  double sliceTime = 0;        ///< of `slice`
+
+  // Pictures
+  std::string exrContent = "picture";
+  PictureOptions picture;
+  SliceOptions slices;
+  std::string contactSheet;
+  int columns = 0, turntable = 0;
+
+  // Farm
+  int threads = 0;  ///< 0: as many as the machine has
+  bool resume = false, quiet = false, verbose = false, printConfig = false;
+  std::string config;
+};
+
+}  // namespace slicemorph

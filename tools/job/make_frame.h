@@ -1,0 +1,53 @@
+#pragma once
+
+#include "engine/volume/label_field.h"
+#include "slicemorph/slicemorph.h"
+#include "tools/job/frame_content.h"
+#include "tools/job/methods.h"
+#include "tools/job/morph_settings.h"
+
+#include <optional>
+#include <vector>
+
+namespace slicemorph {
+
+/// What in-between images need of the inputs.
+struct ImagePlan {
+  ImageLattice lattice;            ///< of the results
+  std::vector<LabelField> labels;  ///< per input; none where these hold grey values
+  Notes notes;
+};
+
+/// What all frames of the same inputs share.
+struct FramePlan {
+  FrameContent content;
+  ImagePlan images;  ///< where the content has images
+  MethodPlan method;
+};
+
+/// All that one frame is made of.
+struct FrameTask {
+  const MorphSettings& settings;
+  const std::vector<LoadedObject>& inputs;
+  const FramePlan& plan;
+  const FrameJob& job;
+};
+
+/// One frame's shape and grids.
+struct MorphFrame {
+  InBetween shape;                      ///< surface null where the method makes none, or nothing needs it
+  openvdb::GridCPtrVec grids;           ///< of an output that holds grids, in their order
+  openvdb::Vec3SGrid::ConstPtr colors;  ///< of the shape's surface; null: it has none
+  openvdb::GridBase::ConstPtr density;  ///< of the grids, the fog that the shapes are part of; null: none
+  std::optional<Image> image;           ///< of an image output
+};
+
+/// The shape with its colours, where it has some.
+MorphFrame coloredShape(const FrameTask& task);
+/// All that the output holds. Throws Cancelled between two grids; InputError for grids that do not fit.
+MorphFrame makeFrame(const FrameTask& task, const Progress& cancel);
+
+/// The surface's value in the grey image of a frame.
+double isoOf(const FrameTask& task);
+
+}  // namespace slicemorph

@@ -1,0 +1,216 @@
+#include "tools/job/morph_job.h"
+
+#include "tools/job/guidance_file.h"
+#include "tools/job/landmarks.h"
+#include "tools/job/load_settings.h"
+#include "tools/job/morph_checks.h"
+#include "tools/job/option_values.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace slicemorph {
+namespace {
+
+/// Voxels along the longest side of shapes found in fog, where the shape only steers the map. Set by hand: finer
+/// shapes cost time and tell the matching no more, as it works on coarser lattices.
+constexpr int kFogResolution = 160;
+
+Timing timingOf(const std::string& name) {
+  return name == "smoothstep"    ? Timing::kSmoothstep
+         : name == "catmull-rom" ? Timing::kCatmullRom
+                                 : Timing::kLinear;
+}
+
+ContourPath pathOf(const std::string& name) {
+  return name == "hermite"     ? ContourPath::kHermite
+         : name == "intrinsic" ? ContourPath::kIntrinsic
+                               : ContourPath::kLinear;
+}
+
+SpineKind spineOf(const std::string& name) {
+  return name == "straight" ? SpineKind::kStraight : name == "curved" ? SpineKind::kCurved : SpineKind::kAuto;
+}
+
+/// Evenly from 0 to 1, or those of --at.
+std::vector<double> frameTimes(const OptionSet& options, int frames) {
+  if (!options.given("at")) {
+    std::vector<double> times(size_t(frames), 0.0);
+    for (int i = 1; i < frames; ++i) times[size_t(i)] = double(i) / (frames - 1);
+    return times;
+  }
+  const std::string& at = options.values().at;
+  const std::vector<double> times = options.about("at", [&] { return parseNumbers("--at", at); });
+  for (double t : times)
+    if (t < 0 || t > 1)
+      options.refuse("at", "--at " + at + ": " + formatNumber(t) + " is not a time; times are 0 to 1");
+  return times;
+}
+
+/// Speeds of the weights: frames are 1 / fps seconds apart, whatever their times.
+std::vector<FrameJob> withRates(std::vector<FrameJob> frames, const WeightCourse& course,
+                                double framesPerSecond) {
+  if (frames.size() < 2) return frames;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const size_t before = i > 0 ? i - 1 : i, after = i + 1 < frames.size() ? i + 1 : i;
+    const double perSecond =
+        (*frames[after].t - *frames[before].t) / double(after - before) * framesPerSecond;
+    frames[i].rate = slopeAt(course, *frames[i].t);
+    for (double& r : frames[i].rate) r *= perSecond;
+  }
+  return frames;
+}
+
+KeyList keysOf(const OptionSet& options) {
+  const JobOptions& given = options.values();
+  if (!given.keys.empty()) return {parseKeys("--keys", given.keys, given.inputs), {}};
+  return options.given("keys") ? readKeys(given.config, given.inputs) : KeyList();
+}
+
+/// Times, and the weights at them.
+MorphJob withTimes(MorphJob job, const OptionSet& options) {
+  const JobOptions& given = options.values();
+  MorphSettings& s = job.settings;
+  const KeyList list = keysOf(options);
+  job.notes.insert(job.notes.end(), list.notes.begin(), list.notes.end());
+  const std::string unused = list.keys.empty() ? "" : noteOfUnused(list.keys, s.inputs);
+  if (!unused.empty())
+    job.notes.push_back({"job.input-unused", Severity::kNote,
+                         options.place("keys") + spelledName(options.row("keys")), unused});
+  job.tables.keys = list.keys;
+  const Easing easing = options.about("ease", [&] { return parseEasing("--ease", given.ease); });
+  s.course =
+      courseOf(list.keys.empty() ? evenKeys(s.inputs.size()) : list.keys, timingOf(given.timing), easing);
+
+  const size_t length = lengthOfInputs(options);
+  const bool wholeSequence = length > 1 && !options.given("frames"), atGiven = options.given("at");
+  const std::vector<double> times = frameTimes(options, wholeSequence ? int(length) : given.frames);
+  for (size_t i = 0; i < times.size(); ++i)
+    s.frames.push_back({int(i) + 1,
+                        times[i],
+                        weightsAt(s.course, times[i]),
+                        OutputName(s.output).path(int(i) + 1),
+                        atGiven ? size_t(std::lround(times[i] * double(length - 1))) : i,
+                        {}});
+  s.frames = withRates(std::move(s.frames), s.course, s.framesPerSecond);
+  return job;
+}
+
+/// One blend, of every frame that the inputs have.
+MorphJob withWeights(MorphJob job, const OptionSet& options) {
+  MorphSettings& s = job.settings;
+  for (const char* key : {"keys", "timing", "ease"})
+    if (options.given(key))
+      options.refuse(key, std::string("--") + key +
+                              " is for sequences, by --frames or --at, not for one blend by --weights");
+  const std::string said = "--weights " + options.values().weights;
+  const CheckedWeights weights = options.about("weights", [&] {
+    return checkWeights(said, parseNumbers("--weights", options.values().weights), s.inputs.size());
+  });
+  if (!weights.note.empty())
+    job.notes.push_back(
+        {"job.weights-normalised", Severity::kNote, "", options.place("weights") + weights.note});
+  job.tables.values["weights"] = tomlOf(weights.weights);
+  for (size_t i = 0; i < lengthOfInputs(options); ++i)
+    s.frames.push_back(
+        {int(i) + 1, std::nullopt, weights.weights, OutputName(s.output).path(int(i) + 1), i, {}});
+  return job;
+}
+
+std::vector<Landmark> landmarksOf(const OptionSet& options, const std::string& name,
+                                  const std::string& text) {
+  // --print-config needs no files.
+  if (options.values().printConfig && text.find('=') == std::string::npos) return {};
+  return options.about(name,
+                       [&] { return readLandmarks("--" + name, text, options.values().inputs.size()); });
+}
+
+/// Features, regions, landmarks.
+MorphJob withGuidance(MorphJob job, const OptionSet& options) {
+  const JobOptions& given = options.values();
+  MorphSettings& s = job.settings;
+  if (!given.config.empty()) {
+    const Guidance guidance = readGuidance(given.config, s.inputs);
+    s.plan.features = job.tables.features = guidance.features;
+    s.plan.regions = job.tables.regions = guidance.regions;
+    job.notes.insert(job.notes.end(), guidance.notes.begin(), guidance.notes.end());
+  }
+  s.landmarks = landmarksOf(options, "landmarks", given.landmarks);
+  s.checkLandmarks = landmarksOf(options, "check-landmarks", given.checkLandmarks);
+  for (const Feature& feature : featuresOf(s.landmarks)) s.plan.features.push_back(feature);
+  return job;
+}
+
+LoadOptions loadingOf(const MorphSettings& s, const OptionSet& options) {
+  LoadOptions load = loadSettings(options);
+  if (!load.isosByInput.empty() && load.isosByInput.size() != s.inputs.size())
+    options.refuse("iso", "--iso names values for " + std::to_string(load.isosByInput.size()) +
+                              " inputs of " + std::to_string(s.inputs.size()) +
+                              "; give one for all or one for each, for example --iso 300/250");
+  // The shape found in fog only steers the map, unless it is what is asked for.
+  if (s.holdsGrids() && !std::count(s.grids.begin(), s.grids.end(), "surface"))
+    load.fogResolution = kFogResolution;
+  return load;
+}
+
+MorphOptions planOf(const OptionSet& options, bool images) {
+  const JobOptions& given = options.values();
+  MorphOptions plan = given.plan;
+  plan.voxelSize = given.load.voxelSize;
+  plan.path = pathOf(given.interpolation);
+  if (given.axis != "auto")
+    plan.axis = options.about("axis", [&] { return parseDirection("--axis", given.axis); });
+  plan.spine = spineOf(given.spine);
+  plan.align = given.align == "none" ? Align::kNone : Align::kAuto;
+  // Scans know where they lie.
+  plan.up = images ? Vec3d(0.0) : given.upright == "z" ? Vec3d(0, 0, 1) : Vec3d(0, 1, 0);
+  return plan;
+}
+
+VelocitySettings velocityOf(const OptionSet& options, const MorphSettings& s, bool images) {
+  const JobOptions& given = options.values();
+  const bool none = s.toPictures() || (images && !options.given("velocity"));
+  return {none ? "none" : given.velocity, given.velocityUnit == "frame", given.addVelocity};
+}
+
+/// What options say by themselves.
+MorphSettings plainSettings(const OptionSet& options) {
+  const JobOptions& given = options.values();
+  MorphSettings s;
+  s.options = given;
+  s.inputs = given.inputs, s.output = given.output, s.method = given.method;
+  s.framesPerSecond = given.framesPerSecond, s.reports = given.reports, s.sliceFolder = given.sliceFolder;
+  s.quiet = given.quiet, s.resume = given.resume;
+  s.conserve = given.conserve, s.like = given.like;
+  if (options.given("grids"))
+    s.grids = options.about("grids", [&] { return parseNames("--grids", given.grids); });
+  s.exrContent = given.exrContent == "slices" ? ExrContent::kSlices : ExrContent::kPicture;
+  const bool images = std::all_of(s.inputs.begin(), s.inputs.end(), isImageInput);
+  s.velocity = velocityOf(options, s, images);
+  s.load = loadingOf(s, options);
+  s.plan = planOf(options, images);
+  s.glb.zUp = given.upright == "z";
+  s.glb.metres = given.unit == "mm" ? 1e-3 : given.unit == "cm" ? 1e-2 : 1;
+  s.picture = checkedPicture(options), s.exrSlices = checkedSlices(options, "exr-");
+  s.pictureOptions = options.givenFor(OptionTarget::kPictures);
+  s.sliceOptions = options.givenFor(OptionTarget::kExrSlices);
+  s.frameSettings = options.frameSettings();
+  return s;
+}
+
+}  // namespace
+
+MorphJob morphJob(const OptionSet& options) {
+  checkEssentials(options);
+  MorphJob job;
+  job.settings = plainSettings(options);
+  job.tables.inputs = job.settings.inputs;
+  job = withGuidance(std::move(job), options);
+  job = options.given("weights") ? withWeights(std::move(job), options) : withTimes(std::move(job), options);
+  checkPurposes(job.settings, options);
+  checkOutputKind(job.settings, options);
+  checkMethodInputs(job.settings, options);
+  return job;
+}
+
+}  // namespace slicemorph

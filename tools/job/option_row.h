@@ -1,0 +1,89 @@
+#pragma once
+
+#include "tools/job/job_options.h"
+#include "tools/job/methods.h"
+
+#include <limits>
+#include <string>
+#include <variant>
+#include <vector>
+
+/// One option of the program as data: see option_table.h.
+namespace slicemorph {
+
+/// kNumbers: numbers separated by commas, also other texts; in a file a list or one number. kPlaces: names of
+/// files or landmarks, `x,y,z=x,y,z;...`. kTables: a text on the command line, tables in a file, which
+/// guidance_file.h reads.
+enum class OptionType { kFlag, kInteger, kNumber, kText, kTexts, kNumbers, kPlaces, kTables };
+
+/// In the order of the help.
+enum class OptionGroup { kInputs, kShape, kMatching, kOutputs, kImages, kPictures, kFarm };
+
+/// Commands are bits, as a row may be of several.
+enum Command : unsigned {
+  kMorph = 1,
+  kSlice = 2,
+  kReconstruct = 4,
+  kConvert = 8,
+  kRender = 16,
+  kCompare = 32,
+  kInfo = 64,
+};
+
+/// The field that a row is bound to; none for tables that only files have.
+using OptionField =
+    std::variant<std::monostate, bool*, int*, double*, std::string*, std::vector<std::string>*>;
+
+/// Limits of a number.
+struct OptionRange {
+  double least = -std::numeric_limits<double>::infinity();
+  double most = std::numeric_limits<double>::infinity();
+  bool open = false;  ///< `least` itself is out of range
+};
+
+/// What `morph` must make for an option to have an effect.
+enum class OptionTarget { kAny, kPictures, kExrSlices };
+
+struct OptionRow {
+  std::string name;        ///< as in `--name` and in job files
+  std::string positional;  ///< its name in the help; empty: the option has dashes
+  OptionType type = OptionType::kText;
+  OptionGroup group = OptionGroup::kOutputs;
+  unsigned commands = 0;
+  OptionField (*field)(JobOptions&) = nullptr;
+  std::string form;  ///< what a value looks like: `N`, `X,Y,Z`
+  std::string unit;  ///< of numbers: "degrees"; empty: a mere number
+  OptionRange range;
+  std::vector<std::string> choices;  ///< empty: any text
+  std::string help;                  ///< what it does; unit, range and default are added by helpOf()
+  std::string fallback;  ///< what holds where it is not given, if the field's initial value does not say it
+  std::vector<std::string> excludes;    ///< it cannot be given together with these
+  std::vector<std::string> silencedBy;  ///< beside those: on the command line they silence the file's
+  bool MethodTraits::*needs = nullptr;  ///< what the method of `morph` must be able to do; null: nothing
+  OptionTarget target = OptionTarget::kAny;
+  bool basic = false;     ///< in the short help
+  bool required = false;  ///< the command cannot do without
+  bool inFiles = true;    ///< job files may give it
+  bool inFrames = true;   ///< frames depend on it: --resume compares it
+
+  bool isOf(Command command) const { return (commands & command) != 0; }
+};
+
+/// As the help has it: "Matching".
+std::string titleOf(OptionGroup group);
+/// `--name`, for messages; `-o`, `INPUT` where that is what one types.
+std::string spelledName(const OptionRow& row);
+/// What a value looks like, choices joined by bars; empty for flags.
+std::string formOf(const OptionRow& row);
+/// The sentence with unit, range and default: "Slices per object (8 to 1024; default 96)".
+std::string helpOf(const OptionRow& row);
+/// The default as a value; empty where there is none or it is found in the course of the work.
+std::string defaultOf(const OptionRow& row);
+/// A field's value as the command line would have it; empty for 0 and false.
+std::string spelledValue(const OptionRow& row, const JobOptions& options);
+
+/// Checks type, range and choices of a value and puts it into the row's field. Throws InputError naming the
+/// option, the value and what would be right.
+void setField(const OptionRow& row, const std::vector<std::string>& texts, JobOptions& options);
+
+}  // namespace slicemorph

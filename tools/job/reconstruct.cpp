@@ -1,0 +1,50 @@
+#include "tools/job/reconstruct.h"
+
+#include "io/paths.h"
+#include "slicemorph/io/input.h"
+#include "tools/job/option_values.h"
+#include "tools/job/reconstruct_contours.h"
+#include "tools/job/reconstruct_labels.h"
+#include "tools/job/reconstruct_slices.h"
+
+namespace slicemorph {
+namespace {
+
+/// EXR images are slices with their planes, unless a spacing says that they are a stack of labels.
+bool isOfSlices(const ReconstructJob& job) {
+  return extensionOf(job.input) == ".exr" && job.image.spacing[0] == 0;
+}
+
+/// Options that say nothing to EXR slices.
+void refuseForSlices(const ReconstructJob& job) {
+  const std::vector<std::pair<bool, std::string>> others = {{job.every > 0, "--every"},
+                                                            {job.between > 0, "--between"},
+                                                            {job.axis >= 0, "--axis"},
+                                                            {!job.like.empty(), "--like"},
+                                                            {!job.reports.empty(), "--report"}};
+  for (const auto& [given, option] : others)
+    if (given)
+      throw InputError(option + " is for label maps and contours; " + job.input + " are slices of grids");
+}
+
+}  // namespace
+
+void reconstruct(const ReconstructJob& job, JobEvents& events) {
+  if (isOfSlices(job)) {
+    refuseForSlices(job);
+    return reconstructSlices(job, events);
+  }
+  if (job.grids) throw InputError("--grids is for EXR slices; " + job.input + " are none");
+  const InputSpec input = parseInput(job.input);
+  if (!input.isImage()) filesOfInput(input);  // a missing file is the better message
+  if (input.contents == Contents::kContours) return reconstructContours(job, input, events);
+  if (!input.isImage())
+    throw InputError(
+        job.input +
+        " is neither a label map (.nii .nii.gz .nrrd .nhdr .mha .mhd, name.####.png|tif) nor contours (.csl, "
+        "a DICOM RT structure set) nor EXR slices (name.####.exr, name.exr)");
+  checkInputExists(job.input);
+  reconstructLabels(job, events);
+}
+
+}  // namespace slicemorph

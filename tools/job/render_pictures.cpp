@@ -1,0 +1,160 @@
+#include "tools/job/render_pictures.h"
+
+#include "engine/render/contact_sheet.h"
+#include "engine/render/render.h"
+#include "io/image/video_writer.h"
+#include "slicemorph/errors.h"
+#include "slicemorph/io/output.h"
+#include "tools/job/option_values.h"
+#include "tools/job/render_shots.h"
+
+#include <memory>
+
+namespace slicemorph {
+namespace {
+
+constexpr double kHalfTurn = 3.14159265358979323846;
+/// Share of the job that is looking where everything is.
+constexpr double kLooked = 0.3;
+
+/// One picture to make.
+struct Shot {
+  size_t input = 0;
+  int number = 1;
+  double angle = 0;  ///< radians, of the turntable
+  std::string caption;
+};
+
+/// All inputs, or a full turn during which they play once.
+std::vector<Shot> listShots(const std::vector<RenderInput>& inputs, int turntable) {
+  std::vector<Shot> shots;
+  for (size_t i = 0; turntable == 0 && i < inputs.size(); ++i)
+    shots.push_back({i, inputs[i].number, 0, inputs[i].caption});
+  for (int n = 0; n < turntable; ++n) {
+    const size_t input = size_t(n) * inputs.size() / size_t(turntable);
+    shots.push_back(
+        {input, n + 1, 2 * kHalfTurn * n / turntable, formatNumber(360.0 * n / turntable, 4) + " deg"});
+  }
+  return shots;
+}
+
+/// Takes the pictures as they are made: numbered files, or one that moves.
+class PictureOutput {
+ public:
+  explicit PictureOutput(const RenderJob& job) : job_(job) {
+    const std::string& output = job.output;
+    if (isVideoExtension(OutputName(output).extension()))
+      video_ = std::make_unique<VideoWriter>(output, job.picture.render.width, job.picture.render.height,
+                                             job.framesPerSecond);
+  }
+
+  /// Returns the file that is complete; empty: none yet.
+  std::string add(const Picture& picture, int number) {
+    if (video_) return video_->add(picture), "";
+    if (job_.output.empty()) return "";
+    const std::string path = OutputName(job_.output).path(number);
+    writePicture(path, picture);
+    return path;
+  }
+  std::string finish() {
+    if (!video_) return "";
+    video_->commit();
+    return job_.output;
+  }
+
+ private:
+  const RenderJob& job_;
+  std::unique_ptr<VideoWriter> video_;
+};
+
+/// What is wrong with a file's grid is told with the file's name.
+template <typename Action>
+auto ofFile(const std::string& path, const Action& action) {
+  try {
+    return action();
+  } catch (const InputError& error) {
+    throw InputError(path + ": " + error.what());
+  } catch (const GeometryError& error) {
+    throw GeometryError(path + ": " + error.what());
+  }
+}
+
+/// Where all is that is to be seen.
+struct Scene {
+  std::vector<openvdb::BBoxd> boxes;
+  std::vector<FogMeasure> fogs;
+};
+
+Scene lookAround(const std::vector<RenderInput>& inputs, RenderSubjects& subjects, JobEvents& events) {
+  Scene scene;
+  for (size_t i = 0; i < inputs.size(); ++i) {
+    events.throwIfCancelled();
+    events.report("reading", kLooked * double(i) / double(inputs.size()));
+    const RenderSubject subject = subjects.get(i);
+    ofFile(inputs[i].path, [&] {
+      if (subject.fog) {
+        scene.fogs.push_back(measureFog(*subject.fog));
+        // A simulation may begin without any.
+        if (!scene.fogs.back().box.empty()) scene.boxes.push_back(scene.fogs.back().box);
+      } else {
+        scene.boxes.push_back(surfaceBox(*subject.surface));
+      }
+    });
+  }
+  if (scene.boxes.empty())
+    throw GeometryError(inputs[0].path + (inputs.size() > 1 ? " and all others are" : " is") +
+                        " fog without an active voxel: there is nothing to see");
+  return scene;
+}
+
+/// One file holds one picture, or moves.
+void checkCount(const RenderJob& job, size_t inputs) {
+  const size_t pictures = job.turntable > 0 ? size_t(job.turntable) : inputs;
+  const OutputName name(job.output);
+  if (pictures > 1 && !job.output.empty() && !isVideoExtension(name.extension()) && !name.isSequence())
+    throw InputError("-o " + job.output + " is one file for " + std::to_string(pictures) +
+                     " pictures; put #### where the number belongs (name.####.png)");
+}
+
+}  // namespace
+
+void renderPictures(const RenderJob& job, JobEvents& events) {
+  const std::vector<RenderInput> inputs = listRenderInputs(job.inputs);
+  checkCount(job, inputs.size());
+  PictureOutput output(job);
+  RenderSubjects subjects(inputs, job.load, job.asSurface);
+  const Scene scene = lookAround(inputs, subjects, events);
+  const Camera camera = cameraFor(scene.boxes, job.picture);
+  const FogLook look = lookFor(scene.fogs, job.picture);
+  if (!scene.fogs.empty() && job.picture.extinction == 0)
+    events.note(Note(
+        "render.extinction", Severity::kNote, "fog",
+        "extinction " + formatNumber(look.extinction, 4) + " per world unit (--extinction sets another)"));
+
+  const auto written = [&](const std::string& path) {
+    if (!path.empty()) events.fileWritten(path, false);
+  };
+  std::vector<Tile> tiles;
+  const std::vector<Shot> shots = listShots(inputs, job.turntable);
+  for (size_t i = 0; i < shots.size(); ++i) {
+    events.throwIfCancelled();
+    events.report("rendering", kLooked + (1 - kLooked) * double(i) / double(shots.size()));
+    const Shot& shot = shots[i];
+    const RenderSubject subject = subjects.get(shot.input);
+    const Camera from = turned(camera, shot.angle);
+    Picture picture = ofFile(inputs[shot.input].path, [&] {
+      return subject.fog ? renderFog(*subject.fog, look, from, job.picture.render)
+                         : renderSurface(*subject.surface, from, job.picture.render, subject.colors.get());
+    });
+    written(output.add(picture, shot.number));
+    if (job.sheet.empty()) continue;
+    for (auto* unused : {&picture.mask, &picture.depth, &picture.normal}) *unused = {};
+    tiles.push_back({std::move(picture), shot.caption});
+  }
+  written(output.finish());
+  if (job.sheet.empty()) return;
+  writePicture(job.sheet, contactSheet(tiles, job.columns));
+  written(job.sheet);
+}
+
+}  // namespace slicemorph

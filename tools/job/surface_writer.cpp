@@ -1,0 +1,40 @@
+#include "tools/job/surface_writer.h"
+
+#include "io/paths.h"
+#include "slicemorph/io/mesh_writer.h"
+#include "slicemorph/io/vdb_writer.h"
+
+namespace slicemorph {
+
+SurfaceWriter::SurfaceWriter(const ReconstructJob& job, size_t count, const std::string& list,
+                             JobEvents& events)
+    : job_(job), events_(events), name_(job.output) {
+  if (toVdb() || count < 2 || name_.isSequence()) return;
+  throw InputError(
+      "-o " + job.output + " is one file for " + std::to_string(count) +
+      " surfaces; put #### where their number belongs (name.####.stl), write a .vdb, or choose one: " + list);
+}
+
+bool SurfaceWriter::toVdb() const { return extensionOf(job_.output) == ".vdb"; }
+
+void SurfaceWriter::add(const Structure& structure) {
+  const std::string path = toVdb() ? job_.output : name_.path(structure.number);
+  if (toVdb()) {
+    structure.grid->setName(structure.name);
+    grids_.push_back(structure.grid);
+  } else {
+    writeMesh(path, structure.mesh);
+    events_.fileWritten(path, false);
+  }
+  if (!job_.reports.empty()) rows_.push_back(rowOf(structure.number, structure.name, structure.mesh, path));
+}
+
+std::vector<StructureRow> SurfaceWriter::finish() {
+  if (!grids_.empty()) {
+    writeVdb(job_.output, grids_, {});
+    events_.fileWritten(job_.output, false);
+  }
+  return rows_;
+}
+
+}  // namespace slicemorph
