@@ -72,7 +72,7 @@ void place(const std::string& path, const nifti_image& header, ImageFile& file) 
   for (int d = 0; d < 3; ++d) file.image.lattice.step[d] = affine.step[d] * unit;
 }
 
-RawType rawTypeOf(const std::string& path, int datatype) {
+RawType rawTypeOfNifti(const std::string& path, int datatype) {
   switch (datatype) {
     case DT_UINT8:
       return {1, RawType::kUnsigned};
@@ -133,7 +133,7 @@ ImageFile readNifti(const std::string& path, int volume) {
                                std::to_string(file.volumes) + ", numbered from 0");
   file.image.lattice.size = size;
   place(path, *header, file);
-  const RawType type = rawTypeOf(path, header->datatype);
+  const RawType type = rawTypeOfNifti(path, header->datatype);
   const size_t count = file.image.lattice.count();
   const double slope = header->scl_slope, intercept = header->scl_inter;
   const bool scaled = slope != 0 && std::isfinite(slope) && std::isfinite(intercept);

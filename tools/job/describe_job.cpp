@@ -15,28 +15,28 @@ const char* nameOf(ContourPath path) {
   return path == ContourPath::kIntrinsic ? "intrinsic" : "linear";
 }
 
-Json describe(const Vec3d& v) { return {v[0], v[1], v[2]}; }
+Json toJson(const Vec3d& v) { return {v[0], v[1], v[2]}; }
 
-Json describe(const Feature& feature) {
+Json toJson(const Feature& feature) {
   const char* kinds[] = {"point", "line", "disk"};
   Json json = {{"name", feature.name}, {"kind", kinds[int(feature.kind)]}, {"places", Json::array()}};
   for (const std::vector<Vec3d>& ofInput : feature.places) {
     json["places"].push_back(Json::array());
-    for (const Vec3d& place : ofInput) json["places"].back().push_back(describe(place));
+    for (const Vec3d& place : ofInput) json["places"].back().push_back(toJson(place));
   }
   if (feature.kind != Feature::Kind::kDisk) return json;
   json["normals"] = Json::array();
-  for (const Vec3d& normal : feature.normals) json["normals"].push_back(describe(normal));
+  for (const Vec3d& normal : feature.normals) json["normals"].push_back(toJson(normal));
   json["radii"] = feature.radii;
   return json;
 }
 
-Json describe(const Region& region) {
+Json toJson(const Region& region) {
   Json json = {{"name", region.name}, {"on", region.object + 1}};
   if (region.kind == Region::Kind::kSphere)
-    json["sphere"] = {{"center", describe(region.center)}, {"radius", region.radius}};
+    json["sphere"] = {{"center", toJson(region.center)}, {"radius", region.radius}};
   else if (region.kind == Region::Kind::kBox)
-    json["box"] = {{"min", describe(region.box.min())}, {"max", describe(region.box.max())}};
+    json["box"] = {{"min", toJson(region.box.min())}, {"max", toJson(region.box.max())}};
   else
     json["spine"] = {region.from, region.to};
   json["border"] = region.border;
@@ -59,9 +59,9 @@ Json describeJob(const MorphSettings& s) {
   job["ease"] = {s.course.easing.x1, s.course.easing.y1, s.course.easing.x2, s.course.easing.y2};
   job["interpolation"] = nameOf(s.plan.path);
   job["features"] = Json::array();
-  for (const Feature& feature : s.plan.features) job["features"].push_back(describe(feature));
+  for (const Feature& feature : s.plan.features) job["features"].push_back(toJson(feature));
   job["regions"] = Json::array();
-  for (const Region& region : s.plan.regions) job["regions"].push_back(describe(region));
+  for (const Region& region : s.plan.regions) job["regions"].push_back(toJson(region));
   job["voxelSize"] = s.load.voxelSize;
   job["resolution"] = s.load.resolution;
   job["iso"] = s.load.iso;

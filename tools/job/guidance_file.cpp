@@ -8,7 +8,7 @@
 namespace slicemorph {
 namespace {
 
-using Inputs = std::vector<std::string>;
+using InputTexts = std::vector<std::string>;
 
 /// The tables [[kind]] of a file; none where it has none.
 std::vector<const toml::table*> tablesOf(const toml::table& root, const std::string& kind,
@@ -38,7 +38,7 @@ double positive(const toml::node& node, const std::string& what, const TomlReade
   return value;
 }
 
-size_t inputOf(const toml::node& node, const std::string& what, const Inputs& inputs,
+size_t inputOf(const toml::node& node, const std::string& what, const InputTexts& inputs,
                const TomlReader& read) {
   try {
     return inputNamed(read.text(node, what), inputs);
@@ -49,7 +49,7 @@ size_t inputOf(const toml::node& node, const std::string& what, const Inputs& in
 }
 
 /// `weights = [...]` or `input = "..."` of a table.
-Weights weightsOf(const toml::table& table, const Inputs& inputs, TomlReader& read) {
+Weights weightsOf(const toml::table& table, const InputTexts& inputs, TomlReader& read) {
   const std::string key = read.onlyOne(table, {"weights", "input"});
   const toml::node& node = *table.get(key);
   if (key == "weights") {
@@ -88,7 +88,7 @@ void addDisk(Feature& feature, const toml::node& node, const std::string& what, 
   feature.radii.push_back(positive(read.needed(disk, "radius", example), what + ": radius", read));
 }
 
-Feature featureOf(const toml::table& table, size_t number, const Inputs& inputs, TomlReader& read) {
+Feature featureOf(const toml::table& table, size_t number, const InputTexts& inputs, TomlReader& read) {
   Feature feature;
   feature.name = nameOf(table, "feature", number, read);
   read.checkKeys(table, {"name", "point", "line", "disk"});
@@ -140,7 +140,7 @@ void setStretch(Region& region, const toml::node& node, const TomlReader& read) 
   region.from = ends[0], region.to = ends[1];
 }
 
-Region regionOf(const toml::table& table, size_t number, const Inputs& inputs, TomlReader& read) {
+Region regionOf(const toml::table& table, size_t number, const InputTexts& inputs, TomlReader& read) {
   Region region;
   region.name = nameOf(table, "region", number, read);
   read.checkKeys(table, {"name", "on", "sphere", "box", "spine", "border", "weights", "input"});
@@ -159,7 +159,7 @@ Region regionOf(const toml::table& table, size_t number, const Inputs& inputs, T
   return region;
 }
 
-WeightKey keyOf(const toml::node& node, const WeightKey* before, const Inputs& inputs, TomlReader& read) {
+WeightKey keyOf(const toml::node& node, const WeightKey* before, const InputTexts& inputs, TomlReader& read) {
   const std::string example = "{at = 0.5, input = \"a\"} or {at = 0.5, weights = [...]}";
   const toml::table& table = read.table(node, "key", example);
   read.checkKeys(table, {"at", "input", "weights"});
@@ -172,7 +172,7 @@ WeightKey keyOf(const toml::node& node, const WeightKey* before, const Inputs& i
 
 }  // namespace
 
-Guidance readGuidance(const std::string& path, const Inputs& inputs) {
+Guidance readGuidance(const std::string& path, const InputTexts& inputs) {
   const toml::table root = parseToml(path);
   TomlReader read(path);
   Guidance guidance;
@@ -185,7 +185,7 @@ Guidance readGuidance(const std::string& path, const Inputs& inputs) {
   return guidance;
 }
 
-KeyList readKeys(const std::string& path, const Inputs& inputs) {
+KeyList readKeys(const std::string& path, const InputTexts& inputs) {
   const toml::table root = parseToml(path);
   TomlReader read(path);
   KeyList list;

@@ -13,7 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// `input 1 'amphora' (assets/amphora.ply), input 2 ...`
-std::string listOf(const std::vector<std::string>& inputs) {
+std::string inputList(const std::vector<std::string>& inputs) {
   std::string list;
   for (size_t k = 0; k < inputs.size(); ++k)
     list += (k ? ", " : "") + std::to_string(k + 1) + " '" + stemOfInput(inputs[k]) + "' (" + inputs[k] + ")";
@@ -54,7 +54,7 @@ size_t inputNamed(const std::string& name, const std::vector<std::string>& input
   const std::vector<size_t> found = inputsCalled(name, inputs);
   if (found.size() == 1) return found[0];
   throw InputError("'" + name + "' is " + (found.empty() ? "no input" : "more than one input") +
-                   "; inputs are " + listOf(inputs) +
+                   "; inputs are " + inputList(inputs) +
                    (found.empty() ? "" : "; tell them apart by number or as typed"));
 }
 

@@ -9,7 +9,7 @@
 namespace slicemorph {
 namespace {
 
-const char* describe(OptionType type) {
+const char* expectedOf(OptionType type) {
   switch (type) {
     case OptionType::kInteger:
       return "a whole number";
@@ -115,7 +115,7 @@ void applyJobFile(const std::string& path, OptionSet& options) {
     const bool tables = row.type == OptionType::kTables;
     const std::vector<std::string> values = tables ? std::vector<std::string>() : spell(node, row.type);
     if (!tables && values.empty())
-      throw InputError(place + "'" + row.name + "' must be " + describe(row.type));
+      throw InputError(place + "'" + row.name + "' must be " + expectedOf(row.type));
     if (options.silenced(row)) continue;
     // A flag that is off is as good as not said.
     if (row.type == OptionType::kFlag && values[0] == "false") continue;

@@ -26,20 +26,13 @@ std::string quoted(const std::string& text) {
   return result + "\"";
 }
 
-std::string listOf(const std::vector<std::string>& items) {
+std::string tomlList(const std::vector<std::string>& items) {
   std::string text;
   for (const std::string& item : items) text += (text.empty() ? "" : ", ") + item;
   return "[" + text + "]";
 }
 
 std::string placeOf(const Vec3d& v) { return tomlOf(std::vector<double>{v[0], v[1], v[2]}); }
-
-std::vector<std::string> parted(const std::string& text, char mark) {
-  std::vector<std::string> parts;
-  std::istringstream stream(text);
-  for (std::string part; std::getline(stream, part, mark);) parts.push_back(part);
-  return parts;
-}
 
 /// Numbers parted by commas, one by itself; anything else is a text.
 std::string numbersOrText(const std::string& text) {
@@ -58,9 +51,9 @@ std::string placesOrText(const std::string& text) {
   for (const std::string& mark : parted(text, ';')) {
     std::vector<std::string> places;
     for (const std::string& place : parted(mark, '=')) places.push_back(numbersOrText(place));
-    marks.push_back(listOf(places));
+    marks.push_back(tomlList(places));
   }
-  return listOf(marks);
+  return tomlList(marks);
 }
 
 /// A value that the command line has as these texts, as TOML.
@@ -78,7 +71,7 @@ std::string valueOf(const OptionRow& row, const std::vector<std::string>& texts)
     case OptionType::kTexts: {
       std::vector<std::string> items;
       for (const std::string& each : texts) items.push_back(quoted(each));
-      return listOf(items);
+      return tomlList(items);
     }
     default:
       return quoted(text);
@@ -130,7 +123,7 @@ std::string describe(const Feature& feature) {
     if (feature.kind == Feature::Kind::kPoint)
       items.push_back(places[0]);
     else if (feature.kind == Feature::Kind::kLine)
-      items.push_back(listOf(places));
+      items.push_back(tomlList(places));
     else
       items.push_back("{center = " + places[0] + ", normal = " + placeOf(feature.normals[k]) +
                       ", radius = " + formatExactly(feature.radii[k]) + "}");
@@ -138,7 +131,7 @@ std::string describe(const Feature& feature) {
   const char* kind = feature.kind == Feature::Kind::kPoint  ? "point"
                      : feature.kind == Feature::Kind::kLine ? "line"
                                                             : "disk";
-  return "\n[[feature]]\nname = " + quoted(feature.name) + "\n" + kind + " = " + listOf(items) + "\n";
+  return "\n[[feature]]\nname = " + quoted(feature.name) + "\n" + kind + " = " + tomlList(items) + "\n";
 }
 
 std::string describe(const Region& region, const std::vector<std::string>& inputs) {
@@ -179,7 +172,7 @@ constexpr const char* kNoRegion = R"(
 std::string tomlOf(const std::vector<double>& numbers) {
   std::vector<std::string> items;
   for (const double number : numbers) items.push_back(formatExactly(number));
-  return listOf(items);
+  return tomlList(items);
 }
 
 std::string jobText(const OptionSet& options, const JobTables& tables) {

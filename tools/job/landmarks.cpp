@@ -12,14 +12,7 @@
 namespace slicemorph {
 namespace {
 
-std::vector<std::string> parted(const std::string& text, char mark) {
-  std::vector<std::string> parts;
-  std::istringstream stream(text);
-  for (std::string part; std::getline(stream, part, mark);) parts.push_back(part);
-  return parts;
-}
-
-Vec3d positionOf(const std::string& option, const std::string& text) {
+Vec3d parsePosition(const std::string& option, const std::string& text) {
   const std::vector<double> n = parseNumbers(option, text);
   if (n.size() != 3) throw InputError(option + ": '" + text + "' is no place; expected x,y,z");
   return {n[0], n[1], n[2]};
@@ -101,7 +94,7 @@ std::vector<Landmark> readLandmarks(const std::string& option, const std::string
     for (const std::string& mark : parted(text, ';')) {
       landmarks.emplace_back();
       for (const std::string& place : parted(mark, '='))
-        landmarks.back().push_back(positionOf(option, place));
+        landmarks.back().push_back(parsePosition(option, place));
       if (landmarks.back().size() != inputs)
         throw InputError(option + ": a landmark has " + std::to_string(landmarks.back().size()) +
                          " places for " + std::to_string(inputs) + " inputs: " + mark);

@@ -31,6 +31,13 @@ std::string formatExactly(double value) {
   return formatNumber(value, 17);
 }
 
+std::vector<std::string> parted(const std::string& text, char mark) {
+  std::vector<std::string> parts;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, mark);) parts.push_back(part);
+  return parts;
+}
+
 std::vector<double> parseNumbers(const std::string& option, const std::string& text) {
   std::vector<double> numbers;
   size_t start = 0;

@@ -14,6 +14,8 @@ std::string formatNumber(double value, int digits = 6);
 /// As short as it can be read back.
 std::string formatExactly(double value);
 
+/// The parts of a text between marks.
+std::vector<std::string> parted(const std::string& text, char mark);
 /// Numbers separated by commas.
 std::vector<double> parseNumbers(const std::string& option, const std::string& text);
 /// Names separated by commas, one at least.
