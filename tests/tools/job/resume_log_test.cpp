@@ -90,7 +90,8 @@ TEST(ProgramBuild, IsTheVersionAndTheLinkersIdentifier) {
   const size_t at = listing.find(mark);
   ASSERT_NE(at, std::string::npos) << "the test is linked without --build-id";
   const std::string id = listing.substr(at + mark.size(), listing.find('\n', at) - at - mark.size());
-  EXPECT_NE(programBuild().find(" (" + id + ")"), std::string::npos) << programBuild() << " without " << id;
+  // The engine's follows where it is a library of its own.
+  EXPECT_NE(programBuild().find(" (" + id), std::string::npos) << programBuild() << " without " << id;
 }
 
 }  // namespace
