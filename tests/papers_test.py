@@ -151,6 +151,16 @@ def check_methods():
     errors.extend("tools/README.md lacks the method %s" % name for name in names if "`%s`" % name not in read("tools/README.md"))
 
 
+def check_build():
+    """What can be set for a build is in CONTRIBUTING.md."""
+    text = read("CONTRIBUTING.md")
+    for path in ["CMakeLists.txt"] + ["%s/CMakeLists.txt" % folder for folder in FOLDERS[:4]]:
+        code = read(path)
+        for name in re.findall(r"^\s*option\((\w+) ", code, re.M) + re.findall(r"^\s*set\((SLICEMORPH_\w+) \S* ?CACHE", code, re.M):
+            if "`%s`" % name not in text:
+                errors.append("CONTRIBUTING.md lacks %s of %s" % (name, path))
+
+
 def check_environment():
     for path in sources():
         for name in re.findall(r'getenv\("(\w+)"\)', read(path)):
@@ -168,6 +178,7 @@ check_engine_map()
 check_formats()
 check_options()
 check_methods()
+check_build()
 check_environment()
 print("\n".join(errors) or "the papers say what is so")
 sys.exit(1 if errors else 0)
