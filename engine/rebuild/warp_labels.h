@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/rebuild/image_nodes.h"
-#include "engine/volume/label_field.h"
+#include "slicemorph/label_field.h"
 
 namespace slicemorph {
 

@@ -1,4 +1,4 @@
-#include "engine/volume/label_field.h"
+#include "slicemorph/label_field.h"
 
 #include "engine/numerics/distance_transform.h"
 #include "engine/volume/image_shape.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/volume/label_field.h"
+#include "slicemorph/label_field.h"
 #include "slicemorph/slicemorph.h"
 #include "tools/job/frame_content.h"
 #include "tools/job/methods.h"

@@ -62,7 +62,7 @@ struct InBetween {
 };
 
 struct CarriedGrid;
-class LabelField;
+class LabelField;  // slicemorph/label_field.h
 
 struct PullbackOptions {
   bool conserve =

@@ -1,10 +1,10 @@
 // Values that ride with the shapes, against closed forms: Gaussian puffs that travel, turn and grow.
 #include "engine/spine/chart.h"
-#include "engine/volume/label_field.h"
 #include "engine/volume/level_set.h"
 #include "engine/volume/voxelise.h"
 #include "slicemorph/errors.h"
 #include "slicemorph/io/input.h"
+#include "slicemorph/label_field.h"
 #include "slicemorph/slicemorph.h"
 #include "tests/support/bent_shapes.h"
 #include "tests/support/same_values.h"

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "slicemorph/mesh.h"
+
+/// From a surface of triangles to a level set and back.
+namespace slicemorph {
+
+/// Level set of a closed mesh. `voxelSize`: world units. The sign comes from a flood fill from outside, so
+/// the winding does not matter. Throws InputError where the voxel size is not positive or the grid would be
+/// absurdly large, GeometryError where nothing lies inside.
+FloatGrid::Ptr voxelise(const Mesh& mesh, double voxelSize);
+
+/// The triangles of a grid's surface at `iso` in world space: closed, manifold, wound outwards.
+Mesh surfaceOf(const FloatGrid& grid, double iso = 0.0);
+
+}  // namespace slicemorph

@@ -1,0 +1,240 @@
+#!/usr/bin/env python3
+"""The installed program, library and package, used from outside the tree and from another place than they were installed to.
+
+usage: install_test.py CMAKE BUILD REPOSITORY [NAME...]     (NAME: only the cases whose name contains it)
+
+Installs BUILD to a temporary folder, which is then renamed. Needs Debian's python3-openvdb and python3-pydicom.
+"""
+import glob
+import gzip
+import json
+import math
+import multiprocessing.pool
+import os
+import re
+import shlex
+import struct
+import subprocess
+import sys
+import tempfile
+
+sys.path.append("/usr/lib/python3/dist-packages")
+import numpy as np
+import pydicom
+from pydicom.dataset import FileDataset, FileMetaDataset
+from pydicom.uid import CTImageStorage, ExplicitVRLittleEndian, generate_uid
+
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+from cases import named_cases, run_cases
+
+if len(sys.argv) < 4:
+    sys.exit(__doc__)
+CMAKE, BUILD, REPOSITORY = sys.argv[1], os.path.abspath(sys.argv[2]), os.path.abspath(sys.argv[3])
+ONLY = sys.argv[4:]
+ROOT = tempfile.TemporaryDirectory(prefix="slicemorph-install-")
+PREFIX = ROOT.name + "/moved"
+EXAMPLES = ROOT.name + "/examples"
+# Nothing but the installation may help to find plug-ins and libraries.
+CLEAN = {name: value for name, value in os.environ.items() if name not in ("SLICEMORPH_PLUGINS", "LD_LIBRARY_PATH")}
+VOXELS = np.arange(7 * 6 * 5, dtype=np.uint8).reshape(5, 6, 7)  # z, y, x: every value differs
+
+
+def run(*command, folder=None, code=0, **environment):
+    result = subprocess.run([str(word) for word in command], capture_output=True, text=True, errors="replace", timeout=300,
+                            cwd=folder, env={**CLEAN, **environment})
+    assert result.returncode == code, "%s: exit %d\n%s" % (" ".join(map(str, command)), result.returncode,
+                                                           (result.stderr + result.stdout)[-1500:])
+    return result
+
+
+def install():
+    first = ROOT.name + "/installed"
+    run(CMAKE, "--install", BUILD, "--prefix", first)
+    os.rename(first, PREFIX)
+
+
+def program(*arguments, folder, **more):
+    return run(PREFIX + "/bin/slicemorph", *arguments, folder=folder, **more)
+
+
+def read_nrrd(path):
+    """Header fields and values (z, y, x) of a NRRD of bytes in one gzip-packed file."""
+    head, data = open(path, "rb").read().split(b"\n\n", 1)
+    fields = dict(line.split(": ", 1) for line in head.decode().splitlines() if ": " in line)
+    assert fields["encoding"] == "gzip", fields
+    types = {"uint8": "u1", "unsigned char": "u1", "uchar": "u1", "short": "<i2", "int16": "<i2"}
+    sizes = [int(size) for size in fields["sizes"].split()]
+    return fields, np.frombuffer(gzip.decompress(data), types[fields["type"]]).reshape(sizes[::-1])
+
+
+def write_tiff(path, pixels):
+    """A grey picture of bytes, one strip, nothing packed (TIFF 6.0, baseline)."""
+    rows, columns = pixels.shape
+    start = 8 + 2 + 9 * 12 + 4
+    tags = [(256, columns), (257, rows), (258, 8), (259, 1), (262, 1), (273, start), (277, 1), (278, rows), (279, pixels.size)]
+    directory = struct.pack("<H", len(tags)) + b"".join(struct.pack("<HHII", tag, 4, 1, value) for tag, value in tags)
+    open(path, "wb").write(b"II*\0" + struct.pack("<I", 8) + directory + struct.pack("<I", 0) + pixels.tobytes())
+
+
+def write_dicom(path, pixels, z):
+    meta = FileMetaDataset()
+    meta.MediaStorageSOPClassUID, meta.MediaStorageSOPInstanceUID = CTImageStorage, generate_uid()
+    meta.TransferSyntaxUID = ExplicitVRLittleEndian
+    d = FileDataset(path, {}, file_meta=meta, preamble=b"\0" * 128)
+    d.is_little_endian, d.is_implicit_VR = True, False
+    d.SOPClassUID, d.SOPInstanceUID = CTImageStorage, meta.MediaStorageSOPInstanceUID
+    d.StudyInstanceUID = d.SeriesInstanceUID = d.FrameOfReferenceUID = "1.2.3"
+    d.Modality, d.PatientID = "CT", "none"
+    d.Rows, d.Columns = pixels.shape
+    d.PixelSpacing, d.SliceThickness = [1, 1], 2
+    d.ImageOrientationPatient, d.ImagePositionPatient = [1, 0, 0, 0, 1, 0], [0, 0, z]
+    d.SamplesPerPixel, d.PhotometricInterpretation = 1, "MONOCHROME2"
+    d.BitsAllocated = d.BitsStored = 16
+    d.HighBit, d.PixelRepresentation = 15, 1
+    d.RescaleIntercept, d.RescaleSlope = 0, 1
+    d.PixelData = pixels.astype("<i2").tobytes()
+    d.save_as(path)
+
+
+# ---------------------------------------------------------------------------------------------------------------------
+def case_installed_program_reads_nrrd(folder):
+    """By the ITK plug-in, from a folder that has nothing to do with the installation."""
+    head = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 7 6 5\nspace: left-posterior-superior\n" \
+           "space directions: (1,0,0) (0,1,0) (0,0,2)\nspace origin: (0,0,0)\nencoding: raw\n\n"
+    open(folder + "/in.nrrd", "wb").write(head.encode() + VOXELS.tobytes())
+    program("convert", "in.nrrd", "-o", "out.nrrd", folder=folder)
+    fields, values = read_nrrd(folder + "/out.nrrd")
+    assert np.array_equal(values, VOXELS), fields
+
+
+def case_installed_program_reads_dicom(folder):
+    os.mkdir(folder + "/series")
+    for k, pixels in enumerate(VOXELS):
+        write_dicom(folder + "/series/%d.dcm" % k, pixels, 2 * k)
+    program("convert", "series", "-o", "out.nrrd", folder=folder)
+    fields, values = read_nrrd(folder + "/out.nrrd")
+    assert np.array_equal(values, VOXELS), fields
+
+
+def write_stack(folder):
+    for k, pixels in enumerate(VOXELS):
+        write_tiff(folder + "/in.%d.tif" % k, pixels)
+
+
+def case_installed_program_reads_pictures(folder):
+    """A stack of TIFFs, by the picture plug-in; the program is called over a link in another folder."""
+    write_stack(folder)
+    os.symlink(PREFIX + "/bin/slicemorph", folder + "/linked")
+    run("./linked", "convert", "in.#.tif", "-o", "out.nrrd", "--spacing", "1,1,2", folder=folder)
+    fields, values = read_nrrd(folder + "/out.nrrd")
+    assert np.array_equal(values, VOXELS), fields
+
+
+def case_plugins_elsewhere(folder):
+    """A missing plug-in is a clear message; the environment names the folder where it is."""
+    write_stack(folder)
+    plugins = PREFIX + "/lib/slicemorph"
+    away = ROOT.name + "/plugins"
+    convert = ["convert", "in.#.tif", "-o", "out.nrrd", "--spacing", "1,1,2"]
+    os.rename(plugins, away)
+    try:
+        message = program(*convert, folder=folder, code=1).stderr
+        for part in ("libslicemorph_pictures.so", plugins, "SLICEMORPH_PLUGINS"):
+            assert part in message, message
+        program(*convert, folder=folder, SLICEMORPH_PLUGINS=away)
+    finally:
+        os.rename(away, plugins)
+    assert np.array_equal(read_nrrd(folder + "/out.nrrd")[1], VOXELS)
+
+
+def configure_examples():
+    if not os.path.exists(EXAMPLES + "/compile_commands.json"):
+        run(CMAKE, "-S", REPOSITORY + "/tools/examples", "-B", EXAMPLES, "-DCMAKE_PREFIX_PATH=" + PREFIX,
+            "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON")
+
+
+def volume_and_middle(path):
+    """Of what is inside of a level set: every voxel counts by the share of it that a plane at its distance leaves inside."""
+    import pyopenvdb as vdb
+    grid = vdb.read(path, "surface")
+    low, high = grid.evalActiveVoxelBoundingBox()
+    distances = np.empty([high[i] - low[i] + 1 for i in range(3)], np.float32)
+    grid.copyToArray(distances, low)
+    size = grid.transform.voxelSize()[0]
+    inside = np.clip(0.5 - distances / size, 0, 1)
+    index = np.stack(np.meshgrid(*[np.arange(low[i], high[i] + 1) for i in range(3)], indexing="ij"), -1)
+    middle = (index * inside[..., None]).sum((0, 1, 2)) / inside.sum()
+    return size, inside.sum() * size**3, np.array(grid.transform.indexToWorld(tuple(middle)))
+
+
+def case_example(folder):
+    """Half way between balls of radius 1 and 0.5, 3 apart, is the ball of radius 0.75 in the middle between them."""
+    configure_examples()
+    run(CMAKE, "--build", EXAMPLES)
+    printed = float(run(EXAMPLES + "/morph_two_balls", folder=folder).stdout)
+    size, volume, middle = volume_and_middle(folder + "/half_way.vdb")
+    # The voxels follow the objects' linearly: half way between 1/25 and 0.5/25.
+    assert abs(size - 0.03) < 1e-6, size
+    # Facets of one voxel, and voxels counted by planes, leave out the sphere's curvature within them: (1/8) size^2 / radius,
+    # a two hundredth of a voxel. A tenth of a voxel is far above that, and far below the voxel and a half by which a radius
+    # that changes by a constant factor (0.707) would be off.
+    for name, value in (("printed", printed), ("in the file", volume)):
+        radius = (3 * value / (4 * math.pi))**(1 / 3)
+        assert abs(radius - 0.75) < 0.1 * size, "%s: radius %g" % (name, radius)
+    assert np.abs(middle - [1.5, 0, 0]).max() < 0.1 * size, middle
+
+
+def case_public_headers(folder):
+    """Each compiles alone, with nothing but the package's include folders, and includes nothing of the tree."""
+    configure_examples()
+    commands = json.load(open(EXAMPLES + "/compile_commands.json"))
+    words = shlex.split(commands[0]["command"])
+    words = words[:words.index("-o")] + ["-Wall", "-Wextra", "-Werror", "-fsyntax-only"]
+    headers = sorted(glob.glob(PREFIX + "/include/slicemorph/**/*.h", recursive=True))
+    of_tree = glob.glob(REPOSITORY + "/*/include/slicemorph/**/*.h", recursive=True)
+    assert len(headers) == len(of_tree) > 10, headers
+    # OpenVDB's headers take seconds: they are compiled once, and taken from there where a header includes them first.
+    os.mkdir(folder + "/openvdb")
+    run(*[word for word in words if word != "-fsyntax-only"], "-x", "c++-header", "/usr/include/openvdb/openvdb.h", "-o",
+        folder + "/openvdb/openvdb.h.gch")
+
+    def alone(header):
+        name = os.path.relpath(header, PREFIX + "/include")
+        source = "%s/%s.cpp" % (folder, name.replace("/", "_"))
+        open(source, "w").write('#include "%s"\n#include "%s"\n' % (name, name))
+        run(*words, "-I" + folder, source)
+        included = re.findall(r'^#include ["<](.*?)[">]', open(header).read(), re.M)
+        foreign = [name for name in included if "/" in name and not name.startswith(("slicemorph/", "openvdb/"))]
+        assert not foreign, "%s includes %s" % (header, foreign)
+
+    with multiprocessing.pool.ThreadPool(2) as pool:
+        pool.map(alone, headers)
+
+
+def case_package(folder):
+    """The engine alone asks for no library of io; a later minor version is not to be had."""
+    version = re.search(r"project\(slicemorph VERSION (\d+)\.(\d+)", open(REPOSITORY + "/CMakeLists.txt").read())
+    major, minor = map(int, version.groups())
+    assert program("--version", folder=folder).stdout.startswith("slicemorph %d.%d." % (major, minor))
+    open(folder + "/CMakeLists.txt", "w").write("""
+cmake_minimum_required(VERSION 3.25)
+project(user LANGUAGES CXX)
+find_package(slicemorph %d.%d QUIET)
+if(slicemorph_FOUND)
+  message(FATAL_ERROR "found as a later version")
+endif()
+find_package(slicemorph %d.%d REQUIRED COMPONENTS engine)
+foreach(unwanted slicemorph::io assimp::assimp OpenEXR::OpenEXR)
+  if(TARGET ${unwanted})
+    message(FATAL_ERROR "${unwanted} was looked for")
+  endif()
+endforeach()
+if(NOT TARGET slicemorph::engine OR NOT EXISTS ${slicemorph_PLUGIN_DIR} OR CMAKE_MODULE_PATH)
+  message(FATAL_ERROR "${slicemorph_PLUGIN_DIR}, ${CMAKE_MODULE_PATH}")
+endif()
+""" % (major, minor + 1, major, minor))
+    run(CMAKE, "-S", folder, "-B", folder + "/build", "-DCMAKE_PREFIX_PATH=" + PREFIX)
+
+
+install()
+sys.exit(run_cases(named_cases(globals()), ONLY))
