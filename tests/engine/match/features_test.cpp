@@ -125,12 +125,11 @@ TEST(FeaturePoints, ALimbAlongALineIsPrescribed) {
 }
 
 TEST(FeaturePoints, WhatLiesFarFromAllSurfacesIsLeftOut) {
-  Notes notes;
   // A tenth of the diagonal of a ball's box is 0.35.
-  const std::vector<Feature> kept =
+  const auto [kept, notes] =
       featuresInReach({point("far", {1.5, 0, 0}, {0, 0, 1.5}), point("deep", {0, 0, 0}, {9, 9, 9}),
                        point("near", {9, 0, 0}, {0, 0, 1.2})},
-                      twoBalls(), notes);
+                      twoBalls());
   ASSERT_EQ(kept.size(), 2u);
   EXPECT_EQ(kept[0].name, "deep");
   EXPECT_EQ(kept[1].name, "near");

@@ -1,6 +1,8 @@
 // Volumes of tetrahedra by determinants, and maps that fold in known places.
 #include "engine/match/fold_guard.h"
 
+#include "engine/numerics/tetrahedra.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>

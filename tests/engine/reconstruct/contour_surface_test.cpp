@@ -187,7 +187,7 @@ double farthestContourPoint(const ContourSet& set, const Mesh& mesh, double bin)
 int contradictions(const ContourSet& set, const ContourSurface& surface) {
   const double h = surface.voxelSize;
   const auto values = surface.grid->getConstAccessor();
-  std::vector<std::string> notes;
+  Notes notes;
   int count = 0;
   for (const PlaneContours& plane : set.planes) {
     const PlaneImage image = distanceImage(sectionOf(plane, 1e-4 * h, "", notes), h, 3 * h);
@@ -356,7 +356,7 @@ double volumeOf(const ContourSet& set, std::string& notes) {
   ContourSurfaceOptions options;
   options.voxelSize = 0.1;
   const ContourSurface surface = contourSurface(set, options);
-  for (const std::string& note : surface.notes) notes += note + "\n";
+  for (const Note& note : surface.notes) notes += note.sentence() + "\n";
   return checks::volumeOf(contourMesh(set, surface));
 }
 
@@ -402,7 +402,7 @@ TEST_F(Contours, MissingPlanesAreStated) {
   options.voxelSize = 0.1;
   EXPECT_TRUE(contourSurface(set, options).notes.empty());
   set.planes.erase(set.planes.begin() + 5);
-  const std::vector<std::string> notes = contourSurface(set, options).notes;
+  const std::vector<std::string> notes = sentencesOf(contourSurface(set, options).notes);
   ASSERT_EQ(notes.size(), 1u);
   EXPECT_EQ(notes[0],
             "1 gaps between planes bridged (1 planes missing), usual gap 0.4 mm: 0.8 mm from 0 mm to "
@@ -575,7 +575,7 @@ TEST_F(ContourFiles, StructureSetHasWhatPydicomReads) {
     EXPECT_EQ(points, expected[i].points);
   }
   ASSERT_EQ(file.notes.size(), 1u);
-  EXPECT_NE(file.notes[0].find("Areola: has no closed contour"), std::string::npos);
+  EXPECT_NE(file.notes[0].sentence().find("Areola: has no closed contour"), std::string::npos);
 }
 
 TEST_F(ContourFiles, SurfacesPassThroughTheContours) {

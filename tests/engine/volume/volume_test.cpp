@@ -109,9 +109,9 @@ PolygonMesh roundMesh(double radius, unsigned rings, unsigned from) {
   return mesh;
 }
 
-bool hasNote(const std::vector<std::string>& notes, const std::string& part) {
+bool hasNote(const Notes& notes, const std::string& part) {
   return std::any_of(notes.begin(), notes.end(),
-                     [&](const std::string& note) { return note.find(part) != std::string::npos; });
+                     [&](const Note& n) { return n.sentence().find(part) != std::string::npos; });
 }
 
 template <typename Error, typename Action>

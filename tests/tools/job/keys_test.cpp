@@ -245,18 +245,6 @@ TEST(GivenWeights, AreNormalisedOrRefused) {
   expectSays([] { checkWeights("w", {1, 2, 3}, 2); }, {"3 numbers for 2 inputs"});
 }
 
-TEST(Notes, WarningsAreToldApart) {
-  const std::vector<std::string> notes = {"turned", "warning: torn", "b.ply: warning: open",
-                                          "b.ply: no warning"};
-  testing::internal::CaptureStderr();
-  printNotes("", notes, false);
-  printNotes("a.ply: ", {"warning: thin"}, false);
-  printNotes("", notes, true);
-  EXPECT_EQ(
-      testing::internal::GetCapturedStderr(),
-      "note: turned\nwarning: torn\nwarning: b.ply: open\nnote: b.ply: no warning\nwarning: a.ply: thin\n");
-}
-
 TEST(Numbers, AreAsShortAsTheyCanBe) {
   EXPECT_EQ(formatExactly(0.1), "0.1");
   EXPECT_EQ(formatExactly(24), "24");

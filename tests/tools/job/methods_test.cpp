@@ -70,7 +70,9 @@ TEST(Methods, DoWhatTheirTraitsSay) {
       if (!frame.surface) continue;
       // The ends are the inputs, within the half voxel at which --method levelset ends.
       const double radius = radiusOf(*frame.surface), linear = kSmall + (kLarge - kSmall) * *job.t;
-      if (*job.t == 0 || *job.t == 1) EXPECT_NEAR(radius, linear, kVoxel / 2) << job.number;
+      if (*job.t == 0 || *job.t == 1) {
+        EXPECT_NEAR(radius, linear, kVoxel / 2) << job.number;
+      }
       // Concentric spheres pass through each other's radii in between, whatever the method.
       EXPECT_GT(radius, kSmall - kVoxel / 2);
       EXPECT_LT(radius, kLarge + kVoxel / 2);
