@@ -8,7 +8,7 @@ packages=(
 )
 test_packages=(libgtest-dev libbenchmark-dev libopenvdb-tools python3-openvdb python3-numpy
   openimageio-tools python3-openimageio python3-nibabel python3-pydicom python3-scipy mricron-data ffmpeg
-  chromium)
+  chromium clang-format)
 
 say() { printf '\n== %s\n' "$*"; }
 
