@@ -461,6 +461,8 @@ def resume_keeps_frames(d, o):
         problems.append("interrupted: exit code %s, stderr %s" % (process.returncode, err))
     if [n for n in os.listdir(o) if ".tmp" in n]:
         problems.append("interrupted, left behind: %s" % os.listdir(o))
+    if not os.path.exists(o + "/m.0001.vdb"):
+        raise Skip("no frame was made in time")
     first = os.stat(o + "/m.0001.vdb").st_mtime_ns
     result = run(words + " --resume", folders)
     problems += problems_of(result, 0, "", ["m.0001.vdb (kept)", "m.0060.vdb\n"], folders)
