@@ -80,8 +80,8 @@ std::string joinedBy(const std::string& separator, const std::vector<std::string
 struct SpelledField {
   std::string operator()(std::monostate) const { return ""; }
   std::string operator()(const bool* flag) const { return *flag ? "true" : ""; }
-  std::string operator()(const int* value) const { return *value == 0 ? "" : std::to_string(*value); }
-  std::string operator()(const double* value) const { return *value == 0 ? "" : formatExactly(*value); }
+  std::string operator()(const int* value) const { return std::to_string(*value); }
+  std::string operator()(const double* value) const { return formatExactly(*value); }
   std::string operator()(const std::string* text) const { return *text; }
   std::string operator()(const std::vector<std::string>* texts) const { return joinedBy(" ", *texts); }
 };
@@ -136,7 +136,8 @@ std::string defaultOf(const OptionRow& row) { return spelledValue(row, JobOption
 std::string spelledValue(const OptionRow& row, const JobOptions& options) {
   if (!row.field) return "";
   JobOptions copy = options;  // rows lead to fields that can be set
-  return std::visit(SpelledField(), row.field(copy));
+  const std::string value = std::visit(SpelledField(), row.field(copy));
+  return value == "0" && !row.fallback.empty() ? "" : value;
 }
 
 void setField(const OptionRow& row, const std::vector<std::string>& texts, JobOptions& options) {

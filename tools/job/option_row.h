@@ -79,7 +79,8 @@ std::string formOf(const OptionRow& row);
 std::string helpOf(const OptionRow& row);
 /// The default as a value; empty where there is none or it is found in the course of the work.
 std::string defaultOf(const OptionRow& row);
-/// A field's value as the command line would have it; empty for 0 and false.
+/// A field's value as the command line would have it; empty for false, and for the 0 of options that have a
+/// fallback, which stands for "not given".
 std::string spelledValue(const OptionRow& row, const JobOptions& options);
 
 /// Checks type, range and choices of a value and puts it into the row's field. Throws InputError naming the

@@ -303,6 +303,7 @@ Rows imageRows() {
       Row(kReconstruct, "between", at<&J::between>, "N",
           "All slices are given; put N between every two of them")
           .range(1, 1000)
+          .fallback("none")
           .excludes({"every"})
           .basic(),
   };
@@ -373,14 +374,14 @@ Rows pictureRows() {
           "All pictures on one sheet, with captions: .png or .exr")
           .basic(),
       Row(kRender, "columns", at<&J::columns>, "N", "Columns of the contact sheet; 0: about as wide as high")
-          .range(0, 1000)
-          .fallback("0"),
+          .range(0, 1000),
       Row(kRender, "samples", at<&J::picture, &PictureOptions::render, &RenderOptions::samples>, "N",
           "Rays per pixel; of surfaces only where these end or turn")
           .range(1, 64),
       Row(kRender, "turntable", at<&J::turntable>, "N",
           "Pictures of a full turn around the up axis, during which a sequence plays once")
           .range(1, 100000)
+          .fallback("no turn")
           .basic(),
   };
 }

@@ -50,8 +50,9 @@ const OptionRow& morphRow(const std::string& name) {
 
 TEST(OptionTable, NamesAreUniqueInEveryCommand) {
   for (const Command command : kCommands) {
+    const OptionSet options(command);
     std::set<std::string> names;
-    for (const OptionRow* row : OptionSet(command).rows())
+    for (const OptionRow* row : options.rows())
       EXPECT_TRUE(names.insert(row->name).second) << row->name << " twice in command " << command;
   }
 }
