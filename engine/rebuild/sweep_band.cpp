@@ -45,7 +45,9 @@ FloatGrid::Ptr sweptLevelSet(const FloatGrid& field, float band) {
 }
 
 FloatGrid::Ptr widenedLevelSet(const FloatGrid& levelSet, int voxels, float band) {
-  return trimmed(openvdb::tools::dilateSdf(levelSet, voxels), levelSet.transform(), band);
+  // Over corners, too: over faces alone a band that faces a diagonal would grow by 1 / sqrt 3 of a voxel each time.
+  const auto wide = openvdb::tools::dilateSdf(levelSet, voxels, openvdb::tools::NN_FACE_EDGE_VERTEX);
+  return trimmed(wide, levelSet.transform(), band);
 }
 
 }  // namespace slicemorph

@@ -127,16 +127,21 @@ TEST(SoftMatch, MassIsKept) {
   EXPECT_GT(sent, 0.5);
 }
 
-/// The nearest point of both would be the first. Squares of 0.9^2 + 0.9^2 against 1.9^2 + 0.1^2 over 2 blur^2 make
-/// the right pairs exp(6.25) times as likely as the wrong ones, each the root of that: what is wrong weighs 1 / (1 +
-/// exp(3.1)) = 4 %.
+/// The nearest point of both would be the first, and each alone would go there; together the second goes on to the
+/// one that is left, but for the mass that the first keeps at home.
 TEST(SoftMatch, NoTwoPointsShareAPartner) {
   const Vec3d n(0, 0, 1);
+  const double blur = 0.4;
   const OrientedPoints a{{{0, 0, 0}, {1, 0, 0}}, {n, n}, {0.5, 0.5}};
   const OrientedPoints b{{{0.9, 0, 0}, {1.9, 0, 0}}, {n, n}, {0.5, 0.5}};
-  const SoftMatch match = softMatch(a, b, 0.4);
-  EXPECT_NEAR(match.aToB.position[0][0], 0.9, 0.1);
-  EXPECT_NEAR(match.aToB.position[1][0], 1.9, 0.1);
+  const SoftMatch match = softMatch(a, b, blur);
+  const auto plan = planOf(a, b, blur), home = planOf(a, a, blur);
+  for (size_t i = 0; i < 2; ++i) {
+    const Vec3d target = a.position[i] + meanOf(plan[i], b) - meanOf(home[i], a);
+    EXPECT_LE((match.aToB.position[i] - target).length(), 0.01) << i;
+  }
+  EXPECT_LT(match.aToB.position[0][0], 1.4);
+  EXPECT_GT(match.aToB.position[1][0], 1.4);
 }
 
 /// Sides of a thin wall face away from each other: they do not mix though they are near.

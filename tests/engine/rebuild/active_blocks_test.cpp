@@ -32,7 +32,7 @@ TEST(ActiveBlocks, AgreeWithLookingAtAllVoxels) {
   grid->tree().addTile(1, {24, 24, 24}, 1.f, true);
   grid->tree().setValueOff({-100, 0, 0}, 3.f);  // a leaf with nothing active
   const ActiveBlocks blocks(grid->tree());
-  std::uniform_real_distribution<> place(-60, 60), side(0, 12);
+  std::uniform_real_distribution<> place(-60, 60), side(0, 24);
   int met = 0;
   for (int n = 0; n < 400; ++n) {
     const Vec3d low(place(random), place(random), place(random));

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 namespace slicemorph {
 namespace {
@@ -34,30 +33,30 @@ FloatGrid::Ptr made(const SparseValues& values) {
   return redistance(values, *openvdb::math::Transform::createLinearTransform(double(kVoxel)));
 }
 
-/// Off from the shape's distance at most, voxels, over the active voxels that `counts`; every voxel within the
-/// band less that is active, and every sign is the function's.
-double missOf(
-    const FloatGrid& grid, const shapes::Distance& shape,
-    const std::function<bool(const Vec3d&)>& counts = [](const Vec3d&) { return true; }) {
-  double most = 0;
+bool everywhere(const Vec3d&) { return true; }
+
+/// Values are the shape's distances within `tolerance` voxels where that `counts`, all voxels nearer than `whole` of
+/// them are active, and every sign is the shape's.
+void expectDistance(const FloatGrid& grid, const shapes::Distance& shape, double tolerance, double whole,
+                    bool (*counts)(const Vec3d&) = everywhere) {
   EXPECT_EQ(grid.getGridClass(), openvdb::GRID_LEVEL_SET);
   EXPECT_FLOAT_EQ(grid.background(), 3 * kVoxel);
+  double most = 0;
   for (auto it = grid.cbeginValueOn(); it; ++it) {
     const Vec3d p = grid.indexToWorld(it.getCoord());
     EXPECT_LT(std::abs(*it), 3 * kVoxel);
     if (counts(p)) most = std::max(most, std::abs(double(*it) - shape(p)) / double(kVoxel));
   }
+  EXPECT_LE(most, tolerance);
+  size_t missing = 0, wrongSide = 0;
   for (auto c = openvdb::CoordBBox(openvdb::Coord(-30), openvdb::Coord(30)).begin(); c; ++c) {
     const Vec3d p = grid.indexToWorld(*c);
-    const double d = shape(p);
-    if (std::abs(d) > 1e-4) {
-      EXPECT_EQ(grid.tree().getValue(*c) < 0, d < 0) << p;
-    }
-    if (counts(p) && std::abs(d) < (kHalfWidth - most - 0.01) * double(kVoxel)) {
-      EXPECT_TRUE(grid.tree().isValueOn(*c)) << p;
-    }
+    const double d = shape(p) / double(kVoxel);
+    wrongSide += std::abs(d) > 1e-3 && (grid.tree().getValue(*c) < 0) != (d < 0);
+    missing += counts(p) && std::abs(d) < whole && !grid.tree().isValueOn(*c);
   }
-  return most;
+  EXPECT_EQ(missing, 0u);
+  EXPECT_EQ(wrongSide, 0u);
 }
 
 /// A plane, of any slope: both steps are exact.
@@ -81,29 +80,31 @@ TEST(Redistance, PlanesAreExact) {
 
 /// Of radius 20 voxels: central differences and trilinear values lose a voxel's square over 8 radii in each of
 /// three directions, twice.
+constexpr double kOfASphere = 2 * 3 / (8 * 20.0 - 3);
+
 TEST(Redistance, SpheresOfAnySlope) {
   const shapes::Distance sphere = shapes::sphere({0.03, -0.02, 0.05}, 2);
   for (double factor : {0.7, 1.0, 1.3})
-    EXPECT_LE(missOf(*made(valuesOf(sphere, [&](const Vec3d& p) { return factor * sphere(p); })), sphere),
-              2 * 3 / (8 * 20.0 - 3))
-        << factor;
+    expectDistance(*made(valuesOf(sphere, [&](const Vec3d& p) { return factor * sphere(p); })), sphere,
+                   kOfASphere, kHalfWidth - 2 * kOfASphere);
 }
 
-/// A factor k that changes by up to k' = 0.2 / 4 a voxel. One step would be off by d^2 k' / k, at three voxels and the
-/// least factor by 9 * 0.05 / 0.8 = 0.56; the second leaves of that the share d k' / k, 0.19, and the sphere's own
-/// error.
+/// A factor k that changes by up to k' = 0.2 / 4 a voxel. The first step is off by d^2 k' / k, at three voxels and the
+/// least factor by 0.56; voxels which it lays beyond the band are left out. The second leaves of that the share by which
+/// the slope differs on the way, 2 d k' / k = 0.38, and the sphere's own error.
 TEST(Redistance, FactorsMayChange) {
   const shapes::Distance sphere = shapes::sphere({0, 0, 0}, 2);
   const auto warped = [&](const Vec3d& p) { return sphere(p) * (1 + 0.2 * std::sin(p[0] / 0.4)); };
-  EXPECT_LE(missOf(*made(valuesOf(sphere, warped)), sphere), 0.56 * 0.19 + 2 * 3 / (8 * 20.0 - 3));
+  expectDistance(*made(valuesOf(sphere, warped)), sphere, 0.56 * 0.38 + kOfASphere, kHalfWidth - 0.56);
 }
+
+bool awayFromEdges(const Vec3d& p) { return std::abs(p[1]) < 0.7 && std::abs(p[2]) < 0.5; }
 
 /// Behind and before a box's faces distances are exact. Inside along its edges, where the values' differences are
 /// those of neither face, they come out longer; signs are right everywhere.
 TEST(Redistance, BoxesKeepTheirFaces) {
   const shapes::Distance box = shapes::box({1.5, 1.23, 0.97}, 0.001);
-  const auto awayFromEdges = [](const Vec3d& p) { return std::abs(p[1]) < 0.7 && std::abs(p[2]) < 0.5; };
-  EXPECT_LE(missOf(*made(valuesOf(box, box)), box, awayFromEdges), 1e-2);
+  expectDistance(*made(valuesOf(box, box)), box, 1e-2, kHalfWidth - 1e-2, awayFromEdges);
 }
 
 /// A gap of one voxel's width stays open: signs are kept whatever gradients say.
