@@ -144,7 +144,7 @@ TEST(Features, AFarOneChangesNothing) {
     const SurfaceDistance d = surfaceDistance(surfaceOf(*with), surfaceOf(*without));
     EXPECT_LE(d.max / a.levelSet->voxelSize()[0], 0.1);
     bool named = false;
-    for (const Note& note : plan.notes()) named |= note.text.find("'moon'") != std::string::npos;
+    for (const Note& note : plan.notes()) named |= note.sentence().find("'moon'") != std::string::npos;
     EXPECT_TRUE(named);
   }
 }
