@@ -8,6 +8,16 @@ namespace slicemorph {
 
 namespace {
 
+/// Edges of a cell: bottom, right, top, left. By which of its corners are inside (from the lower left one on, anticlockwise),
+/// from which edge a contour goes to which; two contours where opposite corners are inside.
+constexpr int kNoEdge = -1;
+constexpr int kLinks[16][4] = {{kNoEdge},       {0, 3, kNoEdge}, {1, 0, kNoEdge}, {1, 3, kNoEdge},
+                               {2, 1, kNoEdge}, {0, 3, 2, 1},    {2, 0, kNoEdge}, {2, 3, kNoEdge},
+                               {3, 2, kNoEdge}, {0, 2, kNoEdge}, {1, 0, 3, 2},    {1, 2, kNoEdge},
+                               {3, 1, kNoEdge}, {0, 1, kNoEdge}, {3, 0, kNoEdge}, {kNoEdge}};
+/// Where the middle between opposite inner corners is inside, these are one.
+constexpr int kJoined5[4] = {0, 1, 2, 3}, kJoined10[4] = {3, 0, 1, 2};
+
 /// One crossing of a grid edge; a contour enters by one cell and leaves by the next.
 struct Tracer {
   const SliceImage& image;
@@ -35,60 +45,11 @@ struct Tracer {
     int inside = 0;
     for (int i = 0; i < 4; ++i) inside |= (v[i] < 0) << i;
     const bool centre = v[0] + v[1] + v[2] + v[3] < 0;
-    const auto link = [&](int from, int to) { next[from] = to; };
-    switch (inside) {
-      case 0:
-      case 15:
-        break;
-      case 1:
-        link(bottom, left);
-        break;
-      case 2:
-        link(right, bottom);
-        break;
-      case 3:
-        link(right, left);
-        break;
-      case 4:
-        link(top, right);
-        break;
-      case 6:
-        link(top, bottom);
-        break;
-      case 7:
-        link(top, left);
-        break;
-      case 8:
-        link(left, top);
-        break;
-      case 9:
-        link(bottom, top);
-        break;
-      case 11:
-        link(right, top);
-        break;
-      case 12:
-        link(left, right);
-        break;
-      case 13:
-        link(bottom, right);
-        break;
-      case 14:
-        link(left, bottom);
-        break;
-      case 5:
-        if (centre)
-          link(bottom, right), link(top, left);
-        else
-          link(bottom, left), link(top, right);
-        break;
-      case 10:
-        if (centre)
-          link(left, bottom), link(right, top);
-        else
-          link(right, bottom), link(left, top);
-        break;
-    }
+    const int edge[4] = {bottom, right, top, left};
+    const int* links = kLinks[inside];
+    if (centre && inside == 5) links = kJoined5;
+    if (centre && inside == 10) links = kJoined10;
+    for (int i = 0; i < 4 && links[i] != kNoEdge; i += 2) next[edge[links[i]]] = edge[links[i + 1]];
   }
 };
 

@@ -82,7 +82,8 @@ class Text {
   size_t line_ = 0;
 };
 
-/// False where a token does not begin with a number.
+/// False where a token does not begin with a number. One that is out of range is one: the value stays what it was, so give
+/// it a value before.
 template <typename Number>
 bool parse(std::string_view token, Number& value) {
   if (!token.empty() && token.front() == '+') token.remove_prefix(1);

@@ -13,9 +13,6 @@ namespace {
 
 using openvdb::GridBase;
 
-/// Frames that a shutter is open before or after its frame, at most.
-constexpr double kShutter = 0.5;
-
 /// Names that hosts give to velocities.
 const std::set<std::string> kVelocityNames{"vel", "v", "velocity"};
 

@@ -78,7 +78,7 @@ ImageSetup setUpImages(const MorphSettings& s, const FrameMaker& maker, Progress
   const FrameSurvey survey = surveyFrames(s, maker, progress);
   openvdb::BBoxd all = boxAround(survey.boxes);
   // Velocities reach as far around the shapes as these get while a shutter is open.
-  const double margin = kFrameMargin * all.extents().length() + 0.5 * survey.fastest;
+  const double margin = kFrameMargin * all.extents().length() + kShutter * survey.fastest;
   all = openvdb::BBoxd(all.min() - Vec3d(margin), all.max() + Vec3d(margin));
   ImageSetup setup;
   if (s.exrContent == ExrContent::kSlices) {

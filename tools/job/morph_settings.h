@@ -31,6 +31,9 @@ struct FrameJob {
   Weights rate;           ///< change of the weights per second; empty where the job has no speed
 };
 
+/// Frames that a shutter is open before or after its frame, at most: velocities are kept as far around what moves.
+constexpr double kShutter = 0.5;
+
 /// The velocity grid of VDB outputs.
 struct VelocitySettings {
   std::string name = "vel";  ///< "none": no velocities
