@@ -133,6 +133,19 @@ TEST(FoldGuard, AKnownFoldIsSmoothedAway) {
   }
 }
 
+/// What is squeezed to just below the bound is smoothed until it is not, what is just above stays as it is.
+TEST(FoldGuard, TheBoundIsMet) {
+  const double floor = 0.2;
+  for (double ratio : {0.8 * floor, 1.02 * floor}) {
+    Displacements map = zeroMap(1);
+    // One node drawn towards its neighbour along x leaves this share of the cells between.
+    map.of[0][kLattice.index(5, 5, 5)] = openvdb::Vec3s(float((1 - ratio) * kLattice.spacing), 0, 0);
+    ASSERT_NEAR(leastRatio(map), ratio, 1e-5);
+    EXPECT_EQ(removeFolds(map, floor) > 0, ratio < floor);
+    EXPECT_GE(leastRatio(map), floor - 1e-5);
+  }
+}
+
 /// What smoothing alone may not cure.
 TEST(FoldGuard, WildMapsBecomeOneToOne) {
   Displacements map = randomMap(3, float(5 * kLattice.spacing), 9);

@@ -27,15 +27,15 @@ Carrying still(const Vec3d& anchor) {
 TEST(ImageNodes, ARowOfVoxelsLiesWhereItsImageHasIt) {
   const ImageLattice lattice = oblique();
   const Vec3d anchor(9, -2, 4);
-  const ImageNodes nodes = imageNodes(lattice, still(anchor), 2.2);
-  EXPECT_EQ(nodes.step, openvdb::Vec3i(4, 3, 1));  // 2.2 over 0.5, 0.8 and 1.7, rounded
+  const ImageNodes nodes = imageNodes(lattice, still(anchor), 3.2);
+  EXPECT_EQ(nodes.step, openvdb::Vec3i(6, 4, 2));  // 3.2 over 0.5, 0.8 and 1.7, rounded
   PlaceRow row(nodes, 0);
   for (int k = 0; k < lattice.size[2]; ++k)
     for (int j = 0; j < lattice.size[1]; ++j) {
       row.begin(0, lattice.size[0] - 1, j, k);
       for (int i = 0; i < lattice.size[0]; ++i) {
         const PlaceRow::Stretch stretch = row.from(i);
-        EXPECT_EQ(stretch.length, 4 - i % 4);
+        EXPECT_EQ(stretch.length, 6 - i % 6);
         for (int n = 0; n < stretch.length && i + n < lattice.size[0]; ++n)
           ASSERT_LE(
               (Vec3d(stretch.at + stretch.step * float(n)) + anchor - lattice.toWorld(Vec3d(i + n, j, k)))
@@ -47,7 +47,7 @@ TEST(ImageNodes, ARowOfVoxelsLiesWhereItsImageHasIt) {
 
 /// Between nodes that lie anywhere, places are trilinear.
 TEST(ImageNodes, PlacesAreLinearBetweenNodes) {
-  ImageNodes nodes = imageNodes(oblique(), still({0, 0, 0}), 2.2);
+  ImageNodes nodes = imageNodes(oblique(), still({0, 0, 0}), 3.2);
   std::mt19937 random(2);
   for (openvdb::Vec3s& v : nodes.map.at)
     for (int a = 0; a < 3; ++a) v[a] = std::uniform_real_distribution<float>(-1, 1)(random);
@@ -58,9 +58,9 @@ TEST(ImageNodes, PlacesAreLinearBetweenNodes) {
       for (int i = 5; i <= 17; ++i) {
         Vec3d wanted(0.0);
         for (int c = 0; c < 8; ++c) {
-          const int n[3] = {i / 4 + (c & 1), j / 3 + (c >> 1 & 1), k + (c >> 2)};
-          const double hat =
-              (1 - std::abs(i / 4.0 - n[0])) * (1 - std::abs(j / 3.0 - n[1])) * (1 - std::abs(k - n[2]));
+          const int n[3] = {i / 6 + (c & 1), j / 4 + (c >> 1 & 1), k / 2 + (c >> 2)};
+          const double hat = (1 - std::abs(i / 6.0 - n[0])) * (1 - std::abs(j / 4.0 - n[1])) *
+                             (1 - std::abs(k / 2.0 - n[2]));
           wanted += hat * Vec3d(nodes.map.at[nodes.map.index(n[0], n[1], n[2])]);
         }
         EXPECT_LE((Vec3d(row.from(i).at) - wanted).length(), 1e-5) << i << " " << j << " " << k;

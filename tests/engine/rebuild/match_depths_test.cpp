@@ -80,6 +80,21 @@ TEST_F(MatchDepthsOfBalls, DepthsAreThoseOfTheInBetween) {
   }
 }
 
+/// Further in depths are matched less and less, to nothing at three voxels: half at three quarters of that. The ways
+/// are short there and go by the gradient.
+TEST_F(MatchDepthsOfBalls, MatchingFadesWithDepth) {
+  const MatchDepths depths(images, nodes);
+  const double blended = -0.75 * kHalfWidth * kVoxel;
+  auto places = placesAt({0, 0, 1.1 + blended});
+  depths.measure(places);
+  const auto before = places;
+  EXPECT_NEAR(depths.match(places), blended, 0.1 * kVoxel);
+  depths.measure(places);
+  for (size_t k = 0; k < 2; ++k)
+    EXPECT_NEAR(places[k].distance, before[k].distance + 0.5 * (blended - before[k].distance), 0.15 * kVoxel)
+        << k;
+}
+
 /// Between the two surfaces one image shows its inside where the in-between is outside: it is taken outside.
 TEST_F(MatchDepthsOfBalls, NothingIsSeenFromTheOtherSide) {
   const MatchDepths depths(images, nodes);

@@ -147,5 +147,30 @@ TEST(WarpImage, SurfacesAreOfLikeDepth) {
       }
 }
 
+/// A skin that is darker than the surface's value does not open the in-between: where its shape is inside values stay
+/// above, and outside below.
+TEST(WarpImage, TheSurfaceStaysWhereTheShapeHasIt) {
+  constexpr double kSpacing = 0.08;
+  const ImageLattice on = latticeOf({33, 33, 33}, {-1.28, -1.28, -1.28}, kSpacing);
+  const Image ball = imageOf<float>(on, [&](const Vec3d& p) {
+    const double depth = 1 - p.length();
+    return depth > 1.5 * kSpacing ? 1000 : depth > 0 ? 450 : 0;
+  });
+  const auto field = shapes::fieldOf(shapes::sphere({0, 0, 0}, 1), shapes::cube({0, 0, 0}, 1.2), kSpacing);
+  std::vector<CarriedImage> images(2, carried(ball, 0, 0.5));
+  images[1].shape = 1;
+  for (CarriedImage& c : images) c.field = field.get(), c.anchor = field->anchor(), c.iso = 500;
+  const std::vector<Vec3d> shifts(2, -field->anchor());
+  const auto values = std::get<std::vector<float>>(warpImages(images, shiftedNodes(on, shifts), on).values);
+  for (int k = 0; k < on.size[2]; ++k)
+    for (int j = 0; j < on.size[1]; ++j)
+      for (int i = 0; i < on.size[0]; ++i) {
+        const double r = on.toWorld(Vec3d(i, j, k)).length(), value = values[on.index(i, j, k)];
+        if (std::abs(r - 1) > 0.1 * kSpacing) {
+          ASSERT_EQ(value > 500, r < 1) << r;
+        }
+      }
+}
+
 }  // namespace
 }  // namespace slicemorph
