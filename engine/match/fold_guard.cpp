@@ -5,6 +5,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace slicemorph {
 
@@ -110,19 +111,43 @@ double smallestRatio(const Displacements& map, const VectorField& sum, const Gua
   return smallest / (lattice.spacing * lattice.spacing * lattice.spacing);
 }
 
+/// The longest difference of a field's values at the ends of a cell's twelve edges.
+float longestDifference(const VectorField& field, const size_t (&corner)[8]) {
+  float longest = 0;
+  for (int from = 0; from < 8; ++from)
+    for (int bit : {1, 2, 4})
+      if (!(from & bit))
+        longest = std::max(longest, (field[corner[from | bit]] - field[corner[from]]).lengthSqr());
+  return std::sqrt(longest);
+}
+
+/// How long those differences may be, in spacings, for a map that surely squeezes no tetrahedron below `floor`.
+/// A Kuhn tetrahedron has an edge along each axis, so the differences are the columns of the displacement's
+/// gradient G; det(I + G) >= (1 - |G|)^3, and |G| <= sqrt(3) times the longest column. Rounding takes far less
+/// than the thousandth that is kept back.
+double harmlessDifference(double floor) { return 0.999 * (1 - std::cbrt(floor)) / std::sqrt(3.0); }
+
 /// Cells with a suspect corner that some guarded map squeezes below the floor.
 std::vector<char> foldedCells(const Displacements& map, const std::vector<Guarded>& guarded, double floor,
                               const std::vector<char>& suspect) {
   const Lattice& lattice = map.lattice;
   const VectorField sum = sumOf(map);
+  const double harmless = harmlessDifference(floor) * lattice.spacing;
   std::vector<char> folded(lattice.count(), 0);
   forEachCell(lattice, [&](int x, int y, int z) {
+    size_t corner[8];
     bool any = false;
-    for (int c = 0; c < 8 && !any; ++c) any = suspect[lattice.corner(x, y, z, c)];
+    for (int c = 0; c < 8; ++c) corner[c] = lattice.corner(x, y, z, c), any |= suspect[corner[c]] != 0;
     if (!any) return;
-    char& result = folded[lattice.index(x, y, z)];
-    for (size_t w = 0; w < guarded.size() && !result; ++w)
-      result = smallestRatio(map, sum, guarded[w], x, y, z) < floor;
+    char& result = folded[corner[0]];
+    const double ofSum = longestDifference(sum, corner);
+    double ofOwn = 0;
+    for (size_t w = 0; w < guarded.size() && !result; ++w) {
+      const Guarded& g = guarded[w];
+      if (w == 0 || g.object != guarded[w - 1].object) ofOwn = longestDifference(map.of[g.object], corner);
+      if (std::abs(g.own) * ofOwn + std::abs(g.all) * ofSum <= harmless) continue;
+      result = smallestRatio(map, sum, g, x, y, z) < floor;
+    }
   });
   return folded;
 }

@@ -142,7 +142,7 @@ Registration matchThroughMean(Registration start, const MatchObjects& objects, c
   const Mean mean = meanOf(result.map, objects.shape.fields, frames);
   if (!mean.field) return result;
   Displacements next{result.map.lattice, std::vector<VectorField>(count)};
-  Notes found(count, Note(""));
+  Notes found(count);
   std::atomic<size_t> done{0};
   tbb::parallel_for(size_t(0), count, [&](size_t k) {
     if (progress.cancelled()) return;

@@ -1,6 +1,6 @@
 #include "io/mesh/assimp_scene.h"
 
-#include "io/mesh/mesh_text.h"
+#include "io/mesh/scene_part.h"
 
 #include <assimp/scene.h>
 #include <assimp/Importer.hpp>
@@ -81,23 +81,15 @@ class SceneReader {
 
   void addFaces(const aiMesh& part, size_t first, const PartColors& colors) {
     PolygonMesh& mesh = stored_.mesh;
-    if (colors.any() && stored_.colorsOf != "points")
-      stored_.colorsOf = colors.ofPoints ? "points" : "materials";
+    noteColors(stored_, colors);
     for (unsigned f = 0; f < part.mNumFaces; ++f) {
       const aiFace& face = part.mFaces[f];
       if (face.mNumIndices < 3) {
         ++stored_.skipped;
         continue;
       }
-      for (unsigned k = 0; k < face.mNumIndices; ++k) {
-        const unsigned point = face.mIndices[k];
-        if (point >= part.mNumVertices) refuseCorner(path_, f, point, part.mNumVertices);
-        mesh.corners.push_back(std::uint32_t(first + point));
-        mesh.colors.push_back(colors.at(point));
-        if (!isFinite(mesh.colors.back()))
-          refuseNotFinite(path_, "the colour of point " + std::to_string(first + point + 1),
-                          mesh.colors.back());
-      }
+      for (unsigned k = 0; k < face.mNumIndices; ++k)
+        addCorner(path_, mesh, {first, part.mNumVertices}, f, face.mIndices[k], colors);
       mesh.faceStarts.push_back(std::uint32_t(mesh.corners.size()));
     }
   }

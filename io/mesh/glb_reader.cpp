@@ -1,6 +1,6 @@
 #include "io/mesh/glb_accessor.h"
 #include "io/mesh/mesh_reader.h"
-#include "io/mesh/mesh_text.h"
+#include "io/mesh/scene_part.h"
 
 #include <tiny_gltf.h>
 
@@ -248,17 +248,10 @@ class GlbReader {
 
   void addFaces(const Faces& faces, size_t first, size_t count, const GlbColors& colors) {
     PolygonMesh& mesh = stored_.mesh;
-    if (colors.any() && stored_.colorsOf != "points")
-      stored_.colorsOf = colors.ofPoints ? "points" : "materials";
+    noteColors(stored_, colors);
     for (size_t f = 0; f < faces.triangles.size(); ++f) {
-      for (const std::uint32_t point : faces.triangles[f]) {
-        if (point >= count) refuseCorner(path_, f, point, count);
-        mesh.corners.push_back(std::uint32_t(first + point));
-        mesh.colors.push_back(colors.at(point));
-        if (!isFinite(mesh.colors.back()))
-          refuseNotFinite(path_, "the colour of point " + std::to_string(first + point + 1),
-                          mesh.colors.back());
-      }
+      for (const std::uint32_t point : faces.triangles[f])
+        addCorner(path_, mesh, {first, count}, f, point, colors);
       mesh.faceStarts.push_back(std::uint32_t(mesh.corners.size()));
     }
   }

@@ -3,6 +3,7 @@
 #include "engine/measure/measure.h"
 #include "engine/volume/voxelise.h"
 #include "slicemorph/slicemorph.h"
+#include "tests/support/quadruped.h"
 #include "tests/support/same_values.h"
 #include "tests/support/section_parts.h"
 #include "tests/support/shapes.h"
@@ -20,27 +21,11 @@ using shapes::capsule;
 using shapes::Distance;
 using shapes::joined;
 
-constexpr double kLegLength = 0.62;
-
-Vec3d hip(int leg) { return {leg < 2 ? 0.42 : -0.48, leg % 2 ? 0.13 : -0.13, 0.4}; }
-
-/// Place on a leg's axis, `share` of the way down; `swing`: degrees forwards.
-Vec3d onLeg(int leg, double swing, double share) {
-  const double a = swing * kPi / 180;
-  return hip(leg) + share * kLegLength * Vec3d(std::sin(a), 0, -std::cos(a));
-}
-
-using Swing = std::array<double, 4>;
+using shapes::Quadruped;
+using Swing = Quadruped::Swing;
 
 Object quadruped(const Swing& swing, double voxels) {
-  std::vector<Distance> parts{
-      capsule({-0.55, 0, 0.45}, {0.5, 0, 0.45}, 0.17), capsule({0.5, 0, 0.5}, {0.78, 0, 0.85}, 0.09),
-      capsule({0.78, 0, 0.85}, {0.98, 0, 0.8}, 0.1), capsule({-0.6, 0, 0.5}, {-0.85, 0, 0.3}, 0.05)};
-  for (int leg = 0; leg < 4; ++leg)
-    parts.push_back(capsule(hip(leg), onLeg(leg, swing[size_t(leg)], 1), 0.065));
-  return {"quadruped",
-          shapes::levelSet(joined(parts), openvdb::BBoxd(Vec3d(-1.2, -0.4, -0.4), Vec3d(1.2, 0.4, 1.1)),
-                           1.9 / voxels)};
+  return {"quadruped", shapes::levelSet(shapes::quadruped(swing), shapes::quadrupedBox(), 1.9 / voxels)};
 }
 
 /// Two lines a leg: from the hip to the knee and from the knee to the foot.
@@ -50,8 +35,8 @@ std::vector<Feature> legLines(const Swing& a, const Swing& b) {
     for (int half = 0; half < 2; ++half) {
       Feature line{"leg " + std::to_string(leg) + (half ? " below" : " above"), Feature::Kind::kLine, {}};
       for (const Swing& s : {a, b})
-        line.places.push_back(
-            {onLeg(leg, s[size_t(leg)], 0.5 * half), onLeg(leg, s[size_t(leg)], 0.5 * half + 0.5)});
+        line.places.push_back({Quadruped::onLeg(leg, s[size_t(leg)], 0.5 * half),
+                               Quadruped::onLeg(leg, s[size_t(leg)], 0.5 * half + 0.5)});
       lines.push_back(std::move(line));
     }
   return lines;

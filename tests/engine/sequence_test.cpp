@@ -7,9 +7,9 @@
 #include "tests/support/all_tests.h"
 #include "tests/support/same_values.h"
 #include "tests/support/shapes.h"
+#include "tests/support/with_threads.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <chrono>
 #include <optional>
@@ -230,12 +230,12 @@ TEST(Sequence, SameForAnyThreadCount) {
   const std::vector<Object> objects{object(bar(8)), object(stillBar())};
   firstPlan();
   FloatGrid::Ptr one;
-  for (int threads : {1, 4}) {
-    tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-    const FloatGrid::Ptr frame = MorphPlan(objects, firstPlan()).frame(at(0.5)).surface;
-    if (!one) one = frame;
-    EXPECT_TRUE(sameValues(*one, *frame)) << threads << " threads";
-  }
+  for (int threads : {1, 4})
+    withThreads(size_t(threads), [&] {
+      const FloatGrid::Ptr frame = MorphPlan(objects, firstPlan()).frame(at(0.5)).surface;
+      if (!one) one = frame;
+      EXPECT_TRUE(sameValues(*one, *frame)) << threads << " threads";
+    });
 }
 
 bool plannedAnew(const MorphPlan& plan) {

@@ -303,7 +303,7 @@ TEST_F(Io, ErrorsAreAboutTheFile) {
       EXPECT_EQ(std::string(error.what()), error.note().sentence());
       return error.note();
     }
-    return Note("it was read");
+    return Note("test.read", Severity::kNote, "", "it was read");
   };
   const std::string cube = write("c.obj", std::string("mtllib m.mtl\nusemtl red\n") + kCubeObj);
   EXPECT_EQ(noteOf(write("cut.obj", std::string(kCubeObj) + "f 1 2")).about, file("cut.obj"));

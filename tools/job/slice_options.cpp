@@ -27,7 +27,8 @@ std::vector<SectionPlane> placeSlices(const SliceOptions& s, const openvdb::Grid
   if (s.spine) {
     if (const auto spine = fitSpine(DistanceField(shape)))
       return sectionPlanesAlong(spine->chart, grids, s.section.count, s.section.pixelSize);
-    notes.push_back("the shape has no clear axis of its own: the slices are parallel");
+    notes.emplace_back("slice.no-spine", Severity::kWarning, "--spine",
+                       "the shape has no clear axis of its own: the slices are parallel");
   }
   return sectionPlanes(grids, s.section);
 }

@@ -16,8 +16,8 @@ enum class Severity {
 
 /// Something that was found, decided or changed. Code that acts on a note looks at its code, never at its text.
 struct Note {
-  Note(std::string text) : text(std::move(text)) {}
-  Note(const char* text) : text(text) {}
+  Note() = default;
+  explicit Note(std::string text) : text(std::move(text)) {}
   Note(std::string code, Severity severity, std::string about, std::string text)
       : code(std::move(code)), severity(severity), about(std::move(about)), text(std::move(text)) {}
 

@@ -2,9 +2,9 @@
 // in it is exact for affine maps.
 #include "engine/blend/moving_lattice.h"
 #include "tests/support/fields.h"
+#include "tests/support/with_threads.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <cmath>
 #include <random>
@@ -269,8 +269,9 @@ TEST(MovingLattice, IsTheSameForAnyNumberOfThreads) {
   const Pair pair = ballsApart(0.1);
   const MovingLattice lattice(pair.map, pair.fields, pair.charts);
   const auto made = [&](size_t threads) {
-    tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    return lattice.nodesNearSurface(lattice.poseAt({0.3, 0.7}), *voxels(0.06), 4);
+    return withThreads(threads, [&] {
+      return lattice.nodesNearSurface(lattice.poseAt({0.3, 0.7}), *voxels(0.06), 4);
+    });
   };
   const NodeMap one = made(1), four = made(4);
   EXPECT_EQ(one.at, four.at);

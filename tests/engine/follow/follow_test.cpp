@@ -6,9 +6,9 @@
 #include "engine/volume/voxelise.h"
 #include "tests/support/shapes.h"
 #include "tests/support/surface_checks.h"
+#include "tests/support/with_threads.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <random>
 
@@ -135,12 +135,12 @@ TEST(MovingMesh, TheSameForAnyThreadCount) {
   const MorphPlan plan({object(ball({0, 0, 0}, 1)), object(ball({2, 0, 0}, 1.5))});
   const std::vector<SurfaceFrame> frames = framesOf(plan, 3);
   std::vector<std::string> bytes;
-  for (const int threads : {1, 2, 4}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, size_t(threads));
-    bytes.emplace_back();
-    for (const MovingMesh& m : followSurfaces(frames, &plan))
-      for (const auto& points : m.points) bytes.back() += checks::bytesOf(points);
-  }
+  for (const int threads : {1, 2, 4})
+    withThreads(size_t(threads), [&] {
+      bytes.emplace_back();
+      for (const MovingMesh& m : followSurfaces(frames, &plan))
+        for (const auto& points : m.points) bytes.back() += checks::bytesOf(points);
+    });
   EXPECT_EQ(bytes[0], bytes[1]);
   EXPECT_EQ(bytes[0], bytes[2]);
 }

@@ -1,37 +1,14 @@
 // Maps from the middle space to objects, and back.
 #include "engine/match/displacements.h"
+#include "tests/support/lattice_points.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 #include <random>
 
 namespace slicemorph {
 namespace {
-
-VectorField sampled(const Lattice& lattice, const std::function<Vec3d(const Vec3d&)>& f) {
-  VectorField field(lattice.count());
-  for (int z = 0; z < lattice.size[2]; ++z)
-    for (int y = 0; y < lattice.size[1]; ++y)
-      for (int x = 0; x < lattice.size[0]; ++x)
-        field[lattice.index(x, y, z)] = openvdb::Vec3s(f(lattice.position(x, y, z)));
-  return field;
-}
-
-/// Points spread over the box of a lattice.
-std::vector<Vec3d> pointsIn(const Lattice& lattice, int count) {
-  std::mt19937 random(3);
-  const Vec3d extent = lattice.spacing * (lattice.size.asVec3d() - Vec3d(1));
-  std::vector<Vec3d> points;
-  for (int i = 0; i < count; ++i) {
-    Vec3d p;
-    for (int a = 0; a < 3; ++a)
-      p[a] = lattice.origin[a] + std::uniform_real_distribution<>(0, extent[a])(random);
-    points.push_back(p);
-  }
-  return points;
-}
 
 /// All of one's own at an object, nothing half way between all, and the parabola through both between.
 TEST(Displacements, PathWeightsGoThroughTheMiddle) {

@@ -7,9 +7,9 @@
 #include "tests/support/all_tests.h"
 #include "tests/support/same_values.h"
 #include "tests/support/shapes.h"
+#include "tests/support/with_threads.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -60,29 +60,32 @@ SurfaceDistance distance(const FloatGrid& a, const FloatGrid& b) {
   return surfaceDistance(surfaceOf(a), surfaceOf(b));
 }
 
-/// However the objects are named, the blend is the same: limit 0.1 voxel; it is the same to the last bit, for
-/// nothing depends on their order.
-TEST(Many, OrderDoesNotMatter) {
+/// However the objects are named and on however many threads the plan is made, the blend is the same to the last
+/// bit: nothing depends on either. What differs shows which by SLICEMORPH_ALL_TESTS=1, which changes one thing
+/// at a time.
+TEST(Many, NeitherOrderNorThreadsMatter) {
   const std::vector<Object> objects = fourObjects(resolution());
   const Weights weights{0.4, 0.3, 0.2, 0.1};
-  FloatGrid::Ptr first;
-  for (const std::array<size_t, 4>& order : {std::array<size_t, 4>{0, 1, 2, 3}, {3, 1, 0, 2}, {2, 3, 1, 0}}) {
-    if (first && order[0] == 2 && !allTests()) continue;
+  const InBetween frame = planOfFour()->frame(weights);
+  const ShapeMeasures m = measureShape(*frame.surface);
+  for (const Note& note : planOfFour()->notes()) std::printf("  %s\n", note.sentence().c_str());
+  std::printf("  %d pieces, genus %d, fold %.4f\n", m.pieces, m.genus, frame.foldShare);
+  EXPECT_EQ(m.pieces, 1);
+  EXPECT_EQ(m.genus, 0);
+  struct Change {
+    std::array<size_t, 4> order;
+    size_t threads;
+  };
+  std::vector<Change> changes{{{3, 1, 0, 2}, 3}};
+  if (allTests()) changes = {{{3, 1, 0, 2}, 2}, {{2, 3, 1, 0}, 2}, {{0, 1, 2, 3}, 1}, {{0, 1, 2, 3}, 3}};
+  for (const Change& change : changes) {
     std::vector<Object> permuted;
     Weights own;
-    for (size_t k : order) permuted.push_back(objects[k]), own.push_back(weights[k]);
-    const std::shared_ptr<const MorphPlan> plan =
-        first ? std::make_shared<MorphPlan>(permuted) : planOfFour();
-    const FloatGrid::Ptr frame = plan->frame(own).surface;
-    const ShapeMeasures m = measureShape(*frame);
-    if (!first) {
-      first = frame;
-      for (const Note& note : plan->notes()) std::printf("  %s\n", note.sentence().c_str());
-      std::printf("  %d pieces, genus %d, fold %.4f\n", m.pieces, m.genus, plan->frame(own).foldShare);
-      EXPECT_EQ(m.pieces, 1);
-      EXPECT_EQ(m.genus, 0);
-    }
-    EXPECT_TRUE(sameValues(*frame, *first));
+    for (size_t k : change.order) permuted.push_back(objects[k]), own.push_back(weights[k]);
+    const FloatGrid::Ptr again =
+        withThreads(change.threads, [&] { return MorphPlan(permuted).frame(own).surface; });
+    EXPECT_TRUE(sameValues(*again, *frame.surface))
+        << change.threads << " threads, first object " << change.order[0];
   }
 }
 
@@ -106,29 +109,23 @@ TEST(Many, UnitWeightsGiveTheObjects) {
   }
 }
 
-TEST(Many, EqualBlendOfThreeSpheres) {
+/// Spheres of radii r around (r, 0, -r): every blend is one of them.
+TEST(Many, BlendsOfThreeSpheres) {
+  const Weights radii{1, 2, 3};
   std::vector<Object> objects;
-  for (double r : {1.0, 2.0, 3.0})
+  for (double r : radii)
     objects.push_back(
         object("r", shapes::sphere({r, 0, -r}, r), shapes::cube({r, 0, -r}, r + 0.5), 2 * r / 128));
-  const FloatGrid::Ptr frame = MorphPlan(objects).frame({1 / 3.0, 1 / 3.0, 1 / 3.0}).surface;
-  const double h = frame->voxelSize()[0];
-  double most = 0;
-  for (const auto& p : surfaceOf(*frame).points)
-    most = std::max(most, std::abs((Vec3d(p) - Vec3d(2, 0, -2)).length() - 2));
-  std::printf("  radius off by %.3f voxels at most\n", most / h);
-  EXPECT_LE(most / h, 0.25);
-}
-
-TEST(Many, ThreadsDoNotChangeAValue) {
-  std::vector<Object> objects = fourObjects(64);
-  objects.pop_back();
-  FloatGrid::Ptr first;
-  for (size_t threads : {1, 3}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    const FloatGrid::Ptr frame = MorphPlan(objects).frame({0.4, 0.3, 0.3}).surface;
-    if (!first) first = frame;
-    EXPECT_TRUE(sameValues(*frame, *first)) << threads << " threads";
+  const MorphPlan plan(objects);
+  for (const Weights& weights : {Weights{1 / 3.0, 1 / 3.0, 1 / 3.0}, Weights{0.5, 0.3, 0.2}}) {
+    const FloatGrid::Ptr frame = plan.frame(weights).surface;
+    const double h = frame->voxelSize()[0];
+    double r = 0, most = 0;
+    for (size_t k = 0; k < radii.size(); ++k) r += weights[k] * radii[k];
+    for (const auto& p : surfaceOf(*frame).points)
+      most = std::max(most, std::abs((Vec3d(p) - Vec3d(r, 0, -r)).length() - r));
+    std::printf("  radius %.2f off by %.3f voxels at most\n", r, most / h);
+    EXPECT_LE(most / h, 0.25);
   }
 }
 

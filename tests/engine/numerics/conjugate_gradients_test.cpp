@@ -1,7 +1,7 @@
 #include "engine/numerics/conjugate_gradients.h"
+#include "tests/support/with_threads.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 #include <Eigen/Dense>
 
 #include <random>
@@ -110,10 +110,8 @@ TEST(ConjugateGradients, GiveTheSameBytesForAnyNumberOfThreads) {
   const Eigen::MatrixXd a = matrix(200, true);
   const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(200, -1, 2);
   std::vector<std::vector<float>> found;
-  for (size_t threads : {1, 2, 4}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    found.push_back(solved(a, b, true, 16, {30, 0}));
-  }
+  for (size_t threads : {1, 2, 4})
+    withThreads(threads, [&] { found.push_back(solved(a, b, true, 16, {30, 0})); });
   EXPECT_EQ(found[0], found[1]);
   EXPECT_EQ(found[0], found[2]);
 }

@@ -1,38 +1,14 @@
 #include "engine/numerics/lattice_field.h"
+#include "tests/support/lattice_points.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
-#include <random>
 
 namespace slicemorph {
 namespace {
 
 const Lattice kLattice{{-1.2, 0.4, 2}, 0.25, {9, 8, 7}};
-
-VectorField sampled(const Lattice& lattice, const std::function<Vec3d(const Vec3d&)>& f) {
-  VectorField field(lattice.count());
-  for (int z = 0; z < lattice.size[2]; ++z)
-    for (int y = 0; y < lattice.size[1]; ++y)
-      for (int x = 0; x < lattice.size[0]; ++x)
-        field[lattice.index(x, y, z)] = openvdb::Vec3s(f(lattice.position(x, y, z)));
-  return field;
-}
-
-/// Points spread over the box of a lattice, `beyond` it on all sides.
-std::vector<Vec3d> pointsIn(const Lattice& lattice, int count, double beyond = 0) {
-  std::mt19937 random(3);
-  const Vec3d extent = lattice.spacing * (lattice.size.asVec3d() - Vec3d(1));
-  std::vector<Vec3d> points;
-  for (int i = 0; i < count; ++i) {
-    Vec3d p;
-    for (int a = 0; a < 3; ++a)
-      p[a] = lattice.origin[a] + std::uniform_real_distribution<>(-beyond, extent[a] + beyond)(random);
-    points.push_back(p);
-  }
-  return points;
-}
 
 /// Trilinear functions, products of one linear function an axis, are met exactly between the nodes.
 Vec3d trilinear(const Vec3d& p) {

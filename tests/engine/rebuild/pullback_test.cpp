@@ -9,10 +9,10 @@
 #include "tests/support/bent_shapes.h"
 #include "tests/support/same_values.h"
 #include "tests/support/shapes.h"
+#include "tests/support/with_threads.h"
 
 #include <gtest/gtest.h>
 #include <openvdb/tools/Interpolation.h>
-#include <tbb/global_control.h>
 
 #include <array>
 #include <cstdio>
@@ -309,11 +309,11 @@ TEST(Carry, LabelsAreNotBlended) {
 TEST(Carry, SameForAnyNumberOfThreads) {
   const FloatGrid::Ptr a = puff({0, 0, 0}, {1, 1.4, 0.8}, kVoxel), b = puff({4, 0, 0}, Vec3d(1.3), kVoxel);
   std::vector<FloatGrid::ConstPtr> frames;
-  for (int threads : {1, 4}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, size_t(threads));
-    const MorphPlan plan({shapeOf(a), shapeOf(b)});
-    frames.push_back(carried(plan, a, b, 0.4, true));
-  }
+  for (int threads : {1, 4})
+    withThreads(size_t(threads), [&] {
+      const MorphPlan plan({shapeOf(a), shapeOf(b)});
+      frames.push_back(carried(plan, a, b, 0.4, true));
+    });
   EXPECT_TRUE(sameValues(*frames[0], *frames[1]));
 }
 

@@ -2,9 +2,9 @@
 #include "engine/rebuild/rebuild.h"
 #include "tests/support/fields.h"
 #include "tests/support/same_values.h"
+#include "tests/support/with_threads.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <cmath>
 
@@ -59,8 +59,7 @@ TEST(Rebuild, LikeObjectsGiveTheSame) {
   EXPECT_LE(missOf(*grid, 1), kLost);
   EXPECT_EQ(grid->getName(), "surface");
   EXPECT_EQ(grid->getGridClass(), openvdb::GRID_LEVEL_SET);
-  tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  EXPECT_TRUE(sameValues(*grid, *rebuildLevelSet(nodes, fields, blend, *transform)));
+  withThreads(1, [&] { EXPECT_TRUE(sameValues(*grid, *rebuildLevelSet(nodes, fields, blend, *transform))); });
 }
 
 /// Distances count in units of each object's own size: balls of 0.8 and 1.6 that the map makes alike.

@@ -5,10 +5,10 @@
 #include "tests/support/same_values.h"
 #include "tests/support/shapes.h"
 #include "tests/support/surface_checks.h"
+#include "tests/support/with_threads.h"
 
 #include <gtest/gtest.h>
 #include <openvdb/tools/Interpolation.h>
-#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 
 #include <unistd.h>
@@ -327,12 +327,12 @@ TEST_F(Contours, NestedContoursAreTheInnerWallOfATube) {
 TEST_F(Contours, SameForAnyNumberOfThreads) {
   const ContourSet set = cut(shapes::torus(Vec3d(0.0), kRing, kTube), tiltedStack(30), 8, 0.15);
   FloatGrid::Ptr first;
-  for (size_t threads : {1, 2, 4}) {
-    tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-    const FloatGrid::Ptr grid = contourSurface(set).grid;
-    if (!first) first = grid;
-    EXPECT_TRUE(sameValues(*first, *grid));
-  }
+  for (size_t threads : {1, 2, 4})
+    withThreads(threads, [&] {
+      const FloatGrid::Ptr grid = contourSurface(set).grid;
+      if (!first) first = grid;
+      EXPECT_TRUE(sameValues(*first, *grid));
+    });
 }
 
 // ---------------------------------------------------------------- contours that need a word

@@ -2,9 +2,9 @@
 #include "engine/reconstruct/label_level_set.h"
 #include "engine/reconstruct/regions.h"
 #include "slicemorph/errors.h"
+#include "tests/support/with_threads.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <cmath>
 #include <functional>
@@ -176,10 +176,7 @@ TEST(Reconstruct, MirroredInputMirrorsOutput) {
 
 TEST(Reconstruct, SameForAnyThreadCount) {
   std::vector<Image> made;
-  for (size_t threads : {1, 2, 4}) {
-    tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-    made.push_back(fillIn(72, 25, 8, scene));
-  }
+  for (size_t threads : {1, 2, 4}) withThreads(threads, [&] { made.push_back(fillIn(72, 25, 8, scene)); });
   EXPECT_EQ(made[0].values, made[1].values);
   EXPECT_EQ(made[0].values, made[2].values);
 }

@@ -2,9 +2,9 @@
 #include "engine/render/black_body.h"
 #include "engine/render/light_field.h"
 #include "slicemorph/errors.h"
+#include "tests/support/with_threads.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <cmath>
 
@@ -130,10 +130,10 @@ TEST(RenderFog, SameBytesForAnyThreadCount) {
   fog.heat = block(0.7f, Vec3d(0.5));
   const FogMeasure measure = measureFog(fog);
   std::vector<Picture> pictures;
-  for (const size_t threads : {1, 2, 4}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    pictures.push_back(renderFog(fog, lookOf({measure}), frameAll({measure.box}), smallPicture()));
-  }
+  for (const size_t threads : {1, 2, 4})
+    withThreads(threads, [&] {
+      pictures.push_back(renderFog(fog, lookOf({measure}), frameAll({measure.box}), smallPicture()));
+    });
   for (const size_t n : {1, 2}) {
     EXPECT_EQ(pictures[0].rgba, pictures[n].rgba);
     EXPECT_EQ(pictures[0].depth, pictures[n].depth);

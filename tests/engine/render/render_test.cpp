@@ -2,11 +2,11 @@
 #include "engine/render/contact_sheet.h"
 #include "io/image/png_writer.h"
 #include "slicemorph/errors.h"
+#include "tests/support/with_threads.h"
 
 #include <gtest/gtest.h>
 #include <openvdb/tools/LevelSetSphere.h>
 #include <png.h>
-#include <tbb/global_control.h>
 
 #include <cmath>
 #include <filesystem>
@@ -205,10 +205,8 @@ TEST(Render, SameBytesForAnyThreadCount) {
   RenderOptions options;
   options.width = 160, options.height = 120;
   std::vector<std::vector<float>> pictures;
-  for (const size_t threads : {1, 2, 4}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    pictures.push_back(renderSurface(*grid, camera, options).rgba);
-  }
+  for (const size_t threads : {1, 2, 4})
+    withThreads(threads, [&] { pictures.push_back(renderSurface(*grid, camera, options).rgba); });
   EXPECT_EQ(pictures[0], pictures[1]);
   EXPECT_EQ(pictures[0], pictures[2]);
 }

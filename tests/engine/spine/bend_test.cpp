@@ -8,10 +8,10 @@
 #include "tests/support/bent_shapes.h"
 #include "tests/support/same_values.h"
 #include "tests/support/shapes.h"
+#include "tests/support/with_threads.h"
 
 #include <gtest/gtest.h>
 #include <openvdb/tools/Interpolation.h>
-#include <tbb/global_control.h>
 
 #include <cstdio>
 #include <set>
@@ -202,12 +202,12 @@ TEST(Curved, ThreadsDoNotChangeAValue) {
   const Mesh straight = bar(c, true);
   const Object a = object(straight), b = object(shapes::bent(straight, c.to));
   FloatGrid::Ptr first;
-  for (size_t threads : {1, 4}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    const FloatGrid::Ptr frame = MorphPlan({a, b}).frame({0.6, 0.4}).surface;
-    if (!first) first = frame;
-    EXPECT_TRUE(sameValues(*frame, *first)) << threads << " threads";
-  }
+  for (size_t threads : {1, 4})
+    withThreads(threads, [&] {
+      const FloatGrid::Ptr frame = MorphPlan({a, b}).frame({0.6, 0.4}).surface;
+      if (!first) first = frame;
+      EXPECT_TRUE(sameValues(*frame, *first)) << threads << " threads";
+    });
 }
 
 /// Shapes without a clear axis get no curved spine: the result is the straight one's, so no measure can be

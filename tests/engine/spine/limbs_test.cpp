@@ -4,12 +4,13 @@
 #include "engine/volume/distance_field.h"
 #include "engine/volume/voxelise.h"
 #include "slicemorph/slicemorph.h"
+#include "tests/support/quadruped.h"
 #include "tests/support/same_values.h"
 #include "tests/support/section_parts.h"
 #include "tests/support/shapes.h"
+#include "tests/support/with_threads.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <array>
 #include <cstdio>
@@ -22,26 +23,12 @@ using shapes::capsule;
 using shapes::Distance;
 using shapes::joined;
 
-constexpr double kLegLength = 0.62, kLegRadius = 0.065;
-
-/// Body along x, legs down along -z from its four corners, neck, head and tail. `swing`: of each leg, degrees
-/// forwards. `legs`: how many of them it has.
-Distance quadruped(const std::array<double, 4>& swing, int legs = 4) {
-  std::vector<Distance> parts{
-      capsule({-0.55, 0, 0.45}, {0.5, 0, 0.45}, 0.17), capsule({0.5, 0, 0.5}, {0.78, 0, 0.85}, 0.09),
-      capsule({0.78, 0, 0.85}, {0.98, 0, 0.8}, 0.1), capsule({-0.6, 0, 0.5}, {-0.85, 0, 0.3}, 0.05)};
-  for (int leg = 0; leg < legs; ++leg) {
-    const Vec3d hip(leg < 2 ? 0.42 : -0.48, leg % 2 ? 0.13 : -0.13, 0.4);
-    const double a = swing[size_t(leg)] * kPi / 180;
-    parts.push_back(capsule(hip, hip + kLegLength * Vec3d(std::sin(a), 0, -std::cos(a)), kLegRadius));
-  }
-  return joined(parts);
-}
+using shapes::quadruped;
+using shapes::Quadruped;
 
 Object object(const Distance& distance) {
   const double h = 1.9 / 128;
-  return {"quadruped",
-          shapes::levelSet(distance, openvdb::BBoxd(Vec3d(-1.1, -0.4, -0.4), Vec3d(1.2, 0.4, 1.1)), h)};
+  return {"quadruped", shapes::levelSet(distance, shapes::quadrupedBox(), h)};
 }
 
 /// Four legs, the neck with the head, and the tail; each tip within two nodes of the coarse grid (1.9 / 112
@@ -52,11 +39,9 @@ TEST(Limbs, AllAreFoundWithTheirTips) {
   EXPECT_EQ(limbs.size(), 6u);
   std::vector<Vec3d> tips{{1.08, 0, 0.77}, {-0.89, 0, 0.27}};
   const double swing[4] = {30, -30, 0, 15};
-  for (int leg = 0; leg < 4; ++leg) {
-    const double a = swing[leg] * kPi / 180;
-    tips.push_back(Vec3d(leg < 2 ? 0.42 : -0.48, leg % 2 ? 0.13 : -0.13, 0.4) +
-                   0.685 * Vec3d(std::sin(a), 0, -std::cos(a)));
-  }
+  for (int leg = 0; leg < 4; ++leg)
+    tips.push_back(Quadruped::onLeg(leg, swing[leg], 1) +
+                   Quadruped::kLegRadius * Quadruped::down(swing[leg]));
   for (const Vec3d& tip : tips) {
     double nearest = 1e30;
     for (const Limb& limb : limbs) nearest = std::min(nearest, (limb.line.back() - tip).length());
@@ -96,7 +81,8 @@ TEST(Limbs, QuadrupedWalksOnFourLegs) {
 TEST(Limbs, ALegGrowsOutOfTheBody) {
   const Object three = object(quadruped({0, 0, 0, 0}, 3)), four = object(quadruped({0, 0, 0, 0}));
   const MorphPlan plan({three, four});
-  const double h = four.levelSet->voxelSize()[0], belly = 0.45 - 0.17, foot = 0.4 - kLegLength - kLegRadius;
+  const double h = four.levelSet->voxelSize()[0], belly = 0.45 - 0.17,
+               foot = 0.4 - Quadruped::kLegLength - Quadruped::kLegRadius;
   double before = 0;
   for (int i = 0; i <= 12; ++i) {
     const double t = i / 12.0;
@@ -188,12 +174,12 @@ TEST(Limbs, OneBranchBecomesSeveral) {
 TEST(Limbs, ThreadsDoNotChangeAValue) {
   const Object standing = object(quadruped({0, 0, 0, 0})), walking = object(quadruped({30, -30, -30, 30}));
   FloatGrid::Ptr first;
-  for (size_t threads : {1, 4}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    const FloatGrid::Ptr frame = MorphPlan({standing, walking}).frame({0.6, 0.4}).surface;
-    if (!first) first = frame;
-    EXPECT_TRUE(sameValues(*frame, *first)) << threads << " threads";
-  }
+  for (size_t threads : {1, 4})
+    withThreads(threads, [&] {
+      const FloatGrid::Ptr frame = MorphPlan({standing, walking}).frame({0.6, 0.4}).surface;
+      if (!first) first = frame;
+      EXPECT_TRUE(sameValues(*frame, *first)) << threads << " threads";
+    });
 }
 
 }  // namespace

@@ -4,9 +4,9 @@
 #include "engine/volume/voxelise.h"
 #include "slicemorph/errors.h"
 #include "tests/support/surface_checks.h"
+#include "tests/support/with_threads.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <chrono>
 #include <cmath>
@@ -256,18 +256,18 @@ TEST_F(Volume, AbsurdSizesAreRefusedAtOnce) {
 TEST_F(Volume, SameBytesForAnyThreadCount) {
   const Mesh ball = repairMesh(roundMesh(1, 60, 0)).mesh;
   std::vector<std::string> points, triangles, values;
-  for (size_t threads : {1, 2, 4}) {
-    tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-    const FloatGrid::Ptr grid = voxelise(ball, 0.02);
-    const Mesh surface = surfaceOf(*grid);
-    points.push_back(checks::bytesOf(surface.points));
-    triangles.push_back(checks::bytesOf(surface.triangles));
-    values.emplace_back();
-    for (auto value = grid->cbeginValueOn(); value; ++value) {
-      const float v = *value;
-      values.back().append(reinterpret_cast<const char*>(&v), sizeof v);
-    }
-  }
+  for (size_t threads : {1, 2, 4})
+    withThreads(threads, [&] {
+      const FloatGrid::Ptr grid = voxelise(ball, 0.02);
+      const Mesh surface = surfaceOf(*grid);
+      points.push_back(checks::bytesOf(surface.points));
+      triangles.push_back(checks::bytesOf(surface.triangles));
+      values.emplace_back();
+      for (auto value = grid->cbeginValueOn(); value; ++value) {
+        const float v = *value;
+        values.back().append(reinterpret_cast<const char*>(&v), sizeof v);
+      }
+    });
   for (size_t i = 1; i < points.size(); ++i) {
     EXPECT_TRUE(values[i] == values[0]);
     EXPECT_TRUE(points[i] == points[0]);

@@ -6,6 +6,7 @@
 #include "io/exr/exr_writer.h"
 #include "slicemorph/errors.h"
 #include "tests/support/shapes.h"
+#include "tests/support/with_threads.h"
 
 #include <ImfChannelList.h>
 #include <ImfDoubleAttribute.h>
@@ -19,7 +20,6 @@
 #include <gtest/gtest.h>
 #include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/LevelSetSphere.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
@@ -150,13 +150,13 @@ TEST(Section, ReproducesALinearFunctionExactly) {
 TEST(Section, SameValuesForAnyThreadCount) {
   const auto grid = sphere();
   std::vector<std::vector<float>> values;
-  for (const size_t threads : {1, 2, 4}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    values.emplace_back();
-    for (const Slice& slice : sections(grid, {{0, 0, 0}, 12, 0})) {
-      values.back().insert(values.back().end(), slice.values.begin(), slice.values.end());
-    }
-  }
+  for (const size_t threads : {1, 2, 4})
+    withThreads(threads, [&] {
+      values.emplace_back();
+      for (const Slice& slice : sections(grid, {{0, 0, 0}, 12, 0})) {
+        values.back().insert(values.back().end(), slice.values.begin(), slice.values.end());
+      }
+    });
   EXPECT_EQ(values[0], values[1]);
   EXPECT_EQ(values[0], values[2]);
 }

@@ -3,9 +3,9 @@
 #include "engine/volume/voxelise.h"
 #include "io/mesh/glb_writer.h"
 #include "tests/support/shapes.h"
+#include "tests/support/with_threads.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <nlohmann/json.hpp>
 
@@ -195,13 +195,13 @@ TEST(SurfaceColors, TheSameForAnyThreadCount) {
   const PolygonMesh mesh = speckledBall(0.1);
   const FloatGrid::Ptr levelSet = ball(0.03);
   Vec3SGrid::Ptr first;
-  for (size_t threads : {1, 2, 4}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    const Vec3SGrid::Ptr colors = colorsAround(*levelSet, mesh);
-    if (!first) first = colors;
-    for (auto value = first->cbeginValueOn(); value; ++value)
-      ASSERT_EQ(colors->tree().getValue(value.getCoord()), *value);
-  }
+  for (size_t threads : {1, 2, 4})
+    withThreads(threads, [&] {
+      const Vec3SGrid::Ptr colors = colorsAround(*levelSet, mesh);
+      if (!first) first = colors;
+      for (auto value = first->cbeginValueOn(); value; ++value)
+        ASSERT_EQ(colors->tree().getValue(value.getCoord()), *value);
+    });
 }
 
 TEST(SurfaceColors, NamesOfColors) {

@@ -6,7 +6,7 @@ namespace slicemorph {
 namespace {
 
 TEST(Notes, AreToldByTheirSeverity) {
-  const Notes notes = {"turned",
+  const Notes notes = {{"frame.turned", Severity::kNote, "", "turned"},
                        {"map.torn", Severity::kWarning, "", "torn"},
                        {"mesh.open", Severity::kWarning, "b.ply", "open"},
                        {"match.overlap", Severity::kDetail, "", "overlap 0.5"}};
