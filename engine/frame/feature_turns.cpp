@@ -36,7 +36,7 @@ Eigen::Matrix3d productOf(const std::vector<Vec3d>& b, const std::vector<Vec3d>&
 
 }  // namespace
 
-std::vector<Vec3d> placesOn(const std::vector<Feature>& features, size_t object) {
+std::vector<Vec3d> pointsOn(const std::vector<Feature>& features, size_t object) {
   std::vector<Vec3d> places;
   for (const Feature& feature : features) {
     const std::vector<Vec3d>& own = feature.places[object];

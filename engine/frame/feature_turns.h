@@ -6,7 +6,7 @@
 namespace slicemorph {
 
 /// The places that features name on one object, in their order: as many on every object.
-std::vector<Vec3d> placesOn(const std::vector<Feature>& features, size_t object);
+std::vector<Vec3d> pointsOn(const std::vector<Feature>& features, size_t object);
 
 /// The rotation that carries points onto others best, about the origin [Kab76].
 Mat3d rotationOnto(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to);

@@ -10,9 +10,11 @@ namespace slicemorph {
 
 namespace {
 
+/// Rounds of smoothing before the map is shrunk instead. Chosen by hand; FoldGuard.WildMapsBecomeOneToOne
+/// tests what follows.
 constexpr int kMaxRounds = 60;
 
-/// Calls visit(x, y, z) for all cells, in slabs of one task each.
+/// Calls visit(x, y, z) for all cells, one slab (z) per task.
 template <typename Visit>
 void forEachCell(const Lattice& lattice, const Visit& visit) {
   tbb::parallel_for(0, int(lattice.size[2]) - 1, [&](int z) {
@@ -27,7 +29,7 @@ struct Guarded {
   double own, all;
 };
 
-/// Those to every object, and to points on the way there from the middle.
+/// The maps to every object, and to the in-between half way from the middle to it.
 std::vector<Guarded> guardedMaps(size_t objects) {
   std::vector<Guarded> result;
   for (size_t k = 0; k < objects; ++k)
@@ -41,7 +43,8 @@ std::vector<Guarded> guardedMaps(size_t objects) {
   return result;
 }
 
-/// How much of the smoothed field each node takes: 1 within two cells of a fold, falling off over four more.
+/// How much of the smoothed field each node takes: 1 at the corners of folded cells, then falling by a factor
+/// of 0.8 a node over three nodes along each axis.
 std::vector<float> smoothingMask(const Lattice& lattice, const std::vector<char>& folded) {
   std::vector<float> mask(lattice.count(), 0.f);
   for (int z = 0; z + 1 < lattice.size[2]; ++z)
@@ -66,7 +69,7 @@ std::vector<float> smoothingMask(const Lattice& lattice, const std::vector<char>
   return mask;
 }
 
-/// One step towards the mean of the six neighbours (zero beyond the lattice), where the mask says so.
+/// Moves every node towards the mean of its six neighbours (zero beyond the lattice) by the share in `mask`.
 void smooth(const Lattice& lattice, VectorField& field, const std::vector<float>& mask) {
   const VectorField old = field;
   const int step[3] = {1, lattice.size[0], lattice.size[0] * lattice.size[1]};
@@ -94,7 +97,7 @@ VectorField sumOf(const Displacements& map) {
   return sum;
 }
 
-/// Smallest volume of a cell's tetrahedra after a map, over their volume before.
+/// Smallest ratio of the volumes of a cell's tetrahedra [Kuh60] after and before a map.
 double smallestRatio(const Displacements& map, const VectorField& sum, const Guarded& guarded, int x, int y,
                      int z) {
   const Lattice& lattice = map.lattice;
@@ -110,7 +113,7 @@ double smallestRatio(const Displacements& map, const VectorField& sum, const Gua
   return smallest / (lattice.spacing * lattice.spacing * lattice.spacing);
 }
 
-/// Cells with a suspect corner that some guarded map squeezes below the floor.
+/// Cells with a suspect corner that some guarded map squeezes below `floor`; indexed by their first node.
 std::vector<char> foldedCells(const Displacements& map, const std::vector<Guarded>& guarded, double floor,
                               const std::vector<char>& suspect) {
   const Lattice& lattice = map.lattice;
@@ -147,10 +150,10 @@ int removeFolds(Displacements& map, double floor) {
     const std::vector<float> mask = smoothingMask(map.lattice, folded);
     for (int i = 0; i < 2 + round / 8; ++i)
       for (VectorField& field : map.of) smooth(map.lattice, field, mask);
-    // Only what was moved can fold anew.
+    // Only cells with a moved node can fold in the next round.
     for (size_t i = 0; i < suspect.size(); ++i) suspect[i] = mask[i] > 0;
   }
-  // What smoothing cannot cure shrinks towards the middle space, which has no folds.
+  // Where smoothing does not help, shrink all displacements: the identity has no folds.
   for (VectorField& field : map.of)
     for (auto& d : field) d *= 0.7f;
   return kMaxRounds + removeFolds(map, floor);

@@ -106,7 +106,7 @@ std::vector<Feature> featuresOfPair(const std::vector<Feature>& features, size_t
     const size_t count = feature.kind == Feature::Kind::kLine ? 9 : 1;
     for (size_t i = 0; i < count; ++i)
       pair.places[0].push_back(middle([&](size_t k) {
-        return placeAlong(feature.places[k], count > 1 ? double(i) / double(count - 1) : 0);
+        return pointAlong(feature.places[k], count > 1 ? double(i) / double(count - 1) : 0);
       }));
     if (feature.kind == Feature::Kind::kDisk) {
       const Vec3d ahead = middle(

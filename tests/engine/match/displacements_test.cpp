@@ -33,7 +33,8 @@ std::vector<Vec3d> pointsIn(const Lattice& lattice, int count) {
   return points;
 }
 
-/// All of one's own at an object, nothing half way between all, and the parabola through both between.
+/// 1 for an object at its own weights, 0 half way between all objects, and a parabola through
+/// both in between.
 TEST(Displacements, PathWeightsGoThroughTheMiddle) {
   EXPECT_EQ(pathWeights({1}), (Weights{1}));
   EXPECT_EQ(pathWeights({0, 1, 0}), (Weights{0, 1, 0}));
@@ -78,15 +79,16 @@ TEST(Displacements, GuessesFarAwayMiddlePoints) {
                        float(std::uniform_real_distribution<>(-0.7, 0.7)(random)), 0.3f);
   const MiddleGuess guess(lattice, field);
   for (const Vec3d& a : pointsIn({{-0.5, -0.5, -0.5}, 1, {2, 2, 2}}, 50)) {
-    // Among all nodes whose place is in the bins around: less than one spacing away it is the nearest of all.
+    // The guess looks in the bins around; if the nearest node is less than one spacing away,
+    // it is among these.
     double least = 1e30;
     Vec3d nearest(0.0);
     for (int z = 0; z < lattice.size[2]; ++z)
       for (int y = 0; y < lattice.size[1]; ++y)
         for (int x = 0; x < lattice.size[0]; ++x) {
-          const Vec3d place = lattice.position(x, y, z) + Vec3d(field[lattice.index(x, y, z)]);
-          if (const double off = (place - a).length(); off < least)
-            least = off, nearest = lattice.position(x, y, z) + a - place;
+          const Vec3d position = lattice.position(x, y, z) + Vec3d(field[lattice.index(x, y, z)]);
+          if (const double off = (position - a).length(); off < least)
+            least = off, nearest = lattice.position(x, y, z) + a - position;
         }
     ASSERT_LT(least, lattice.spacing);
     EXPECT_LE((guess.near(a) - nearest).length(), 1e-9);

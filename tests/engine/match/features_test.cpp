@@ -1,4 +1,5 @@
-// How an artist's points, lines and disks become correspondences; what they do to a morph: engine/features_test.
+// How an artist's points, lines and disks become correspondences; what they do to a morph:
+// engine/features_test.
 #include "engine/match/features.h"
 #include "tests/support/fields.h"
 
@@ -38,7 +39,7 @@ TEST(FeaturePoints, PointsAreMarksInTheirCharts) {
   EXPECT_LE((placed.marks[0].middle - 0.5 * (own + other)).length(), 1e-12);
 }
 
-/// A disk's centre, a place on either side at half its radius, and eight on its rim, at right angles to its
+/// A disk's centre, a point on either side at half its radius, and eight on its rim, at right angles to its
 /// normal and none of them spun against the other object's.
 TEST(FeaturePoints, DisksAreAStarOfMarks) {
   Feature disk{"ring", Feature::Kind::kDisk, {{{0.5, 0, 0}}, {{0, 0.6, 0}}}};
@@ -89,7 +90,7 @@ TEST(FeaturePoints, LinesThatFollowAreOne) {
   EXPECT_LE(back.limbs[1][0].chart.front().length(), 1e-9);
 }
 
-/// As thick as its way to the surface: on the axis of a ball of radius 1, one less the distance from the middle.
+/// The radius is the depth: for a line through a ball of radius 1, one minus the distance from the centre.
 TEST(FeaturePoints, LinesAreAsThickAsTheyAreDeep) {
   const std::vector<Chart> charts(2, shapes::straightChart({0, 0, 0}, kScale));
   const std::vector<Vec3d> along{{0.1, 0, 0}, {0.7, 0, 0}};
@@ -100,11 +101,11 @@ TEST(FeaturePoints, LinesAreAsThickAsTheyAreDeep) {
 
 TEST(FeaturePoints, PlacesAlongALine) {
   const std::vector<Vec3d> bent{{0, 0, 0}, {3, 0, 0}, {3, 1, 0}};
-  EXPECT_LE((placeAlong(bent, 0) - bent[0]).length(), 1e-12);
-  EXPECT_LE((placeAlong(bent, 0.5) - Vec3d(2, 0, 0)).length(), 1e-9);
-  EXPECT_LE((placeAlong(bent, 0.875) - Vec3d(3, 0.5, 0)).length(), 1e-9);
-  EXPECT_LE((placeAlong(bent, 1) - bent[2]).length(), 1e-12);
-  EXPECT_EQ(placeAlong({{7, 8, 9}}, 0.3), Vec3d(7, 8, 9));
+  EXPECT_LE((pointAlong(bent, 0) - bent[0]).length(), 1e-12);
+  EXPECT_LE((pointAlong(bent, 0.5) - Vec3d(2, 0, 0)).length(), 1e-9);
+  EXPECT_LE((pointAlong(bent, 0.875) - Vec3d(3, 0.5, 0)).length(), 1e-9);
+  EXPECT_LE((pointAlong(bent, 1) - bent[2]).length(), 1e-12);
+  EXPECT_EQ(pointAlong({{7, 8, 9}}, 0.3), Vec3d(7, 8, 9));
 }
 
 PlacedLimb straightLimb(double y) {
@@ -146,9 +147,9 @@ Displacements constantMap(const Vec3d& first, const Vec3d& second) {
 
 TEST(FeaturePoints, WhatAMapMeetsIsNoContradiction) {
   const std::vector<Chart> charts(2, shapes::straightChart({0, 0, 0}, kScale));
-  const Vec3d way(0.25, 0, 0);
-  const Displacements map = constantMap(way / kScale, -way / kScale);
-  EXPECT_TRUE(contradictions({point("nose", way, -way)}, charts, map, 2).empty());
+  const Vec3d shift(0.25, 0, 0);
+  const Displacements map = constantMap(shift / kScale, -shift / kScale);
+  EXPECT_TRUE(contradictions({point("nose", shift, -shift)}, charts, map, 2).empty());
   EXPECT_TRUE(contradictions({}, charts, map, 2).empty());
 }
 
