@@ -15,8 +15,8 @@ namespace {
 
 /// Slices for trials: fewer than the default, as they only rank the candidates.
 constexpr int kQuickSlices = 32;
-/// Gain in overlap that curved spines or a twist must reach: the 3 % that the method's prototype asked of a
-/// twist. `Curved.RoundAndStoutShapesStayStraight` guards it.
+/// Gain in overlap that curved spines or a twist must reach: the 3 % that the method's
+/// prototype asked of a twist.
 constexpr double kPrice = 0.03;
 /// Price of strain, in overlap: even a head can be matched with a tail, but only by deforming it. Chosen by
 /// hand; guarded by the tests `Facing` in tests/engine/pairs_test.cpp.
