@@ -1,5 +1,5 @@
-// More than two objects, in proportions that may differ from part to part: 128 voxels along the longest side where a
-// closed form asks for a share of a voxel, half as many where results are compared with each other.
+// More than two objects, in proportions that may differ from part to part: 128 voxels along the longest side
+// where a closed form asks for a share of a voxel, half as many where results are compared with each other.
 #include "engine/measure/measure.h"
 #include "engine/volume/voxelise.h"
 #include "slicemorph/errors.h"
@@ -30,7 +30,7 @@ Distance smoothUnion(const Distance& a, const Distance& b, double k) {
   };
 }
 
-/// Four that are not alike: a ball, a long box, a ring's half with a bump, a dumb-bell leaning.
+/// Four different objects: a ball, a long box, half a ring with a bump, a tilted dumb-bell.
 std::vector<Object> fourObjects(int voxels) {
   const double h = 2.4 / voxels;
   const openvdb::BBoxd box = shapes::cube({0, 0, 0}, 1.6);
@@ -50,7 +50,7 @@ std::vector<Object> fourObjects(int voxels) {
 
 int resolution() { return allTests() ? 128 : 64; }
 
-/// Made once for the tests that ask it.
+/// Made once for all tests that use it.
 std::shared_ptr<const MorphPlan> planOfFour() {
   static const auto plan = std::make_shared<MorphPlan>(fourObjects(resolution()));
   return plan;
@@ -60,8 +60,8 @@ SurfaceDistance distance(const FloatGrid& a, const FloatGrid& b) {
   return surfaceDistance(surfaceOf(a), surfaceOf(b));
 }
 
-/// However the objects are named, the blend is the same: limit 0.1 voxel; it is the same to the last bit, for
-/// nothing depends on their order.
+/// The blend does not depend on the order of the objects: limit 0.1 voxel; in fact it is
+/// identical to the last bit.
 TEST(Many, OrderDoesNotMatter) {
   const std::vector<Object> objects = fourObjects(resolution());
   const Weights weights{0.4, 0.3, 0.2, 0.1};
@@ -86,7 +86,7 @@ TEST(Many, OrderDoesNotMatter) {
   }
 }
 
-/// Exactly, and what is next to them is next to them.
+/// Exactly at unit weights, and continuously next to them.
 TEST(Many, UnitWeightsGiveTheObjects) {
   const std::vector<Object> objects = fourObjects(resolution());
   const MorphPlan& plan = *planOfFour();
@@ -95,8 +95,7 @@ TEST(Many, UnitWeightsGiveTheObjects) {
     w[k] = 1;
     // By construction the object's own grid: no resampling at its own voxel size.
     EXPECT_TRUE(sameValues(*plan.frame(w).surface, *objects[k].levelSet)) << objects[k].name;
-    // And what is next to it is next to it: a thousandth of the way moves nothing by more than a tenth of a
-    // voxel.
+    // Continuity: a change of the weights by a thousandth moves nothing by more than a tenth of a voxel.
     for (double& x : w) x = 0.999 * x + 0.001 / double(objects.size());
     const SurfaceDistance d = distance(*plan.frame(w).surface, *objects[k].levelSet);
     const double h = objects[k].levelSet->voxelSize()[0];
@@ -147,8 +146,8 @@ Distance rod(double half, double radius) {
   };
 }
 
-/// A long bar that is thick at one end and thin at the other: each end as it was given, and between them a
-/// border whose width is the one asked for. The radius goes over as the smoothstep of the border.
+/// A long bar with one end from the thick and one from the thin object: each end has its object's radius, and
+/// the border between them has the prescribed width. The radius changes by the smoothstep across the border.
 TEST(Regions, EndsOfALongBar) {
   const double h = 4.0 / 128, thick = 0.5, thin = 0.3;
   const openvdb::BBoxd box({-2.3, -0.8, -0.8}, {2.3, 0.8, 0.8});
@@ -228,7 +227,7 @@ TEST(Regions, OneThatHoldsNothingIsRefused) {
   }
 }
 
-/// Splines through keys lead a little beyond: what is beyond a key is what leads to it, further on.
+/// Splines through keys overshoot a little: beyond a key the motion that leads to it is extrapolated.
 TEST(Many, WeightsBelowNothingLeadOn) {
   std::vector<Object> objects;
   for (double r : {1.0, 2.0})
@@ -242,7 +241,7 @@ TEST(Many, WeightsBelowNothingLeadOn) {
   EXPECT_THROW(plan.frame({-0.7, 1.7}), InputError);
 }
 
-/// Whatever the way, the ends are the objects, and nothing folds or falls apart.
+/// With every kind of path the ends are the objects, and nothing folds or falls apart.
 TEST(ContourPaths, FramesHoldTogether) {
   std::vector<Object> objects = fourObjects(64);
   objects.erase(objects.begin());
