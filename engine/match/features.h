@@ -7,10 +7,9 @@ namespace slicemorph {
 
 /// The user's features as the matching uses them, in the objects' chart coordinates.
 struct FeaturePoints {
-  std::vector<Correspondence> marks;  ///< of points and disks
-  std::vector<Correspondence> lines;  ///< of lines: points along and around them, as of limbs
-  std::vector<std::vector<PlacedLimb>>
-      limbs;  ///< per object: the lines as limbs; their `middle` repeats `chart`
+  std::vector<Correspondence> marks;           ///< of points and disks
+  std::vector<Correspondence> lines;           ///< of lines: points along and around them, as of limbs
+  std::vector<std::vector<PlacedLimb>> limbs;  ///< per object: the lines; their `middle` repeats `chart`
 };
 
 /// `features`: of the objects of `fields`, world units. Lines that join end to end on all objects become one.

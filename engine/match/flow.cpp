@@ -14,7 +14,7 @@ namespace {
 
 // The figures are chosen by hand; tests/engine/match/flow_test.cpp guards what they are for.
 
-/// What is not reached after so many steps stays where it is then.
+/// Most steps; correspondences that are not met by then stay unmet.
 constexpr int kMaxSteps = 16;
 /// A step squeezes no tetrahedron below this share of its volume.
 constexpr double kLeastRatio = 0.4;

@@ -88,7 +88,7 @@ TEST(BaseWarp, ContoursMeetInTheMiddle) {
   }
 }
 
-/// Values go over between two sections of an object as the Gaussian of width four slices says.
+/// Between two parts of an object the values change as its convolution with a Gaussian of four slices.
 TEST(BaseWarp, IsSmoothedOverFourSlices) {
   std::vector<ContourStack> stacks = stacksOf({kFirst, kFirst});
   Ellipse moved = kFirst;

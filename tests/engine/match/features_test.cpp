@@ -68,7 +68,7 @@ Feature line(const std::string& name, const std::vector<Vec3d>& a, const std::ve
   return {name, Feature::Kind::kLine, {a, b}};
 }
 
-/// Lines that go on in each other on both objects are one, in whatever order they are named, and reach from
+/// Lines that join end to end on both objects become one, in whatever order they are given, starting at
 /// the end that moves less.
 TEST(FeaturePoints, LinesThatFollowAreOne) {
   const std::vector<Chart> charts(2, shapes::straightChart({0, 0, 0}, kScale));
@@ -85,7 +85,7 @@ TEST(FeaturePoints, LinesThatFollowAreOne) {
     }
     EXPECT_EQ(placed.lines.size(), 5 * placed.limbs[0][0].chart.size());
   }
-  // Said from the foot to the hip, it still swings about the hip.
+  // Given from the foot to the hip, it still starts at the hip.
   const FeaturePoints back = placeFeatures({line("leg", {foot[0], hip}, {foot[1], hip})}, twoBalls(), charts);
   EXPECT_LE(back.limbs[1][0].chart.front().length(), 1e-9);
 }
@@ -119,7 +119,7 @@ TEST(FeaturePoints, ALimbAlongALineIsPrescribed) {
   EXPECT_TRUE(isPrescribedBy(straightLimb(0), {straightLimb(2), straightLimb(0.14)}));
   EXPECT_FALSE(isPrescribedBy(straightLimb(0), {straightLimb(0.16)}));
   EXPECT_FALSE(isPrescribedBy(straightLimb(0), {}));
-  // Near its root alone all limbs of a body meet.
+  // Closeness near the root alone does not count, as all limbs of a body meet there.
   PlacedLimb root = straightLimb(0);
   root.chart.resize(4);
   EXPECT_FALSE(isPrescribedBy(straightLimb(0), {root}));
@@ -153,8 +153,8 @@ TEST(FeaturePoints, WhatAMapMeetsIsNoContradiction) {
   EXPECT_TRUE(contradictions({}, charts, map, 2).empty());
 }
 
-/// Missed by half the way on either side of the middle, in world units; and two that are to change places
-/// against each other are named together.
+/// A feature is missed by half the distance on either side of the middle, in world units; two features that
+/// would have to swap are named together.
 TEST(FeaturePoints, WhatAMapMissesIsAWarning) {
   const std::vector<Chart> charts(2, shapes::straightChart({0, 0, 0}, kScale));
   const Displacements still = constantMap(Vec3d(0.0), Vec3d(0.0));

@@ -1,4 +1,4 @@
-// Limbs as lines with radii: how they are paired, where stubs lie, and that what swings keeps its length.
+// Limbs as lines with radii: how they are paired, where stubs lie, and that swinging limbs keep their length.
 #include "engine/match/limb_groups.h"
 #include "tests/support/fields.h"
 
@@ -106,8 +106,8 @@ TEST(LimbGroups, PartnersAreTheNearest) {
   }
 }
 
-/// What only one object has is a stub in the other one: wholly below its surface, where the limb leaves it,
-/// and short.
+/// A limb that only one object has is a stub in the other one: short, and wholly below the surface where the
+/// limb would leave it.
 TEST(LimbGroups, ALimbWithoutPartnerIsAStub) {
   const PlacedLimb limb = limbOf({1, 0, 0}, 0, 1);
   const Fields fields = spheres();

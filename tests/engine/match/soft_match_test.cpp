@@ -127,8 +127,8 @@ TEST(SoftMatch, MassIsKept) {
   EXPECT_GT(sent, 0.5);
 }
 
-/// The nearest point of both would be the first, and each alone would go there; together the second goes on
-/// to the one that is left, but for the mass that the first keeps at home.
+/// Both points have the same nearest point, to which each alone would go; together the second goes to the
+/// other one, except for the mass that the first does not transport.
 TEST(SoftMatch, NoTwoPointsShareAPartner) {
   const Vec3d n(0, 0, 1);
   const double blur = 0.4;

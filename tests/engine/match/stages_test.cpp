@@ -160,7 +160,7 @@ TEST(Stages, ThinnedSamplesKeepTheWholeMass) {
               all.points.position.end());
 }
 
-/// The objects have moved on: nodes keep what they have, and those that are new take it from the outermost.
+/// The objects have moved: nodes keep their values, and new nodes take those of the outermost ones.
 TEST(Stages, AContinuedMapKeepsItsNodes) {
   const MatchObjects before = spheres({{{0, 0, 0}, 1}, {{0, 0, 0}, 0.8}});
   const Displacements map =
