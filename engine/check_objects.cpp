@@ -10,9 +10,9 @@ namespace slicemorph {
 
 namespace {
 
-/// Of a voxel: transforms that went through files in single precision are off by a few 1e-7.
+/// Relative to a voxel. Generous: transforms stored in single precision are off by a few 1e-7.
 constexpr double kVoxelTolerance = 1e-4;
-/// Of the half width, in voxels, as the background is in single precision.
+/// Of the half width, in voxels. Generous: the background is in single precision.
 constexpr double kBandTolerance = 0.01;
 
 std::string listed(const Vec3d& v) {
@@ -42,12 +42,12 @@ void checkFeature(const Feature& feature, size_t objects) {
   count("places", feature.places.size());
   if (disk) count("normals", feature.normals.size()), count("radii", feature.radii.size());
   const size_t least = feature.kind == Feature::Kind::kLine ? 2 : 1;
-  for (const auto& places : feature.places)
-    if (places.size() < least)
-      throw InputError("feature '" + feature.name + "' has " + std::to_string(places.size()) +
+  for (const auto& positions : feature.places)
+    if (positions.size() < least)
+      throw InputError("feature '" + feature.name + "' has " + std::to_string(positions.size()) +
                        " places on an object; it needs " + std::to_string(least));
-  for (const auto& places : feature.places)
-    for (const Vec3d& p : places)
+  for (const auto& positions : feature.places)
+    for (const Vec3d& p : positions)
       if (!std::isfinite(p.lengthSqr()))
         throw InputError("feature '" + feature.name + "' has a place that is not finite");
   for (size_t k = 0; disk && k < objects; ++k)

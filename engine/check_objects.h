@@ -5,17 +5,17 @@
 
 namespace slicemorph {
 
-/// Throws InputError for no object at all and for options out of range; GeometryError for level sets that are
-/// empty or against the conventions. The messages name the object or option, its value and what would be
-/// right.
+/// Throws InputError if there are no objects or options are out of range, and GeometryError for level sets
+/// that are empty or violate the conventions (conventions.h).
 void checkObjects(const std::vector<Object>& objects, const MorphOptions& options);
 
-/// Throws GeometryError where a level set is against the conventions (conventions.h): of another class, on
-/// voxels that are not uniform or not parallel to the axes, with a band of another width, or with values that
-/// are no numbers. `name`: for messages.
+/// Throws GeometryError if a grid violates the conventions for level sets (conventions.h): other grid class,
+/// voxels that are not cubes parallel to the axes, other half width of the band, or values that are not
+/// finite. `name`: for messages.
 void checkLevelSet(const FloatGrid& grid, const std::string& name);
 
-/// Throws InputError where a region holds nothing of the shape on which it is drawn. `names`: of the shapes.
+/// Throws InputError if a region contains nothing of the shape on which it is defined.
+/// `names`: of the shapes.
 void checkRegions(const std::vector<Region>& regions, const RegionShares& shares, const Fields& fields,
                   const std::vector<std::string>& names);
 

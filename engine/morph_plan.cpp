@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-/// The library's face: what MorphPlan answers from a plan.
+/// Implementation of the library's public class MorphPlan on top of a Plan.
 namespace slicemorph {
 
 struct MorphPlan::Impl {
@@ -16,8 +16,8 @@ struct MorphPlan::Impl {
 
 namespace {
 
-/// Nodes that carry images lie this share of the matching's lattice apart; without one that many on the
-/// object's diagonal.
+/// Spacing of the nodes at which images are pulled back: this share of the lattice's spacing; without a
+/// lattice, the object's diagonal over kImageNodes. Chosen by hand.
 constexpr double kImageShare = 0.75, kImageNodes = 64;
 
 size_t shapeOfObject(const Shapes& shapes, size_t object) {
@@ -27,7 +27,7 @@ size_t shapeOfObject(const Shapes& shapes, size_t object) {
   return shapes.shapeOf[object];
 }
 
-/// The regions with weights of the objects instead of the shapes.
+/// The regions with their weights per object instead of per shape.
 std::unique_ptr<RegionShares> sharesOfObjects(const Plan& plan) {
   std::vector<Region> regions = plan.shapes.regions;
   for (size_t r = 0; r < regions.size(); ++r)

@@ -10,8 +10,8 @@
 
 #include <utility>
 
-/// The whole method on one screen: a plan (measure, lay, slice, trace, match), then one frame after another
-/// (blend, rebuild).
+/// The whole method on one screen: a plan (measure, choose frames, slice, trace, match), then frame by
+/// frame blend and rebuild.
 namespace slicemorph {
 
 namespace {
@@ -26,15 +26,15 @@ Plan withLattice(Plan plan, std::shared_ptr<const RegionShares> shares) {
   return plan;
 }
 
-/// Null: there are no regions.
+/// Null if there are no regions.
 std::shared_ptr<const RegionShares> regionShares(const Plan& plan) {
   if (plan.shapes.regions.empty()) return nullptr;
   return std::make_shared<RegionShares>(plan.shapes.regions, plan.shapes.fields, plan.frames.charts,
                                         plan.drawn);
 }
 
-/// Decides how the shapes lie on each other and what of them belongs together. `notes`: what is known of the
-/// plan already.
+/// Completes a plan with measured shapes: coordinate frames, contours, registration and lattice.
+/// `notes`: to put first.
 Plan decided(Plan plan, const Notes& notes, Progress& progress) {
   const Shapes& shapes = plan.shapes;
   plan.frames.notes = notes;
@@ -85,7 +85,7 @@ Plan planNext(const std::vector<Object>& objects, const Plan& before, Progress& 
   Plan plan;
   plan.options = before.options;
   plan.shapes = measureShapes(objects, plan.options, &before.shapes);
-  plan.shapes.features.clear();  // they were said of where the objects began
+  plan.shapes.features.clear();  // they hold for the sequence's first frame only
   const Shapes& shapes = plan.shapes;
   if (shapes.shapeOf != before.shapes.shapeOf)
     return decided(std::move(plan), plannedAnew("other objects are equal than in the frame before"),

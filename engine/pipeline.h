@@ -6,21 +6,21 @@
 
 namespace slicemorph {
 
-/// What a morph needs to know once; its frames are then made one by one.
+/// What is computed once per morph, before its frames are made one by one.
 struct Plan {
   MorphOptions options;
   Shapes shapes;
-  Frames frames;
-  TracedObjects traced;  ///< the shapes' contours; none where the plan goes on from an earlier one
+  Frames frames;         ///< coordinate frames of the shapes
+  TracedObjects traced;  ///< the shapes' contours; empty if the plan continues an earlier one
   Registration registration;
-  std::unique_ptr<MovingLattice> lattice;  ///< null: there is only one shape
-  std::vector<Chart> drawn;                ///< the charts of the first frame, on which regions are drawn
+  std::unique_ptr<MovingLattice> lattice;  ///< null if there is only one shape
+  std::vector<Chart> drawn;                ///< the first frame's charts, in which regions are defined
 };
 
-/// The plan of a morph; see MorphPlan.
+/// The plan of a morph; see MorphPlan, also for what it throws.
 Plan planMorph(const std::vector<Object>& objects, const MorphOptions& options, Progress& progress);
 
-/// The plan of the next frame of a sequence, which goes on from the one before where that is a start.
+/// The plan of a sequence's next frame, continued from the one before, or made anew where that does not fit.
 Plan planNext(const std::vector<Object>& objects, const Plan& before, Progress& progress);
 
 /// The in-between of these weights of the objects.

@@ -16,7 +16,7 @@ namespace slicemorph {
 
 namespace {
 
-/// The shapes in another order: number i is then the one that was by[i].
+/// The shapes in another order: the new index i is the old by[i].
 Shapes reordered(Shapes shapes, const std::vector<size_t>& by) {
   std::vector<size_t> number(by.size());
   for (size_t i = 0; i < by.size(); ++i) number[by[i]] = i;
@@ -57,7 +57,7 @@ Shapes withFields(Shapes shapes, const Shapes* before) {
   return shapes;
 }
 
-/// Surfaces that only one shape has tell nothing and are left out.
+/// Fields of the inner surfaces; surfaces that only one shape has are left out, as they cannot be matched.
 std::vector<Fields> innerFields(const std::vector<Object>& objects, const Shapes& shapes) {
   std::vector<Fields> inner;
   size_t count = 0;
@@ -77,7 +77,7 @@ std::vector<Fields> innerFields(const std::vector<Object>& objects, const Shapes
   return inner;
 }
 
-/// A feature of the objects as one of their shapes; of equal objects the first one's counts.
+/// A feature in terms of the shapes; of equal objects the first one's positions are used.
 Feature ofShapes(const Feature& feature, const Shapes& shapes) {
   const size_t count = shapes.levelSets.size();
   Feature own{feature.name, feature.kind, {}, {}, {}};
@@ -104,8 +104,8 @@ Shapes measureShapes(const std::vector<Object>& objects, const MorphOptions& opt
   if (before && before->order.size() == shapes.order.size())
     shapes = reordered(std::move(shapes), before->order);
   shapes = withFields(std::move(shapes), before);
-  // Nothing may depend on the order in which more than two objects were given. But the slicing direction is
-  // the first object's: then that one is what the others are laid on.
+  // With more than two objects the result must not depend on the order in which they were given: start from
+  // the most typical one. A prescribed slicing axis, however, is the first object's; then the order is kept.
   if (!before && shapes.fields.size() > 2 && options.axis.length() == 0)
     shapes = reordered(std::move(shapes), typicalOrder(shapes.fields));
   shapes.inner = innerFields(objects, shapes);
@@ -151,7 +151,7 @@ double Shapes::voxelSizeAt(const Weights& weights, double wanted) const {
     const double own = levelSets[k]->voxelSize()[0];
     size += weights[k] * own, least = std::min(least, own);
   }
-  return std::max(size, 0.5 * least);  // weights below 0 might lead to nothing
+  return std::max(size, 0.5 * least);  // negative weights could make it zero or negative
 }
 
 int Shapes::piecesAt(const Weights& weights) const {

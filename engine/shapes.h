@@ -5,31 +5,33 @@
 
 namespace slicemorph {
 
-/// The distinct shapes among a morph's objects: equal objects share one, which is then measured and matched
-/// once.
+/// The distinct shapes among a morph's objects: equal objects share one, which is then
+/// measured and matched once.
 struct Shapes {
   std::vector<size_t> shapeOf;                 ///< per object
   std::vector<FloatGrid::ConstPtr> levelSets;  ///< per shape, as all below
   std::vector<std::string> names;
-  std::vector<size_t> order;  ///< their numbers in the objects' order
+  std::vector<size_t> order;  ///< the shapes' indices in the order in which the objects were given
   Fields fields;
-  std::vector<int> pieces;
-  std::vector<Fields> inner;      ///< further surfaces, each per shape; null where one has none
-  std::vector<Feature> features;  ///< the options', of the shapes
-  std::vector<Region> regions;    ///< the options', of the shapes
+  std::vector<int> pieces;        ///< number of connected components
+  std::vector<Fields> inner;      ///< per further surface, one field per shape; null where a shape has none
+  std::vector<Feature> features;  ///< the options' features, in terms of the shapes
+  std::vector<Region> regions;    ///< the options' regions, in terms of the shapes
 
-  /// The shapes' weights from the objects'. Throws InputError for weights that MorphPlan::frame refuses.
+  /// The shapes' weights from the objects'. Throws InputError for weights that MorphPlan::frame rejects.
   Weights weightsFrom(const Weights& ofObjects) const;
-  /// The shape that an in-between of these weights of the shapes is, if it is one.
+  /// The shape that an in-between of these shape weights equals, if there is one.
   std::optional<size_t> aloneAt(const Weights& weights) const;
-  /// Of an in-between of these weights of the shapes, world units; `wanted`: 0: follows the shapes' own.
+  /// Voxel size of an in-between of these shape weights, world units. `wanted`: prescribed size, or 0 to
+  /// interpolate the shapes' own.
   double voxelSizeAt(const Weights& weights, double wanted) const;
-  /// No in-between has more pieces than the richest of its shapes, small components not counted.
+  /// Largest number of pieces among the shapes with a positive weight: an in-between keeps no more than
+  /// these, the rest counts as small components.
   int piecesAt(const Weights& weights) const;
 };
 
-/// Measures the objects' shapes. `before`: of the same objects a moment earlier, null at first: their order is
-/// kept, and what is measured of those that are equal.
+/// Finds and measures the objects' distinct shapes. `before`: the shapes of the sequence's frame before, null
+/// for the first frame; their order is kept, and so are the measurements of unchanged shapes.
 Shapes measureShapes(const std::vector<Object>& objects, const MorphOptions& options, const Shapes* before);
 
 }  // namespace slicemorph

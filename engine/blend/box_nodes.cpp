@@ -31,7 +31,7 @@ openvdb::BBoxd boxOnPose(const LatticeOnObjects& on, size_t object, const openvd
                    world.min()[2] + (corner >> 2) * world.extents()[2]);
     box.expand(transform.worldToIndex(pose.chart.toWorld(on.charts[object].toChart(at))));
   }
-  // Nodes within a cell of it, too: what lies between nodes may reach as far.
+  // Include nodes up to a cell outside: the space between nodes reaches as far.
   const Vec3d cell(on.lattice.spacing * on.charts[object].meanScale());
   const openvdb::BBoxd wide(world.min() - cell, world.max() + cell);
   for (size_t i = 0; i < on.lattice.count(); ++i)

@@ -7,17 +7,19 @@
 
 namespace slicemorph {
 
-/// What is to be found at the nodes: fields on the lattice, and what nodes beyond it have at a chart point.
+/// The fields to evaluate at nodes.
 struct NodeFields {
-  std::vector<const VectorField*> onLattice;
+  std::vector<const VectorField*> onLattice;  ///< values at the lattice's nodes
+  /// Value of a field at a chart point beyond the lattice.
   std::function<openvdb::Vec3s(const Vec3d& q, size_t field)> beyond;
 };
 
-/// All nodes around the voxels of a box of index space, one node more on every side for the splines.
+/// Evaluates fields at all nodes around the voxels of a box of index space, and one more node on every side
+/// for spline interpolation. `step`: voxels between nodes.
 NodeMap boxNodes(const openvdb::CoordBBox& box, const Lattice& lattice, const LatticePose& pose,
                  const openvdb::math::Transform& transform, int step, const NodeFields& fields);
 
-/// Where what an object has in a box of the world lies on the in-between: a box of index space.
+/// Box in the in-between's index space around what an object has inside a world box.
 openvdb::BBoxd boxOnPose(const LatticeOnObjects& on, size_t object, const openvdb::BBoxd& world,
                          const LatticePose& pose, const openvdb::math::Transform& transform);
 

@@ -15,11 +15,13 @@ namespace {
 
 using Polygon = std::vector<Vec2d>;
 
-/// Points of a contour.
+// The figures are chosen by hand; ContourPaths.OffsetsUndoTheShrinking guards their purpose.
+
+/// Points per resampled contour.
 constexpr int kPoints = 40;
-/// Nodes of the fitted offsets along the longest side, and how stiff they are.
+/// Nodes of the fitted offsets' lattice along its longest side, and stiffness of the fit (see fitFields).
 constexpr double kNodes = 28, kStiffness = 1;
-/// Sites that a stiffness is meant for.
+/// Number of sites for which the stiffness is given.
 constexpr double kSites = 2000;
 
 Vec2d directionOf(double angle) { return {std::cos(angle), std::sin(angle)}; }
@@ -38,7 +40,7 @@ Vec2d middleOf(const Polygon& polygon) {
   return sum / double(polygon.size());
 }
 
-/// Turned and moved onto another polygon as closely as its points allow.
+/// Rotates and moves a polygon onto another one, least squares over its points.
 Polygon laidOn(const Polygon& polygon, const Polygon& onto) {
   const Vec2d from = middleOf(polygon), to = middleOf(onto);
   double along = 0, across = 0;
@@ -91,8 +93,8 @@ Polygon intrinsicBlend(const std::vector<Polygon>& polygons, const Weights& weig
       size = std::max(size, edges.length[i]);
     }
   }
-  // The change of lengths of least squares, each edge's by how much it changes anyhow, that closes the
-  // polygon.
+  // Close the polygon by the least change of lengths, in least squares with weights such that edges whose
+  // length differs between the polygons change most [SGWM93].
   double e = 0, f = 0, g = 0;
   Vec2d gap(0.0);
   std::vector<double> ease(n);

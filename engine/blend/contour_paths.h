@@ -5,21 +5,22 @@
 
 namespace slicemorph {
 
-/// Ways of the contours from object to object that are not straight. Every object's slices are cut and their
-/// contours' points found on all other objects by the map; an in-between's contours then lie where Hermite's
-/// or the intrinsic way leads, and the space around follows smoothly.
+/// Paths of contour points between objects that are not straight. The map carries the points of every
+/// object's contours to all other objects; an in-between's contours are blended by Hermite cubics or
+/// intrinsically, and the space around follows by a smooth fitted field.
 class ContourPaths {
  public:
-  /// `kind`: not kLinear. `slices`: per object. Bends and lengths along the spine are the charts' matter.
+  /// `kind`: not kLinear. `slices`: number per object. Only (x, y) in the slices changes; positions along the
+  /// spine are left to the charts and the map.
   ContourPaths(ContourPath kind, const Displacements& map, const Fields& fields,
                const std::vector<Chart>& charts, int slices);
 
-  /// How far from the straight way's place an in-between has what is at each node of a lattice, chart units;
-  /// none at the objects themselves.
+  /// The in-between's offset from the linear path at each node of `lattice` (in the middle space), chart
+  /// units; zero at the objects themselves.
   VectorField offsets(const Weights& weights, const Lattice& lattice) const;
 
  private:
-  /// A closed contour as every object has it.
+  /// A closed contour, carried to every object.
   struct Loop {
     std::vector<Vec3d> middle;                    ///< middle space
     std::vector<std::vector<openvdb::Vec2d>> at;  ///< per object: (x, y)
@@ -29,13 +30,13 @@ class ContourPaths {
   std::vector<Loop> loops_;
 };
 
-/// Points that lie between closed polygons of equally many points, by the weights: the mean of their edge
-/// lengths and turning angles, closed by the least change of lengths, turned and placed as the mean of the
-/// points. After [SGWM93].
+/// Blends closed polygons with equally many points [SGWM93]: weighted means of edge lengths and
+/// turning angles, closed by the least change of lengths, then rotated and moved to fit the
+/// weighted mean of the points.
 std::vector<openvdb::Vec2d> intrinsicBlend(const std::vector<std::vector<openvdb::Vec2d>>& polygons,
                                            const Weights& weights);
 
-/// The same on cubics that leave and reach every polygon at right angles.
+/// Blends the points along cubics that start and end at right angles to the polygons.
 std::vector<openvdb::Vec2d> hermiteBlend(const std::vector<std::vector<openvdb::Vec2d>>& polygons,
                                          const Weights& weights);
 

@@ -8,10 +8,11 @@ namespace slicemorph {
 
 namespace {
 
-/// A point of a face belongs to both its tetrahedra.
+/// Tolerance of barycentric coordinates, so that a point on a shared face is found in at
+/// least one tetrahedron.
 constexpr double kOnFace = 1e-6;
 
-/// Finds the nodes inside every near tetrahedron of one slab, with the fields there by barycentric coordinates.
+/// Finds the nodes inside the near tetrahedra of one slab, and interpolates the fields there.
 class SlabNodes {
  public:
   std::vector<size_t> node;
@@ -58,7 +59,7 @@ class SlabNodes {
     }
   }
 
-  /// Values at a point by its barycentric coordinates.
+  /// Appends the interpolated values at a point with these barycentric coordinates.
   void add(const PosedLattice& posed, const size_t (&corner)[4], double b0, double b1, double b2, double b3) {
     const std::vector<float>& f = posed.pose.distance;
     distance.push_back(float(b0 * f[corner[0]] + b1 * f[corner[1]] + b2 * f[corner[2]] + b3 * f[corner[3]]));

@@ -7,13 +7,13 @@
 
 namespace slicemorph {
 
-/// An in-between's lattice in a frame's index space, and what is to be found between its nodes.
+/// An in-between's lattice in a frame's index space, and the fields to interpolate between its nodes.
 struct PosedLattice {
   const Lattice& lattice;
   const LatticePose& pose;
   std::vector<const VectorField*> fields;  ///< one vector per lattice node
-  std::vector<Vec3d> node;                 ///< in units of the map's steps
-  std::vector<char> near;                  ///< per cell (at its first node): to be looked at
+  std::vector<Vec3d> node;                 ///< index-space position over the map's step
+  std::vector<char> near;                  ///< per cell (at its first node): whether to search it
   double handed = 1;  ///< -1: the frame's index space is mirrored, and so is every tetrahedron
 };
 
@@ -22,11 +22,13 @@ PosedLattice posedLattice(const Lattice& lattice, const LatticePose& pose,
                           std::vector<const VectorField*> fields, const openvdb::math::Transform& transform,
                           int step);
 
-/// Fills in the fields at the nodes of a map's box that lie in one of the lattice's tetrahedra, by barycentric
-/// coordinates. Where slices of a bent chart cross, a node is found more than once: what is nearer to the object wins.
+/// Interpolates the fields at the nodes of a map's box that lie in one of the lattice's tetrahedra, by
+/// barycentric coordinates. Where slices of a bent chart cross, several tetrahedra hold a node: the one with
+/// the smallest blended distance wins.
 void findNodes(const PosedLattice& posed, NodeMap& map);
 
-/// Calls `action(q, n)` in parallel for every node that is not known, with its chart point; it may make the node known.
+/// Calls `action(q, n)` in parallel for every node n that is not known, with its chart point q; `action` may
+/// mark the node as known.
 template <typename Action>
 void forUnknownNodes(const NodeMap& map, const Chart& chart, const openvdb::math::Transform& transform,
                      const Action& action) {

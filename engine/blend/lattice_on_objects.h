@@ -17,7 +17,8 @@ struct LatticeOnObjects {
   size_t objects() const { return charts.size(); }
 };
 
-/// Distance of nodes beyond the place where a bent chart's slices cross, chart units: there is nothing.
+/// Distance, in chart units, that nodes get beyond the line where a bent chart's slices cross: far outside.
+/// Any value much larger than the objects, whose size is a few chart units.
 constexpr float kNothingThere = 1e3f;
 
 LatticeOnObjects latticeOnObjects(const Displacements& map, const Fields& fields,

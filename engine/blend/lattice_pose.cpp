@@ -11,7 +11,7 @@ namespace slicemorph {
 
 namespace {
 
-/// Neighbouring nodes whose weights differ by less are not at a border.
+/// A cell whose nodes' weights differ by less is not at a border.
 constexpr float kSameWeight = 1e-3f;
 
 }  // namespace
@@ -33,7 +33,7 @@ LatticePose blendedPose(const LatticeOnObjects& on, const Weights& weights, cons
           own.assign(&local[i * objects], &local[i * objects] + objects);
           path = pathWeights(own);
         }
-        double rest = 1;  // of the node's own position in the middle space
+        double rest = 1;  // coefficient of the node's position in the middle space
         for (double w : path) rest -= w;
         Vec3d q = rest * lattice.position(x, y, z);
         float d = 0;

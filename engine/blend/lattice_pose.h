@@ -4,39 +4,42 @@
 
 namespace slicemorph {
 
-/// How much faster than a distance the blend of the objects' distances may change.
+/// Assumed largest gradient of the blend of the objects' distances (a distance has 1). Chosen by hand;
+/// guarded by MovingLattice.NodesCoverTheBand and Morph.BandOfLargeVoxelsIsWhole.
 constexpr double kSteepest = 1.3;
 
-/// A map is folded where a tetrahedron keeps less than this share of its volume.
+/// A map counts as folded where a tetrahedron keeps less than this share of its volume. Chosen by hand.
 constexpr double kFoldedBelow = 0.05;
 
-/// One in-between's positions of the lattice nodes.
+/// The lattice nodes' positions on one in-between.
 struct LatticePose {
-  Chart chart;               ///< blended, and bent ones moved so that the centroid travels straight
-  Weights mean;              ///< of the objects: where regions have weights of their own, of the whole inside
-  std::vector<Vec3d> at;     ///< per node: chart coordinates
-  std::vector<Vec3d> world;  ///< per node
+  Chart chart;                  ///< blended; bent ones are moved so that the centroid's path is straight
+  Weights mean;                 ///< of the objects; with regions, the mean over the in-between's inside
+  std::vector<Vec3d> at;        ///< per node: chart coordinates
+  std::vector<Vec3d> world;     ///< per node
   std::vector<float> distance;  ///< per node: blended, chart units
-  int straightening = 0;  ///< rounds that borders were widened, or paths straightened, lest anything folds
+  int straightening = 0;  ///< rounds of widening borders or straightening paths that it took to avoid folds
 };
 
 /// Weights per node and object; empty where they are the same everywhere.
 using NodeWeights = std::vector<float>;
 
-/// Without chart and world. `offsets`: per node, chart units; none where points go straight on.
+/// A pose without `chart` and `world`. `local`: empty, or weights per node. `offsets`: per node, chart units;
+/// empty where paths are not bent by ContourPaths.
 LatticePose blendedPose(const LatticeOnObjects& on, const Weights& weights, const NodeWeights& local,
                         const VectorField& offsets);
 
-/// Of the lattice's nodes from the middle space.
+/// Displacements of the lattice's nodes from the middle space, chart units.
 VectorField displacementOf(const Lattice& lattice, const LatticePose& pose);
 
-/// The chart's world positions of a pose's nodes.
+/// World positions of a pose's nodes by a chart.
 std::vector<Vec3d> worldOf(const LatticePose& pose, const Chart& chart);
 
-/// Whether anything near the surface folds; where weights differ from node to node, at the borders between parts.
+/// Whether a tetrahedron near the surface folds; with weights per node, only cells where the
+/// weights differ are tested.
 bool poseFolds(const LatticeOnObjects& on, const LatticePose& pose, const NodeWeights& local);
 
-/// World centroid of the inside, cell by cell: each cell's volume in the world by the share of it that is inside.
+/// World centroid of the inside, summed over cells weighted by their world volume and the share of it inside.
 Vec3d poseCentroid(const Lattice& lattice, const LatticePose& pose, const Chart& chart);
 
 }  // namespace slicemorph

@@ -8,19 +8,20 @@ namespace slicemorph {
 
 namespace {
 
-/// Slabs along the spine whose weights are told apart.
+/// Number of slabs along the spine; chosen by hand, a little finer than Bend::kStations.
 constexpr int kSlabs = 160;
 
-/// A pose cut across the spine into slabs of the same thickness, each with weights of its own.
+/// A pose cut across the spine into slabs of equal thickness, each with its own weights.
 struct SpineSlabs {
   double low = 0, step = 1;      ///< chart units
-  std::vector<Weights> weights;  ///< per slab
-  Weights mean;                  ///< of all that is inside
+  std::vector<Weights> weights;  ///< per slab: mean over its nodes inside
+  Weights mean;                  ///< over all nodes inside
 
   int slabOf(double z0) const { return std::min(std::max(int((z0 - low) / step), 0), kSlabs - 1); }
 };
 
-/// Slabs with nothing inside take the nearest ones' weights.
+/// Divides the sums in `slab` by the counts in `inside`; slabs with nothing inside take the
+/// nearest one's weights.
 void fillEmptySlabs(const std::vector<double>& inside, std::vector<Weights>& slab) {
   int last = -1;
   for (int s = 0; s < kSlabs; ++s) {
@@ -54,7 +55,8 @@ SpineSlabs slabsOf(const LatticePose& pose, const NodeWeights& local, size_t obj
   return slabs;
 }
 
-/// Length of the spine from the first slab on, where each slab is as long as its objects make it.
+/// Arc length of the spine from the first slab on; a slab's length is scaled by its weights'
+/// mean spine scale.
 class SpineLength {
  public:
   SpineLength(const SpineSlabs& slabs, const std::vector<Chart>& charts)
@@ -66,20 +68,20 @@ class SpineLength {
     }
   }
 
-  /// World units, up to a chart coordinate.
+  /// Length up to a chart coordinate, world units.
   double at(double z0) const {
     const int s = slabs_.slabOf(z0);
     return length_[size_t(s)] +
            (length_[size_t(s) + 1] - length_[size_t(s)]) * ((z0 - slabs_.low) / slabs_.step - s);
   }
 
-  /// What lies at a length.
-  struct Place {
+  /// The position on the spine at a length.
+  struct Station {
     size_t slab;
     double z0;       ///< chart coordinate
     double stretch;  ///< world units per chart unit
   };
-  Place placeAt(double length) const {
+  Station stationAt(double length) const {
     const auto above = std::upper_bound(length_.begin(), length_.end(), length);
     const int s = std::min(std::max(int(above - length_.begin()) - 1, 0), kSlabs - 1);
     const double stretch = (length_[size_t(s) + 1] - length_[size_t(s)]) / slabs_.step;
@@ -91,18 +93,18 @@ class SpineLength {
   std::vector<double> length_;
 };
 
-/// Stations lie evenly on the whole spine; what turns there is what the objects' own slices do, stretched as they are.
-/// The middle of the spine stays where it is.
+/// Recomputes the chart's turn rates at evenly spaced stations from the objects' rates in the slabs that lie
+/// there, scaled by the slabs' stretch. The mean point of the spine stays fixed.
 Chart bentBySlabs(Chart chart, const std::vector<Chart>& charts, const SpineSlabs& slabs,
                   const SpineLength& length) {
   const double origin = length.at(0);
   std::vector<Vec3d> rates(Bend::kStations, Vec3d(0.0));
   for (int i = 0; i < Bend::kStations; ++i) {
-    const SpineLength::Place place = length.placeAt(chart.bend.stationPlace(i) * chart.scale[0] + origin);
+    const SpineLength::Station at = length.stationAt(chart.bend.stationZ0(i) * chart.scale[0] + origin);
     for (size_t k = 0; k < charts.size(); ++k)
       if (!charts[k].bend.straight())
-        rates[size_t(i)] += slabs.weights[place.slab][k] * charts[k].bend.at(place.z0).rate *
-                            (chart.scale[0] / place.stretch);
+        rates[size_t(i)] +=
+            slabs.weights[at.slab][k] * charts[k].bend.at(at.z0).rate * (chart.scale[0] / at.stretch);
   }
   const Vec3d middle = chart.center + chart.axes * (chart.scale[0] * chart.bend.middle());
   chart.bend = Bend(chart.bend.half(), std::move(rates));

@@ -9,7 +9,8 @@ namespace slicemorph {
 
 namespace {
 
-/// Of a region that names none: this share of its object's size.
+/// Width of a border that is not prescribed, as a share of the object's size (diagonal / sqrt
+/// 3). Chosen by hand.
 constexpr double kBorder = 0.1;
 
 double distanceToBox(const openvdb::BBoxd& box, const Vec3d& p) {
@@ -63,7 +64,7 @@ double RegionShares::distance(size_t r, const Vec3d& now) const {
     case Region::Kind::kSpine:
       break;
   }
-  // A stretch that begins or ends with the object has no rim there.
+  // A part of the spine that begins or ends with the object has no boundary there.
   const Spine& spine = spine_[r];
   double along = charts_[r].toChart(world)[0] * charts_[r].scale[0] - spine.low;
   if (spine.reversed) along = spine.length - along;
@@ -84,8 +85,8 @@ bool RegionShares::holdsAnything(size_t r, const DistanceField& field) const {
   return false;
 }
 
-float RegionShares::at(size_t r, const openvdb::Vec3s& place) const {
-  return float(smoothstep(0.5 - distance(r, anchor_[r] + Vec3d(place)) / border_[r], 0, 1));
+float RegionShares::at(size_t r, const openvdb::Vec3s& position) const {
+  return float(smoothstep(0.5 - distance(r, anchor_[r] + Vec3d(position)) / border_[r], 0, 1));
 }
 
 LocalWeights::LocalWeights(Weights whole, const RegionShares* regions)
@@ -124,12 +125,12 @@ void LocalWeights::blend(const float* shares, double* weights) const {
   }
 }
 
-void LocalWeights::find(const openvdb::Vec3s* places, double* weights) const {
+void LocalWeights::find(const openvdb::Vec3s* positions, double* weights) const {
   std::copy(whole_.begin(), whole_.end(), weights);
   if (!vary()) return;
   for (size_t r = 0; r < regions_->count(); ++r) {
     const Region& region = regions_->region(r);
-    const double share = double(regions_->at(r, places[region.object]));
+    const double share = double(regions_->at(r, positions[region.object]));
     if (share > 0)
       for (size_t k = 0; k < region.weights.size(); ++k)
         weights[k] += share * (region.weights[k] - weights[k]);

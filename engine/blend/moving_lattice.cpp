@@ -13,10 +13,11 @@ namespace slicemorph {
 
 namespace {
 
-/// By how much weights change for the velocities' differences.
+/// Change of the weights for the velocities' central differences: small against the map's changes,
+/// large against rounding.
 constexpr double kWeightStep = 1e-3;
-/// Borders are widened in steps, each of twice as many smoothings as the one before, and paths that are not
-/// straight straightened, this often at most.
+/// Most rounds of widening borders (each with twice as many smoothings as the one before) or of straightening
+/// paths. Chosen by hand; seven rounds leave 0.7^7 = 8 % of the paths' offsets.
 constexpr int kMostStraightening = 7;
 
 Weights allOf(size_t object, size_t objects) {
@@ -48,7 +49,7 @@ MovingLattice::Pose MovingLattice::poseAt(const Weights& weights) const {
   return poseAt(weights, std::nullopt);
 }
 
-/// `straightening`: as an earlier pose's; none: found.
+/// `straightening`: number of rounds, as in an earlier pose; nullopt: as many as it takes.
 MovingLattice::Pose MovingLattice::poseAt(const Weights& weights, std::optional<int> straightening) const {
   const NodeWeights local = nodeWeights(weights);
   Pose pose = blendUnfolded(weights, local, straightening);
@@ -84,7 +85,7 @@ NodeWeights MovingLattice::nodeWeights(const Weights& weights) const {
   return result;
 }
 
-/// Every node's weights half way to the mean of its neighbours'.
+/// Moves every node's weights half way to the mean of its neighbours'.
 NodeWeights MovingLattice::smoothed(const NodeWeights& weights) const {
   const Lattice& lattice = on_.lattice;
   const size_t objects = on_.objects();
@@ -109,17 +110,16 @@ NodeWeights MovingLattice::smoothed(const NodeWeights& weights) const {
   return result;
 }
 
-/// A border between parts that do not fit together is made wider, and paths that are not straight straighter,
-/// until nothing folds.
+/// Blends a pose; widens the borders between regions, or straightens the paths, until nothing folds.
 MovingLattice::Pose MovingLattice::blendUnfolded(const Weights& weights, const NodeWeights& local,
                                                  std::optional<int> straightening) const {
-  // Where weights differ from place to place paths are straight.
+  // With regions, ContourPaths are not used.
   VectorField offsets = paths_ && local.empty() ? paths_->offsets(weights, on_.lattice) : VectorField();
   NodeWeights wider = local;
   const auto made = [&] {
     Pose pose = blendedPose(on_, weights, wider, offsets);
     if (local.empty()) return pose;
-    // How near the surface is follows from the weights that were asked for.
+    // The distances are blended by the prescribed weights, not the smoothed ones.
     if (wider != local) pose.distance = blendedPose(on_, weights, local, {}).distance;
     return layAlongSpine(on_.charts, wider, std::move(pose));
   };
@@ -175,7 +175,7 @@ NodeMap MovingLattice::nodesWithin(const openvdb::CoordBBox& box, const Pose& po
 NodeMap MovingLattice::velocitiesWithin(const openvdb::CoordBBox& box, const Weights& weights,
                                         const Weights& rate, const Pose& pose,
                                         const openvdb::math::Transform& transform, int step) const {
-  // Central differences: the map goes on a little beyond the objects.
+  // Central differences, also at the objects: the map is defined for weights a little outside 0 to 1.
   double most = 0;
   for (double r : rate) most = std::max(most, std::abs(r));
   const double time = most > 0 ? kWeightStep / most : 0, unit = time > 0 ? 0.5 / time : 0;

@@ -9,36 +9,38 @@
 
 namespace slicemorph {
 
-/// The matching's lattice, made to move: its nodes have a position on every object and so on every in-between.
-/// Between the nodes the map is linear on tetrahedra; without folds it is one to one, and its inverse exact.
+/// The map of in-betweens: the matching's lattice, whose nodes have a position on every object and so on
+/// every in-between. Between the nodes the map is linear on tetrahedra [Kuh60]; without folds it is one to
+/// one and its inverse is exact.
 class MovingLattice {
  public:
   using Pose = LatticePose;
 
-  /// `regions`: of the objects; none: weights are the same everywhere. `paths`: null: points go straight on.
+  /// `regions`: null if weights are the same everywhere. `paths`: null if the map's own paths are used.
   MovingLattice(const Displacements& map, const Fields& fields, const std::vector<Chart>& charts,
                 std::shared_ptr<const RegionShares> regions = nullptr,
                 std::shared_ptr<const ContourPaths> paths = nullptr);
 
+  /// Pose of an in-between.
   Pose poseAt(const Weights& weights) const;
-  /// Of an object itself, whatever regions say.
+  /// Pose of an object itself, ignoring regions.
   Pose poseOf(size_t object) const;
-  /// The weights at each position of such an in-between.
+  /// The weights at each position of the in-between of `weights`.
   LocalWeights localWeights(const Weights& weights) const { return {weights, regions_.get()}; }
-  /// Where what one in-between has at some world points is on another one.
+  /// Maps world points of one in-between to another one.
   std::vector<Vec3d> carryPoints(const std::vector<Vec3d>& points, const Pose& from, const Pose& to) const;
 
-  /// As surfaceNodes.
+  /// See surfaceNodes.
   NodeMap nodesNearSurface(const Pose& pose, const openvdb::math::Transform& transform, int step) const;
-  /// As boxOnPose.
+  /// See boxOnPose.
   openvdb::BBoxd boxOf(size_t object, const openvdb::BBoxd& world, const Pose& pose,
                        const openvdb::math::Transform& transform) const;
-  /// All nodes around the voxels of a box of index space: near the objects by the lattice, further out by the
-  /// charts alone.
+  /// All nodes around the voxels of a box of index space, with their positions on every object: inside the
+  /// lattice by the map, beyond it by the charts alone.
   NodeMap nodesWithin(const openvdb::CoordBBox& box, const Pose& pose,
                       const openvdb::math::Transform& transform, int step) const;
-  /// How fast what is at each node moves while the weights change by `rate` a unit of time (of sum 0): world
-  /// units per that time, as of one object. Nodes as nodesWithin.
+  /// Velocity at each node, in world units per unit of time, while the weights change by `rate` (sum 0) per
+  /// unit of time. Nodes as in nodesWithin; the result has a single "object".
   NodeMap velocitiesWithin(const openvdb::CoordBBox& box, const Weights& weights, const Weights& rate,
                            const Pose& pose, const openvdb::math::Transform& transform, int step) const;
 

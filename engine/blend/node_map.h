@@ -4,8 +4,8 @@
 
 namespace slicemorph {
 
-/// Vectors at the nodes of a coarse grid over a frame's voxels; for the backward map of an in-between where
-/// each node lies on every object. Nodes far from the in-between surface are not known.
+/// Vectors at the nodes of a coarse grid over a frame's voxels. For the backward map of an in-between: the
+/// position of each node on every object. Nodes far from the in-between's surface may be unknown.
 struct NodeMap {
   int step = 4;                    ///< voxels between nodes; node (i, j, k) is voxel step * (i, j, k)
   openvdb::Coord origin{0, 0, 0};  ///< first node
@@ -14,7 +14,7 @@ struct NodeMap {
   std::vector<openvdb::Vec3s>
       at;  ///< per node and object: a position in the world is relative to the field's anchor
   std::vector<char> known;   ///< per node
-  std::vector<double> jump;  ///< per object: positions of neighbours further apart lie on crossing slices
+  std::vector<double> jump;  ///< per object, world units: neighbours further apart lie on crossing slices
   double foldShare = 0;      ///< share of the surface's cells whose Jacobian to some object is below 0.05
 
   size_t index(int i, int j, int k) const {

@@ -45,14 +45,14 @@ std::vector<openvdb::Coord> leavesWith(const NodeMap& nodes,
   return all;
 }
 
-NodePlaces::NodePlaces(const NodeMap& nodes) : nodes_(nodes), step_(nodes.step) {
+NodePositions::NodePositions(const NodeMap& nodes) : nodes_(nodes), step_(nodes.step) {
   for (int i = 0; i < step_; ++i) {
     const std::array<double, 4> w = catmullRomWeights(double(i) / step_);
     spline_.push_back({float(w[0]), float(w[1]), float(w[2]), float(w[3])});
   }
 }
 
-void NodePlaces::find(int i, int j, int k, size_t object, std::vector<openvdb::Vec3s>& places) const {
+void NodePositions::find(int i, int j, int k, size_t object, std::vector<openvdb::Vec3s>& positions) const {
   openvdb::Vec3s node[4][4][4];
   bool all = nodes_.inside(i - 1, j - 1, k - 1) && nodes_.inside(i + 2, j + 2, k + 2);
   for (int c = 0; c < 4 && all; ++c)
@@ -62,7 +62,7 @@ void NodePlaces::find(int i, int j, int k, size_t object, std::vector<openvdb::V
         all = nodes_.known[n];
         node[a][b][c] = nodes_.at[n * nodes_.objects + object];
       }
-  if (!all || torn(i - 1, j - 1, k - 1, 4, object)) return findLinearly(i, j, k, object, places);
+  if (!all || torn(i - 1, j - 1, k - 1, 4, object)) return findLinearly(i, j, k, object, positions);
   openvdb::Vec3s alongZ[4][4][kLeaf], alongY[4][kLeaf][kLeaf];
   for (int a = 0; a < 4; ++a)
     for (int b = 0; b < 4; ++b)
@@ -77,28 +77,29 @@ void NodePlaces::find(int i, int j, int k, size_t object, std::vector<openvdb::V
   for (int x = 0; x < step_; ++x)
     for (int y = 0; y < step_; ++y)
       for (int z = 0; z < step_; ++z)
-        places[v++] =
+        positions[v++] =
             combined(spline_[x], alongY[0][y][z], alongY[1][y][z], alongY[2][y][z], alongY[3][y][z]);
 }
 
-bool NodePlaces::torn(int i, int j, int k, int side, size_t object) const {
+bool NodePositions::torn(int i, int j, int k, int side, size_t object) const {
   if (nodes_.jump.empty()) return false;
   const float longest = float(nodes_.jump[object] * nodes_.jump[object]);
-  const auto place = [&](int a, int b, int c) {
+  const auto position = [&](int a, int b, int c) {
     return nodes_.at[nodes_.index(a, b, c) * nodes_.objects + object];
   };
   for (int c = k; c < k + side; ++c)
     for (int b = j; b < j + side; ++b)
       for (int a = i; a < i + side; ++a) {
-        const openvdb::Vec3s p = place(a, b, c);
-        if (a + 1 < i + side && (place(a + 1, b, c) - p).lengthSqr() > longest) return true;
-        if (b + 1 < j + side && (place(a, b + 1, c) - p).lengthSqr() > longest) return true;
-        if (c + 1 < k + side && (place(a, b, c + 1) - p).lengthSqr() > longest) return true;
+        const openvdb::Vec3s p = position(a, b, c);
+        if (a + 1 < i + side && (position(a + 1, b, c) - p).lengthSqr() > longest) return true;
+        if (b + 1 < j + side && (position(a, b + 1, c) - p).lengthSqr() > longest) return true;
+        if (c + 1 < k + side && (position(a, b, c + 1) - p).lengthSqr() > longest) return true;
       }
   return false;
 }
 
-void NodePlaces::findLinearly(int i, int j, int k, size_t object, std::vector<openvdb::Vec3s>& places) const {
+void NodePositions::findLinearly(int i, int j, int k, size_t object,
+                                 std::vector<openvdb::Vec3s>& positions) const {
   openvdb::Vec3s node[8];
   for (int c = 0; c < 8; ++c)
     node[c] = nodes_.at[nodes_.index(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2)) * nodes_.objects + object];
@@ -110,7 +111,7 @@ void NodePlaces::findLinearly(int i, int j, int k, size_t object, std::vector<op
         openvdb::Vec3s sum(0.f);
         for (int n = 0; n < 8; ++n)
           sum += node[n] * ((n & 1 ? a : 1 - a) * (n & 2 ? b : 1 - b) * (n & 4 ? c : 1 - c));
-        places[v++] = sum;
+        positions[v++] = sum;
       }
 }
 

@@ -8,25 +8,27 @@
 
 namespace slicemorph {
 
-/// Origins of the leaves (whose side is a multiple of every node step) with a cell, given by its first node, that `active(i, j, k)` says is wanted; in
-/// order.
+/// Origins of the leaves that hold at least one cell for which `active(i, j, k)` is true, where (i, j, k) is
+/// the cell's first node; in a fixed order. A leaf's side is a multiple of every node step.
 std::vector<openvdb::Coord> leavesWith(const NodeMap& nodes,
                                        const std::function<bool(int, int, int)>& active);
 
-/// Where the voxels between a map's nodes lie on the objects.
-class NodePlaces {
+/// Interpolates a map's vectors at the voxels between its nodes: for a backward map the voxels'
+/// positions on the objects.
+class NodePositions {
  public:
-  explicit NodePlaces(const NodeMap& nodes);
+  /// `nodes` must outlive this.
+  explicit NodePositions(const NodeMap& nodes);
 
-  /// Places of the step^3 voxels of the cell whose first node is (i, j, k), x slowest, relative to the
-  /// field's anchor: splined where all 64 nodes around are known, else trilinear.
-  void find(int i, int j, int k, size_t object, std::vector<openvdb::Vec3s>& places) const;
-  /// Whether neighbours among `side` x `side` x `side` nodes lie on crossing slices of a bent chart: then
-  /// nothing can be said of the places between them.
+  /// Positions of the step^3 voxels of the cell whose first node is (i, j, k), x slowest, relative to the
+  /// field's anchor: by Catmull-Rom splines [CR74] where all 64 nodes around are known, else trilinear.
+  void find(int i, int j, int k, size_t object, std::vector<openvdb::Vec3s>& positions) const;
+  /// Whether neighbours among `side` x `side` x `side` nodes from (i, j, k) on lie on crossing slices of a
+  /// bent chart, so that positions between them are undefined.
   bool torn(int i, int j, int k, int side, size_t object) const;
 
  private:
-  void findLinearly(int i, int j, int k, size_t object, std::vector<openvdb::Vec3s>& places) const;
+  void findLinearly(int i, int j, int k, size_t object, std::vector<openvdb::Vec3s>& positions) const;
 
   const NodeMap& nodes_;
   int step_;

@@ -19,8 +19,8 @@ NodeStretch::NodeStretch(const NodeMap& nodes, size_t object, const Mat3d& voxel
   });
 }
 
-/// Derivatives of the place on the object by voxels of the in-between: central differences, one-sided ones at
-/// the rim.
+/// Derivative of the position on the object by the in-between's voxels: central differences, one-sided ones
+/// next to unknown nodes.
 Mat3d NodeStretch::jacobian(int i, int j, int k, size_t object) const {
   Mat3d result = Mat3d::zero();
   for (int axis = 0; axis < 3; ++axis) {
@@ -33,10 +33,10 @@ Mat3d NodeStretch::jacobian(int i, int j, int k, size_t object) const {
     if (!known(high)) --high[axis];
     const int span = (high[axis] - low[axis]) * nodes_.step;
     if (span == 0) continue;
-    const auto place = [&](const openvdb::Coord& c) {
+    const auto position = [&](const openvdb::Coord& c) {
       return nodes_.at[nodes_.index(c[0], c[1], c[2]) * nodes_.objects + object];
     };
-    const Vec3d d = Vec3d(place(high) - place(low)) / span;
+    const Vec3d d = Vec3d(position(high) - position(low)) / span;
     for (int row = 0; row < 3; ++row) result(row, axis) = d[row];
   }
   return result;
@@ -55,7 +55,7 @@ NodeStretch::Local NodeStretch::at(int i, int j, int k, const openvdb::Vec3s& fr
   return sum;
 }
 
-/// Higham's iteration for the polar factor.
+/// Newton's iteration for the orthogonal polar factor.
 Mat3d nearestRotation(Mat3d m) {
   if (!(m.det() > 0)) return Mat3d::identity();
   for (int i = 0; i < 12; ++i) m = (m + m.inverse().transpose()) * 0.5;

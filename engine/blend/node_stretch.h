@@ -4,17 +4,17 @@
 
 namespace slicemorph {
 
-/// How the map to one object turns and stretches space around the nodes of an in-between.
+/// Rotation and volume change of the backward map to one object, around the nodes of an in-between.
 class NodeStretch {
  public:
   struct Local {
-    openvdb::Mat3s rotation;  ///< directions of the in-between to those of the object, world
-    float volume = 1;         ///< of the object per volume of the in-between; 0 where the map folds
+    openvdb::Mat3s rotation;  ///< from the in-between's to the object's directions, world
+    float volume = 1;         ///< volume on the object over volume on the in-between; 0 where the map folds
   };
-  /// `voxelPerWorld`: steps of the in-between's index space by steps in the world.
+  /// `voxelPerWorld`: derivative of the in-between's index coordinates by world coordinates.
   NodeStretch(const NodeMap& nodes, size_t object, const Mat3d& voxelPerWorld);
 
-  /// Inside the cell whose first node is (i, j, k), `fraction` of the cell's sides from there.
+  /// In the cell whose first node is (i, j, k), at `fraction` (0 to 1 per axis) of its sides.
   Local at(int i, int j, int k, const openvdb::Vec3s& fraction) const;
 
  private:

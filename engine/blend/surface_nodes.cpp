@@ -12,18 +12,19 @@ namespace slicemorph {
 
 namespace {
 
-/// How many times further apart than by the objects' sizes two nodes' positions may be.
+/// Largest stretch between neighbouring nodes' positions, beyond the ratio of the objects'
+/// sizes. Chosen by hand.
 constexpr double kMostStretch = 4;
 
 /// Cells of the lattice near the surface.
 struct NearCells {
   std::vector<char> near;  ///< per cell, at its first node
-  openvdb::BBoxd box;      ///< of their nodes, in units of the map's steps
-  size_t crossed = 0;      ///< cells that the surface goes through
-  size_t folded = 0;       ///< of them those that some object's map folds
+  openvdb::BBoxd box;      ///< of their nodes, index-space position over the map's step
+  size_t crossed = 0;      ///< number of cells that the surface goes through
+  size_t folded = 0;       ///< number of these that fold on some object
 };
 
-/// Whether a cell's map from the in-between to some object folds.
+/// Whether the map of a cell from the in-between to some object folds.
 bool cellFolds(const LatticeOnObjects& on, const LatticePose& pose, const size_t (&corner)[8]) {
   Vec3d q[8], a[8];
   for (int c = 0; c < 8; ++c) q[c] = pose.at[corner[c]];
@@ -38,7 +39,7 @@ bool cellFolds(const LatticeOnObjects& on, const LatticePose& pose, const size_t
   return folds;
 }
 
-/// Those within `reach` (chart units) of the surface.
+/// The cells within `reach` (chart units) of the surface.
 NearCells nearCells(const LatticeOnObjects& on, const PosedLattice& posed, float reach) {
   const Lattice& lattice = on.lattice;
   const LatticePose& pose = posed.pose;
@@ -69,7 +70,7 @@ NearCells nearCells(const LatticeOnObjects& on, const PosedLattice& posed, float
   return cells;
 }
 
-/// Whether an outermost node of the lattice is nearer to the surface than a distance in chart units.
+/// Whether an outermost node of the lattice is nearer to the surface than `distance`, chart units.
 bool endsWithin(const Lattice& lattice, const LatticePose& pose, float distance) {
   for (int z = 0; z < lattice.size[2]; ++z)
     for (int y = 0; y < lattice.size[1]; ++y) {
@@ -80,7 +81,8 @@ bool endsWithin(const Lattice& lattice, const LatticePose& pose, float distance)
   return false;
 }
 
-/// Finds the nodes beyond the lattice, where its outermost nodes' displacements go on. `reach`: chart units.
+/// Finds the nodes beyond the lattice by extrapolating the displacements of its outermost nodes. `reach`:
+/// distance to the surface up to which nodes are needed, chart units.
 void continueBeyond(const LatticeOnObjects& on, const LatticePose& pose,
                     const openvdb::math::Transform& transform, float reach, NodeMap& map) {
   const Lattice& lattice = on.lattice;
@@ -88,13 +90,15 @@ void continueBeyond(const LatticeOnObjects& on, const LatticePose& pose,
   const VectorField displacement = displacementOf(lattice, pose);
   const openvdb::Coord end = lattice.size - openvdb::Coord(1);
   const Vec3d first = lattice.origin, last = lattice.position(end[0], end[1], end[2]);
-  // The outermost cells are looked at, too: their tetrahedra end a little elsewhere than the trilinear field.
+  // The outermost cells are included: their tetrahedra end at slightly other positions than
+  // the trilinear field.
   const openvdb::BBoxd inner(first + Vec3d(lattice.spacing), last - Vec3d(lattice.spacing));
   forUnknownNodes(map, pose.chart, transform, [&](const Vec3d& q, size_t n) {
     Vec3d s = q;
     if (!toMiddleContinued(lattice, displacement, q, s) || inner.isInside(s)) return;
     const Vec3d border = openvdb::math::minComponent(openvdb::math::maxComponent(s, first), last);
-    // The objects lie within the lattice: what is far from them at its border is further out here.
+    // The objects lie within the lattice: points beyond a border node that is far from them
+    // are further away still.
     const openvdb::Coord nearest = openvdb::Coord::round((border - first) / lattice.spacing);
     if (pose.distance[lattice.index(nearest[0], nearest[1], nearest[2])] > reach + lattice.spacing) return;
     bool crossed = false;
@@ -125,7 +129,7 @@ NodeMap surfaceNodes(const LatticeOnObjects& on, const LatticePose& pose,
   map.objects = on.objects();
   map.jump = longestJumps(on, pose.chart, transform, step);
   PosedLattice posed = posedLattice(on.lattice, pose, positionFields(on), transform, step);
-  // Nodes are needed as far out as the band, and two nodes more for the splines between them.
+  // Nodes are needed throughout the band, and two more for the splines.
   const double voxel = transform.voxelSize()[0] / pose.chart.meanScale();
   const float reach = float((kHalfWidth + 2 * step * std::sqrt(3.0)) * voxel);
   NearCells cells = nearCells(on, posed, reach);
@@ -133,8 +137,7 @@ NodeMap surfaceNodes(const LatticeOnObjects& on, const LatticePose& pose,
   if (cells.crossed == 0) return map;
   posed.near = std::move(cells.near);
   openvdb::BBoxd box = cells.box;
-  // The lattice's margin is a share of the objects' size; voxels may be so large that the band's cells stand
-  // out of it.
+  // The lattice's margin is a fraction of the objects' size; with large voxels the band may reach beyond it.
   const bool ends =
       endsWithin(on.lattice, pose, float((kHalfWidth + kSteepest * step * std::sqrt(3.0)) * voxel));
   if (ends) {

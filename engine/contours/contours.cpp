@@ -8,17 +8,19 @@ namespace slicemorph {
 
 namespace {
 
-/// Edges of a cell: bottom, right, top, left. By which of its corners are inside (from the lower left one on, anticlockwise),
-/// from which edge a contour goes to which; two contours where opposite corners are inside.
+/// Marching squares table. Index: bit i is set if corner i is inside, counted anticlockwise from the lower
+/// left one. Value: pairs of edges (0 bottom, 1 right, 2 top, 3 left) from which and to which a contour
+/// crosses the cell; two pairs where opposite corners are inside.
 constexpr int kNoEdge = -1;
 constexpr int kLinks[16][4] = {{kNoEdge},       {0, 3, kNoEdge}, {1, 0, kNoEdge}, {1, 3, kNoEdge},
                                {2, 1, kNoEdge}, {0, 3, 2, 1},    {2, 0, kNoEdge}, {2, 3, kNoEdge},
                                {3, 2, kNoEdge}, {0, 2, kNoEdge}, {1, 0, 3, 2},    {1, 2, kNoEdge},
                                {3, 1, kNoEdge}, {0, 1, kNoEdge}, {3, 0, kNoEdge}, {kNoEdge}};
-/// Where the middle between opposite inner corners is inside, these are one.
+/// The two ambiguous cases where the cell's centre is inside, so that the opposite inner
+/// corners are connected.
 constexpr int kJoined5[4] = {0, 1, 2, 3}, kJoined10[4] = {3, 0, 1, 2};
 
-/// One crossing of a grid edge; a contour enters by one cell and leaves by the next.
+/// Links the crossings of grid edges to contours, cell by cell.
 struct Tracer {
   const SliceImage& image;
   const SlicePlanes& planes;
@@ -31,7 +33,7 @@ struct Tracer {
   Vec2d crossing(int edge) const {
     const int pixel = edge / 2, x = pixel % planes.nx, y = pixel / planes.nx;
     const float a = value(x, y), b = edge & 1 ? value(x, y + 1) : value(x + 1, y);
-    // Crossings stay a little away from the corners: equal points would make edges of no length.
+    // Keep crossings away from the corners: coinciding points would give edges of zero length.
     const double t = std::min(std::max(double(a) / (double(a) - b), 1e-3), 1 - 1e-3);
     const Vec2d p = planes.origin + planes.pixel * Vec2d(x, y);
     return p + planes.pixel * t * (edge & 1 ? Vec2d(0, 1) : Vec2d(1, 0));
@@ -65,7 +67,7 @@ void measure(Contour& c) {
   c.centroid = std::abs(area) > 0 ? moment / area : c.points[0];
 }
 
-/// The smallest contour around each, which is its parent.
+/// Sets each contour's parent, the smallest contour around it.
 void nest(std::vector<Contour>& contours) {
   for (size_t i = 0; i < contours.size(); ++i)
     for (size_t j = 0; j < contours.size(); ++j) {
@@ -97,7 +99,7 @@ std::vector<Contour> traceContours(const SliceImage& image, const SlicePlanes& p
       edge = following;
     }
     if (edge != start || contour.points.size() < 3)
-      continue;  // used up already, or cut by the image's border
+      continue;  // already part of another contour, or cut by the image's border
     measure(contour);
     if (std::abs(contour.area) >= 4 * planes.pixel * planes.pixel) contours.push_back(std::move(contour));
   }

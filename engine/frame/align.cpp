@@ -14,37 +14,41 @@ namespace slicemorph {
 
 namespace {
 
-/// Overlap that a turn of 90 degrees must win to be looked at.
+// Figures in overlap. Unless noted they are chosen by hand and guarded by tests/engine/morph_test.cpp and the
+// tests `Facing` in tests/engine/pairs_test.cpp.
+
+/// Overlap that a turn of 90 degrees must gain to become a candidate; from the method's prototype.
 constexpr double kSmallPrice = 0.02;
-/// Overlap that a turn of 90 degrees must win, once the shapes are warped onto each other, to be made; and
-/// what leaving the world's own directions must win at all, for near-degenerate axes must not turn by noise.
+/// Overlap that a turn of 90 degrees must gain, after warping, to be made; and gain that any turn needs, so
+/// that noise does not turn shapes with nearly equal axes.
 constexpr double kPricePerRightAngle = 0.12, kTurnMargin = 0.01;
 /// The same for turns about the up direction, which leave upright models upright.
 constexpr double kUprightPricePerRightAngle = 0.04;
-/// An alignment so good, and so much better than none, needs no second look.
+/// A turn of at least this overlap, and of this gain over none, is taken without trying others.
 constexpr double kDecisive = 0.8, kDecisiveGain = 0.1;
-/// Above this the shapes are nearly the same but for a turn.
+/// Above this overlap the shapes are taken to be equal up to a rotation.
 constexpr double kSameShape = 0.95;
 /// Scores closer than this are a tie (a symmetric object has several equally good turns).
 constexpr double kTie = 0.004;
+/// Turns to try besides none.
 constexpr size_t kTurnsWorthTrying = 3;
 
-/// One object without its position and size: n -> centroid + size * n.
+/// One object with position and size normalised: n -> centroid + size * n.
 struct Normalised {
   const DistanceField* field;
   Moments moments;
-  double size;
-  std::vector<Vec3d> points;  ///< spread evenly through the inside
+  double size;                ///< cube root of the volume, world units
+  std::vector<Vec3d> points;  ///< a regular grid's points inside, normalised
   double self = 1;            ///< mean of inside() over its own points
 
-  /// 1 inside, 0 outside, soft over a tenth of the size.
+  /// 1 inside, 0 outside, with a ramp of a tenth of the size.
   double inside(const Vec3d& n) const {
     const double d = field->coarse(moments.centroid + size * n) / size;
     return std::min(std::max(0.5 - d / 0.1, 0.0), 1.0);
   }
 };
 
-/// Mean of b's inside over a's points when `rotation` turns a's directions.
+/// Mean of b.inside over a's points turned by `rotation`.
 double shareInside(const Normalised& a, const Normalised& b, const Mat3d& rotation) {
   double sum = 0;
   for (const Vec3d& n : a.points) sum += b.inside(rotation * n);
@@ -70,7 +74,7 @@ Normalised normalise(const DistanceField& field) {
 
 Mat3d halfOf(const Mat3d& rotation) { return rotationFromVector(0.5 * rotationVector(rotation)); }
 
-/// Intersection over union of a and b when `rotation` carries a's directions onto b's; the same both ways.
+/// Intersection over union of a, turned by `rotation`, and b; symmetric.
 double overlapOf(const Normalised& a, const Normalised& b, const Mat3d& rotation) {
   const double dice =
       0.5 * (shareInside(a, b, rotation) / a.self + shareInside(b, a, rotation.transpose()) / b.self);
@@ -94,7 +98,7 @@ std::vector<Mat3d> properAxisAssignments() {
 
 Vec3d column(const Mat3d& m, int j) { return {m(0, j), m(1, j), m(2, j)}; }
 
-/// The smallest rotation that takes one direction to another; none is singled out for opposite ones.
+/// The rotation of least angle that takes one direction to another; for opposite directions an arbitrary one.
 Mat3d smallestTurn(const Vec3d& from, const Vec3d& to) {
   const Vec3d axis = from.cross(to);
   const double s = axis.length(), c = from.dot(to);
@@ -117,7 +121,7 @@ Turn measured(const Normalised& a, const Normalised& b, const Mat3d& rotation) {
 Turn climbed(const Normalised& a, const Normalised& b, Turn best, double coarse, double fine) {
   for (double step = coarse; step > fine; step *= 0.5)
     for (bool moved = true; moved;) {
-      // The best of the six neighbours, not the first: the way up is then the same from b to a.
+      // Take the best of the six neighbours, not the first, so that the ascent is the same from b to a.
       const Mat3d half = halfOf(best.rotation);
       Turn next = best;
       for (int axis = 0; axis < 6; ++axis) {
@@ -132,13 +136,13 @@ Turn climbed(const Normalised& a, const Normalised& b, Turn best, double coarse,
   return best;
 }
 
-/// A climb that is kept only where it wins clearly.
+/// The result of a climb from `start` if it is clearly better, else `start`.
 Turn refined(const Normalised& a, const Normalised& b, const Turn& start, double step) {
   const Turn best = climbed(a, b, start, step, 0.008);
   return score(best) > score(start) + kTurnMargin ? best : start;
 }
 
-/// Every turn that the principal axes suggest, measured; the world's own directions come first.
+/// All turns that the principal axes suggest, with their overlaps; no turn comes first, the others by score.
 std::vector<Turn> suggestedTurns(const Normalised& a, const Normalised& b) {
   const PrincipalAxes pa = principalAxes(a.moments.covariance), pb = principalAxes(b.moments.covariance);
   std::vector<Mat3d> rotations{Mat3d::identity()};
@@ -152,8 +156,8 @@ std::vector<Turn> suggestedTurns(const Normalised& a, const Normalised& b) {
   return turns;
 }
 
-/// The rotation between nearly equal shapes to the last digit: closest points both ways, and the rotation
-/// that fits them best [BM92], [Kab76]. A shape that can turn freely stays as it is.
+/// Refines the rotation between nearly equal shapes by ICP in both directions [BM92], [Kab76]. About an axis
+/// of symmetry the start is kept.
 Mat3d fitted(const Normalised& a, const Normalised& b, Mat3d rotation) {
   const auto surface = [](const Normalised& o) {
     std::vector<Vec3d> points;
@@ -177,7 +181,7 @@ Mat3d fitted(const Normalised& a, const Normalised& b, Mat3d rotation) {
   return rotation;
 }
 
-/// A turn to its last digit, so that noise in the shapes moves it as little as it moves them.
+/// A turn refined until converged, so that noise in the shapes changes it as little as the shapes.
 Turn polished(const Normalised& a, const Normalised& b, const Turn& turn) {
   const Turn best = climbed(a, b, turn, 0.016, 0.0002);
   return best.overlap > kSameShape ? measured(a, b, fitted(a, b, best.rotation)) : best;
@@ -202,8 +206,9 @@ Extent extentAlong(const DistanceField& field, const Vec3d& direction) {
   return e;
 }
 
-/// Shared axes, in the directions half way between the objects: of the pooled covariance, and the world's
-/// where that is nearly round.
+/// Axes (columns) shared by all objects, in the directions half way between them: the principal axes of
+/// the pooled covariance, or the world's axes where its variances are nearly equal. `axis`: prescribed
+/// spine direction, or zero.
 Mat3d sharedAxes(const std::vector<Normalised>& objects, const std::vector<Mat3d>& rotations,
                  const Vec3d& axis) {
   Mat3d pooled = Mat3d::zero();
@@ -211,10 +216,11 @@ Mat3d sharedAxes(const std::vector<Normalised>& objects, const std::vector<Mat3d
     pooled += rotations[k].transpose() * objects[k].moments.covariance * rotations[k] *
               (1.0 / (objects[k].size * objects[k].size));
   PrincipalAxes p = principalAxes(pooled);
+  // Variances are nearly equal below this ratio; by hand, guarded by Morph.NoiseDoesNotTurnARoundShape.
   constexpr double kRound = 1.15;
   Vec3d e0 = column(p.axes, 0);
   if (p.variances[0] < kRound * p.variances[1]) {
-    // No single longest direction: take the world axis that lies most nearly along the widest plane.
+    // No single longest direction: take the first world axis of nearly the largest extent.
     int widest = 0;
     for (int a = 1; a < 3; ++a)
       if (pooled(a, a) > pooled(widest, widest) * kRound) widest = a;
@@ -237,7 +243,7 @@ Mat3d sharedAxes(const std::vector<Normalised>& objects, const std::vector<Mat3d
   return Mat3d(e0[0], e1[0], e2[0], e0[1], e1[1], e2[1], e0[2], e1[2], e2[2]);
 }
 
-/// All objects in one chart: world positions and directions are kept.
+/// The same chart for all objects, so that world positions and directions are kept.
 Frames worldFrames(const std::vector<Normalised>& objects, const Vec3d& axis) {
   const std::vector<Mat3d> none(objects.size(), Mat3d::identity());
   const Mat3d axes = sharedAxes(objects, none, axis);
@@ -267,8 +273,8 @@ std::vector<Turn> proposeTurns(const DistanceField& fieldA, const DistanceField&
   tbb::parallel_for(size_t(1), turns.size(), [&](size_t i) {
     turns[i] = refined(a, b, turns[i], turns[i].overlap < 0.9 ? 0.3 : 0.08);
   });
-  // Among equals the one whose spine leans towards positive directions half way: any rule will do that is the
-  // same when the objects are swapped.
+  // A tie between symmetric turns is broken by the spine's direction half way; any rule would do that gives
+  // the same when the objects are swapped.
   const Vec3d spine = column(principalAxes(a.moments.covariance).axes, 0);
   const auto leaning = [&](const Turn& t) {
     const Vec3d m = halfOf(t.rotation) * spine;
@@ -295,18 +301,20 @@ std::vector<Turn> proposeTurns(const DistanceField& fieldA, const DistanceField&
   }
   tbb::parallel_for(size_t(1), worthTrying.size(),
                     [&](size_t i) { worthTrying[i] = polished(a, b, worthTrying[i]); });
-  // Models mostly stand upright, each looking its own way.
+  // Models mostly stand upright but face different directions.
   for (int quarter = 1; quarter < 4 && up.length() > 0; ++quarter)
     worthTrying.push_back(measured(a, b, rotationFromVector(quarter * M_PI / 2 * up.unit())));
   return worthTrying;
 }
 
 double priceOf(const Mat3d& rotation, const Vec3d& up) {
+  // Up to half a degree the margin is charged in proportion, so that the price is continuous.
   constexpr double kNoTurn = 0.5 * M_PI / 180;
   const Vec3d turn = rotationVector(rotation);
   const double angle = turn.length(), both = angle * up.length();
   const double upright = both > 0 ? std::abs(turn.dot(up)) / both : 0;
-  // Upright turns are those within some 8 degrees of it.
+  // Turns whose axis is within 8 degrees (cosine 0.99) of `up` are upright; the share falls
+  // to 0 at 11 degrees.
   const double share = std::min(std::max((upright - 0.98) / 0.01, 0.0), 1.0);
   const double perRightAngle =
       kPricePerRightAngle + share * (kUprightPricePerRightAngle - kPricePerRightAngle);
@@ -318,7 +326,7 @@ Frames frameObjects(const Fields& fields, const std::vector<Mat3d>& turns, const
   tbb::parallel_for(size_t(0), fields.size(), [&](size_t k) { objects[k] = normalise(*fields[k]); });
   if (options.align == Align::kNone) return worldFrames(objects, options.axis);
 
-  // Seen from half way between all objects, so that no object is special.
+  // Work in the directions half way between all objects, so that no object is special.
   std::vector<Chart> turned(fields.size());
   for (size_t k = 0; k < fields.size(); ++k) turned[k].axes = turns[k];
   const Mat3d middle = blendCharts(turned, Weights(fields.size(), 1.0 / double(fields.size()))).axes;

@@ -11,31 +11,32 @@ namespace slicemorph {
 
 using Fields = std::vector<std::shared_ptr<const DistanceField>>;
 
+/// The objects' coordinate frames (not frames of time).
 struct Frames {
   std::vector<Chart> charts;  ///< one per object
   double halfLength = 1;      ///< the common half length along the spine, chart units
   Notes notes;                ///< what was decided
 };
 
-/// A rotation that may carry one object's directions to another's.
+/// A candidate rotation from one object's directions to another's.
 struct Turn {
   Mat3d rotation = Mat3d::identity();
   double angle = 0;    ///< radians
-  double overlap = 0;  ///< intersection over union of the two objects so turned, without position and size
+  double overlap = 0;  ///< intersection over union of the objects so turned, centroids and sizes made equal
 };
 
-/// The turns worth trying from object a to object b, the most likely first: the 24 proper axis assignments of
-/// the oriented bounding boxes, the world's own directions and small turns away from these, scored by overlap
-/// less a small price on the angle; then the quarter turns about `up`, unless that is zero. One only where
-/// overlap alone decides. The same the other way round.
+/// The turns worth trying from object a to object b: none; the best of those refined from the 24 proper
+/// assignments of the principal axes, by overlap minus a small price on the angle; and the quarter
+/// turns about `up`, unless that is zero. Only one turn where overlap alone decides. Symmetric: b to a
+/// gives the inverse turns.
 std::vector<Turn> proposeTurns(const DistanceField& a, const DistanceField& b, const Vec3d& up);
 
-/// Price of a turn in overlap: what a morph must gain to be worth turning the object. Turns about `up` cost a
-/// third of others; where it is zero nothing is up.
+/// Price of a turn: the overlap that must be gained by turning an object. Turns about `up` cost a third of
+/// others; zero: there is no such direction.
 double priceOf(const Mat3d& rotation, const Vec3d& up);
 
-/// Gives every object its chart, in the shared axes of all. `rotations`: from the first object's directions
-/// to each object's; ignored where the options keep the world's. Symmetric in the objects' order.
+/// Gives every object its chart with a straight spine, along axes shared by all. `rotations`: from the first
+/// object's directions to each object's; ignored with Align::kNone. Symmetric in the objects' order.
 Frames frameObjects(const Fields& fields, const std::vector<Mat3d>& rotations, const MorphOptions& options);
 
 }  // namespace slicemorph

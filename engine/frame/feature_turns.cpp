@@ -12,20 +12,22 @@ namespace slicemorph {
 
 namespace {
 
-/// Places that spread less than this share of their length across it lie in a line.
+/// Points whose spread across a line is less than this share of that along it lie on the line. Chosen by
+/// hand; guarded by Features.PointsInALineTurnItToo.
 constexpr double kInLine = 0.2;
 
-/// Without position and size.
-std::vector<Vec3d> normalised(const std::vector<Vec3d>& places) {
+/// The points moved to a centroid of 0 and scaled to a root mean square distance of 1 from it.
+std::vector<Vec3d> normalised(const std::vector<Vec3d>& points) {
   Vec3d middle(0.0);
-  for (const Vec3d& p : places) middle += p / double(places.size());
+  for (const Vec3d& p : points) middle += p / double(points.size());
   double size = 0;
-  for (const Vec3d& p : places) size += (p - middle).lengthSqr() / double(places.size());
+  for (const Vec3d& p : points) size += (p - middle).lengthSqr() / double(points.size());
   std::vector<Vec3d> result;
-  for (const Vec3d& p : places) result.push_back(size > 0 ? (p - middle) / std::sqrt(size) : Vec3d(0.0));
+  for (const Vec3d& p : points) result.push_back(size > 0 ? (p - middle) / std::sqrt(size) : Vec3d(0.0));
   return result;
 }
 
+/// Sum of the outer products b a^T.
 Eigen::Matrix3d productOf(const std::vector<Vec3d>& b, const std::vector<Vec3d>& a) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (size_t i = 0; i < a.size(); ++i)
@@ -36,17 +38,17 @@ Eigen::Matrix3d productOf(const std::vector<Vec3d>& b, const std::vector<Vec3d>&
 
 }  // namespace
 
-std::vector<Vec3d> placesOn(const std::vector<Feature>& features, size_t object) {
-  std::vector<Vec3d> places;
+std::vector<Vec3d> pointsOn(const std::vector<Feature>& features, size_t object) {
+  std::vector<Vec3d> points;
   for (const Feature& feature : features) {
     const std::vector<Vec3d>& own = feature.places[object];
-    // Lines may have other numbers of places on each object; their ends are the same places.
-    places.push_back(own.front());
-    if (feature.kind == Feature::Kind::kLine) places.push_back(own.back());
+    // A line may have different numbers of points on each object; only its ends correspond.
+    points.push_back(own.front());
+    if (feature.kind == Feature::Kind::kLine) points.push_back(own.back());
     if (feature.kind == Feature::Kind::kDisk)
-      places.push_back(own.front() + feature.radii[object] * feature.normals[object].unit());
+      points.push_back(own.front() + feature.radii[object] * feature.normals[object].unit());
   }
-  return places;
+  return points;
 }
 
 Mat3d rotationOnto(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to) {
@@ -75,9 +77,9 @@ std::vector<Mat3d> turnsOf(const std::vector<Vec3d>& from, const std::vector<Vec
   const Eigen::Vector3d spread = svd.singularValues();
   if (!(spread[0] > 0)) return {};
   const Mat3d best = rotationOnto(a, b);
-  if (spread[1] > kInLine * kInLine * spread[0]) return {best};  // these are squares of lengths
+  if (spread[1] > kInLine * kInLine * spread[0]) return {best};  // singular values are squared lengths
   const Vec3d line(svd.matrixU()(0, 0), svd.matrixU()(1, 0), svd.matrixU()(2, 0));
-  // The least turn first: about the line as little as the world's directions allow.
+  // The rotation of least angle that takes one line to the other comes first.
   const Vec3d start(svd.matrixV()(0, 0), svd.matrixV()(1, 0), svd.matrixV()(2, 0));
   const Vec3d axis = start.cross(line);
   const double sine = axis.length(), cosine = start.dot(line);

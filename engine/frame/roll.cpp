@@ -12,21 +12,27 @@ namespace slicemorph {
 
 namespace {
 
+// The figures are chosen by hand; tests/engine/spine/bend_test.cpp guards twists,
+// tests/engine/morph_test.cpp round shapes.
+
+/// Slices along the spine; steps of angle (3 degrees) and rings of a slice in polar coordinates.
 constexpr int kSlices = 33, kAngles = 120, kRings = 10;
-constexpr int kFastest = 4;  ///< change of angle from slice to slice, in steps of the circle
-/// Overlap that a change by one step must win.
+constexpr int kFastest = 4;  ///< largest change of angle from slice to slice, in steps
+/// Price in overlap of a change by one step (squared) from slice to slice.
 constexpr double kStepPrice = 0.0005;
-/// Overlap that half a turn away from the preferred angle must win.
+/// Price in overlap of an angle half a turn away from the preferred one.
 constexpr double kAnglePrice = 0.02;
-/// Slices whose overlap falls by less than this to both sides of the best angle, in the mean, are round.
+/// Slices are round where the overlap falls, within four steps on both sides of the best angle, by less
+/// than this in the mean.
 constexpr double kLeastFall = 0.01;
 
-/// One slice in polar coordinates about its own middle: how much is inside.
+/// One slice in polar coordinates about its centroid.
 struct PolarSlice {
-  std::vector<float> inside;  ///< ring by ring, kAngles each, already weighted by the ring's length
-  double area = 0;
+  std::vector<float> inside;  ///< share inside, ring by ring, kAngles each, weighted by the ring's radius
+  double area = 0;            ///< chart units squared
 };
 
+/// Share inside at a chart point, with a ramp of `soft` chart units.
 double insideAt(const DistanceField& field, const DistanceField::Sampler& sampler, const Chart& chart,
                 const Vec3d& z, double soft) {
   if (chart.spread(z) <= 0) return 0;
@@ -82,20 +88,20 @@ int stepsBetween(int from, int to) {
   return d > kAngles / 2 ? d - kAngles : d;
 }
 
-/// How many steps past the highest of the values on the circle its peak lies: where both flanks are alike, so
-/// that it is right for round peaks and for pointed ones, as slices with straight sides have.
+/// Offset of the peak from the highest value v[s], in steps, -1 to 1: where the flanks are symmetric, which
+/// holds for round peaks and for pointed ones, as of slices with straight sides.
 double peakBeside(const std::vector<double>& v, int s) {
   const auto at = [&](int d) { return v[size_t((s + d + kAngles) % kAngles)]; };
   const double lean = at(2) + at(1) - at(-1) - at(-2), fall = at(-1) - at(-2) + at(1) - at(2);
   return fall > 1e-9 ? std::min(std::max(0.5 * lean / fall, -1.0), 1.0) : 0;
 }
 
-/// How well the slices overlap at each of the circle's steps.
+/// Overlap of the slices at each step of angle.
 struct RollScores {
   std::vector<std::vector<double>> score;  ///< per slice and step: overlap when a is turned by that step
-  std::vector<double> weight;              ///< per slice: its area
-  double total = 0;                        ///< of the weights
-  std::vector<double> price;               ///< per step: of being away from the preferred angle
+  std::vector<double> weight;              ///< per slice: geometric mean of the two areas
+  double total = 0;                        ///< sum of the weights
+  std::vector<double> price;               ///< per step: for its distance from the preferred angle
 };
 
 RollScores scoresOf(const std::vector<PolarSlice>& a, const std::vector<PolarSlice>& b, double preferred) {
@@ -115,7 +121,7 @@ RollScores scoresOf(const std::vector<PolarSlice>& a, const std::vector<PolarSli
   return scores;
 }
 
-/// One angle for all slices, into a roll without any along the spine.
+/// A roll with the best single angle for all slices; `along` is not set.
 Roll steadyRoll(const RollScores& scores, double preferred) {
   const std::vector<double>& price = scores.price;
   std::vector<double> mean(kAngles, 0);
@@ -128,13 +134,13 @@ Roll steadyRoll(const RollScores& scores, double preferred) {
   Roll roll;
   roll.steady = 2 * M_PI / kAngles * (best + peakBeside(mean, best));
   roll.steadyOverlap = mean[size_t(best)];
-  // On round slices no angle is better than another: then the preferred one is kept to its last digit.
+  // On round slices no angle is better than another: use exactly the preferred one.
   const auto [least, most] = std::minmax_element(mean.begin(), mean.end());
   if (*most - *least < kAnglePrice) roll.steady = preferred;
   return roll;
 }
 
-/// The best path along the spine, from step to step, by dynamic programming: one step per slice.
+/// The best sequence of angle steps, one per slice, by dynamic programming along the spine.
 std::vector<int> bestSteps(const RollScores& scores) {
   std::vector<std::vector<double>> value(kSlices, std::vector<double>(kAngles));
   std::vector<std::vector<int>> from(kSlices, std::vector<int>(kAngles, 0));
@@ -159,10 +165,10 @@ std::vector<int> bestSteps(const RollScores& scores) {
   return path;
 }
 
-/// What each slice says of its own angle.
+/// The slices' best angles.
 struct SliceAngles {
-  std::vector<double> angle, trust;  ///< radians, without jumps; how much it is to be believed
-  double overlap = 0;                ///< mean, of the slices so turned
+  std::vector<double> angle, trust;  ///< radians, without jumps of 2 pi; weight in the smoothing
+  double overlap = 0;                ///< mean overlap of the slices so turned
 };
 
 SliceAngles anglesAlong(const RollScores& scores, const std::vector<int>& path) {
@@ -175,7 +181,7 @@ SliceAngles anglesAlong(const RollScores& scores, const std::vector<int>& path) 
     steps += i == 0 ? s : stepsBetween(path[size_t(i) - 1], s);
     result.angle.push_back(2 * M_PI / kAngles * (steps + peakBeside(score, s)));
     result.overlap += weight * here / scores.total;
-    // A slice tells its angle as well as its overlap falls to both sides of it.
+    // A slice's angle is trusted by how much the overlap falls on both sides of it.
     const double fall =
         here - 0.5 * (score[size_t((s + 4) % kAngles)] + score[size_t((s + kAngles - 4) % kAngles)]);
     result.trust.push_back(weight * kSlices / scores.total * std::max(fall, 0.0));
@@ -183,7 +189,8 @@ SliceAngles anglesAlong(const RollScores& scores, const std::vector<int>& path) 
   return result;
 }
 
-/// Smooth at the stations: the slices' angles by their trust, and least second differences.
+/// Angles at Bend's stations: least squares to the slices' angles, weighted by trust, with a penalty
+/// on second differences.
 std::vector<double> smoothAngles(const SliceAngles& slices) {
   const int n = Bend::kStations;
   Eigen::MatrixXd m = Eigen::MatrixXd::Zero(n, n);
@@ -199,7 +206,7 @@ std::vector<double> smoothAngles(const SliceAngles& slices) {
     }
   }
   const double second[3] = {1, -2, 1};
-  constexpr double kStiff = 30;
+  constexpr double kStiff = 30;  // by hand
   for (int i = 0; i + 2 < n; ++i)
     for (int p = 0; p < 3; ++p)
       for (int q = 0; q < 3; ++q) m(i + p, i + q) += kStiff * second[p] * second[q];
@@ -213,7 +220,7 @@ Roll findRoll(const DistanceField& a, const Chart& chartA, const DistanceField& 
               double half, double preferred) {
   std::vector<PolarSlice> sa(kSlices), sb(kSlices);
   const auto position = [&](int i) { return half * ((i + 0.5) * 2 / kSlices - 1); };
-  // A slice whose area is that of a circle of radius 0.56 has it in chart units 1; flat slices reach further.
+  // The mean slice has area 1 in chart units, as a circle of radius 0.56; flat slices reach further.
   constexpr double kReach = 1.3;
   tbb::parallel_for(0, kSlices, [&](int i) {
     sa[size_t(i)] = polarSlice(a, chartA, position(i), kReach);
@@ -226,7 +233,7 @@ Roll findRoll(const DistanceField& a, const Chart& chartA, const DistanceField& 
   roll = steadyRoll(scores, preferred);
   const SliceAngles slices = anglesAlong(scores, bestSteps(scores));
   roll.alongOverlap = slices.overlap;
-  // Round slices tell no angle of their own.
+  // Round slices determine no angle.
   const double trust = std::accumulate(slices.trust.begin(), slices.trust.end(), 0.0) / kSlices;
   if (trust < kLeastFall)
     roll.along.assign(Bend::kStations, roll.steady);

@@ -4,18 +4,18 @@
 
 namespace slicemorph {
 
-/// How one object's slices must be turned in their planes to lie on another's, slice by slice.
+/// Rotation of one object's slices within their planes that lays them on another object's.
 struct Roll {
-  double steady = 0;  ///< radians; one angle for all slices
+  double steady = 0;  ///< one angle for all slices, radians
   double steadyOverlap =
-      0;  ///< mean intersection over union of the slices so turned, each about its own middle
-  std::vector<double> along;  ///< radians at Bend's stations: an angle of its own for each slice
-  double alongOverlap = 0;
+      0;  ///< mean intersection over union of the slices so turned, each about its centroid
+  std::vector<double> along;  ///< angles that vary along the spine, at Bend's stations, radians
+  double alongOverlap = 0;    ///< mean intersection over union with these
 };
 
-/// From a's slices to b's, by correlation of the slices in polar coordinates (dynamic programming along the
-/// spine). Both charts reach from z0 = -half to half. `preferred`: the angle that wins where all are equal,
-/// as on round slices.
+/// Finds the roll from a's slices to b's, by comparing slices in polar coordinates and, for varying angles,
+/// dynamic programming along the spine. Both charts reach from z0 = -half to half. `preferred`: the angle to
+/// take where all are equally good, as on round slices, radians.
 Roll findRoll(const DistanceField& a, const Chart& chartA, const DistanceField& b, const Chart& chartB,
               double half, double preferred);
 

@@ -13,17 +13,18 @@ namespace slicemorph {
 
 namespace {
 
-/// An axis nearer to its chord than this, in radii, is as good as straight.
+/// Distance from its chord, in radii of the object, below which an axis counts as straight. Chosen by hand.
 constexpr double kLeastBow = 0.15;
-/// Overlap of the slices that turning or bending by 90 degrees must win.
+/// Price in slice overlap of turning or bending by 90 degrees; as kSmallPrice in align.cpp.
 constexpr double kTurnPrice = 0.02;
-/// A roll that changes by less than this along the spine, radians, is no twist: it is what the frames drift
-/// where the spine's own bend is a little off, and is taken out of them.
+/// A roll that varies by less than this along the spine, radians, is not a twist of the object but
+/// the drift of its rotation-minimising frames where the fitted spine is a little off, and is
+/// corrected. Chosen by hand.
 constexpr double kLeastTwist = 0.1;
-/// Overlap of the slices that twisting must win.
+/// Slice overlap that a twist must gain; from the method's prototype.
 constexpr double kTwistGain = 0.03;
 
-/// The roll of b's slices that turns its middle least against a's.
+/// The roll of b's slices that minimises the rotation between the charts' middles.
 double leastRoll(const Chart& a, const Chart& b) {
   const Mat3d m = a.axes.transpose() * b.axes;
   return std::atan2(m(1, 2) - m(2, 1), m(1, 1) + m(2, 2));
@@ -33,8 +34,8 @@ double turnBetween(const Chart& a, const Chart& b) {
   return rotationVector(a.axes.transpose() * b.axes).length();
 }
 
-/// The roll of b's slices with which b bends most like a.
-double likeBend(const Chart& a, const Chart& b) {
+/// The roll of b's slices for which b's bend agrees best with a's.
+double bendRoll(const Chart& a, const Chart& b) {
   const std::vector<Vec3d> ra = a.bend.rates(), rb = b.bend.rates();
   double along = 0, across = 0;
   for (size_t i = 0; i < ra.size(); ++i) {
@@ -44,7 +45,7 @@ double likeBend(const Chart& a, const Chart& b) {
   return std::atan2(across, along);
 }
 
-/// How much one chart must be bent to become the other, radians in all.
+/// Total difference of the charts' bends along the spine, radians.
 double bendBetween(const Chart& a, const Chart& b) {
   const std::vector<Vec3d> ra = a.bend.rates(), rb = b.bend.rates();
   double sum = 0;
@@ -52,32 +53,33 @@ double bendBetween(const Chart& a, const Chart& b) {
   return 2 * std::max(a.bend.half(), b.bend.half()) * sum;
 }
 
-/// b's chart as it lies best on a's, one way round or the other: rolled as a whole, and with a roll of its
-/// own for each slice where that wins clearly.
+/// An object's chart whose slices overlap best with the first object's.
 struct Laid {
-  Chart steady;
-  std::optional<Chart> twisted;
-  std::string twist;  ///< what was found
+  Chart steady;                  ///< with one roll for all slices
+  std::optional<Chart> twisted;  ///< with a roll per slice, where that gains at least kTwistGain
+  std::string twist;             ///< text of the note on the twist
 };
 
+/// `candidates`: b's chart, and the reversed one if that is to be tried.
 Laid laidOn(const DistanceField& fieldA, const Chart& a, const DistanceField& fieldB,
-            const std::vector<Chart>& ways, double half) {
-  Laid laid{ways[0], {}, {}};
+            const std::vector<Chart>& candidates, double half) {
+  Laid laid{candidates[0], {}, {}};
   double most = -1e300, mostAlong = -1e300, overlap = 0, overlapAlong = 0;
-  for (const Chart& way : ways)
-    for (double preferred : {leastRoll(a, way), likeBend(a, way)}) {
-      const Roll roll = findRoll(fieldA, a, fieldB, way, half, preferred);
+  for (const Chart& candidate : candidates)
+    for (double preferred : {leastRoll(a, candidate), bendRoll(a, candidate)}) {
+      const Roll roll = findRoll(fieldA, a, fieldB, candidate, half, preferred);
       const auto valueOf = [&](const Chart& chart, double agreement) {
         return agreement - kTurnPrice * (turnBetween(a, chart) + bendBetween(a, chart)) / (M_PI / 2);
       };
       const auto [least, greatest] = std::minmax_element(roll.along.begin(), roll.along.end());
       const bool small = *greatest - *least < kLeastTwist && roll.alongOverlap >= roll.steadyOverlap;
-      // Its middle keeps the steady angle to the last digit: an object that need not turn does not.
+      // The middle slice keeps exactly the steady angle, so that an object that need not turn does not.
       std::vector<double> drift = roll.along;
       for (double& angle : drift) angle += roll.steady - roll.along[roll.along.size() / 2];
-      const Chart steady = rolled(way, roll.steady), along = twisted(way, half, roll.along);
+      const Chart steady = rolled(candidate, roll.steady), along = twisted(candidate, half, roll.along);
       if (const double v = valueOf(steady, roll.steadyOverlap); v > most)
-        most = v, overlap = roll.steadyOverlap, laid.steady = small ? twisted(way, half, drift) : steady;
+        most = v, overlap = roll.steadyOverlap,
+        laid.steady = small ? twisted(candidate, half, drift) : steady;
       if (const double v = valueOf(along, roll.alongOverlap); v > mostAlong) {
         mostAlong = v, overlapAlong = roll.alongOverlap, laid.twisted = along;
         char text[96];
@@ -94,14 +96,14 @@ Laid laidOn(const DistanceField& fieldA, const Chart& a, const DistanceField& fi
   return laid;
 }
 
-/// Lays every object on the first, `ways(k)` telling in which ways object k may lie.
-template <typename Ways>
+/// Lays every object on the first. `candidates(k)`: the charts to try for object k.
+template <typename Candidates>
 LaidFrames laid(const Fields& fields, const std::vector<std::string>& names, const Frames& frames,
-                const Ways& ways) {
+                const Candidates& candidates) {
   LaidFrames result{frames, frames};
   bool any = false;
   for (size_t k = 1; k < fields.size(); ++k) {
-    const Laid one = laidOn(*fields[0], frames.charts[0], *fields[k], ways(k), frames.halfLength);
+    const Laid one = laidOn(*fields[0], frames.charts[0], *fields[k], candidates(k), frames.halfLength);
     result.steady.charts[k] = one.steady;
     result.twisted->charts[k] = one.twisted.value_or(one.steady);
     if (one.twisted)

@@ -6,20 +6,20 @@
 
 namespace slicemorph {
 
+/// Frames of all objects with their slices laid on the first object's.
 struct LaidFrames {
-  Frames steady;
-  std::optional<Frames> twisted;  ///< where turning each slice for itself makes slices overlap by 3 % better
+  Frames steady;                  ///< each object's slices turned by one angle
+  std::optional<Frames> twisted;  ///< by an angle per slice, where that raises the slices' overlap by 0.03
   bool bowed = false;             ///< whether any spine is clearly not straight
 };
 
-/// Charts about the objects' own axes, straight or curved, laid on the first object's: the axis this way or
-/// the other way round, and turned in the slice planes, as the slices overlap best, less a small price on
-/// turning and bending. Nothing where an object has no sound axis (`fitSpine`). `names`: of the objects, for
-/// notes.
+/// Charts about the objects' own axes, straight or curved. Each object's axis is reversed or not and its
+/// slices are turned so that they overlap best with the first object's, minus a small price on turning and
+/// bending. Nothing where an object has no valid axis (`fitSpine`). `names`: of the objects, for notes.
 std::optional<LaidFrames> framesAlongSpines(const Fields& fields, const std::vector<std::string>& names);
 
-/// The frames with the objects' slices turned in their planes by an angle that changes along the spine;
-/// nothing where that does not make slices overlap by 3 % better.
+/// The frames with the objects' slices turned by an angle that varies along the spine; nothing where that
+/// does not raise the slices' overlap by 0.03.
 std::optional<Frames> twistedFrames(const Fields& fields, const std::vector<std::string>& names,
                                     const Frames& frames);
 

@@ -18,24 +18,28 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-/// What is further off than this counts little, in sizes of the object: at first, and in the end.
+// The figures are chosen by hand; the tests `Track` and `Sequence` in tests/engine/sequence_test.cpp guard
+// what they are for. Lengths are in sizes of the object (cube root of its volume).
+
+/// Scale of the robust weight: at first, in the end, and its factor from step to step.
 constexpr double kFirstReach = 0.3, kLastReach = 0.03, kReachStep = 0.7;
 constexpr int kMostSteps = 40;
-/// Radians and sizes: a step this small is the last.
+/// The iteration ends with a step smaller than this (radians and sizes).
 constexpr double kSmallStep = 1e-5;
-/// A surface whose normals lean less than this off the spokes about an axis, mean square in sizes, shows no
-/// turn about it.
+/// An axis about which a turn changes the mean squared residual by less than this per radian squared is one
+/// of symmetry: the object is not turned about it.
 constexpr double kRound = 5e-4;
-/// What remains between the surfaces is deformation, as of so many parts that move for themselves; and a turn
-/// from frame to frame is of this order (radians). Both say how far a turn is believed.
+/// Prior on the turn: the residuals are taken for the deformation of this many independent parts, and a turn
+/// from frame to frame to be of this order (radians).
 constexpr double kParts = 30, kUsualTurn = 0.2;
 
-/// One sample's say: weight * (residual + row . step)^2, lengths in sizes of the object.
-struct Say {
-  Vector6 row = Vector6::Zero();  ///< turn, move
+/// One sample's term of the least-squares problem: weight * (residual + row . step)^2.
+struct Term {
+  Vector6 row = Vector6::Zero();  ///< derivatives by the turn (3) and the move (3)
   double residual = 0, weight = 0;
 };
 
+/// Gauss-Newton iteration for one object's motion.
 class Tracker {
  public:
   Tracker(const DistanceField& earlier, const DistanceField& now, Align align)
@@ -59,25 +63,26 @@ class Tracker {
   }
 
  private:
-  /// How the surface point `at`, with the distance to the other surface and that one's normal, would have the
-  /// step be.
-  Say sayOf(const Vec3d& at, double distance, const Vec3d& normal, double facing, double reach) const {
-    Say say;
+  /// The term of a surface point `at`. `distance`, `normal`: of the other surface there; `facing`: cosine
+  /// between the two normals.
+  Term termOf(const Vec3d& at, double distance, const Vec3d& normal, double facing, double reach) const {
+    Term term;
     const Vec3d turn = ((at - motion_.to) / size_).cross(normal);
-    for (int a = 0; a < 3; ++a) say.row[a] = align_ == Align::kNone ? 0 : turn[a], say.row[3 + a] = normal[a];
-    say.residual = distance / size_;
-    const double off = say.residual / reach, trust = 1 / (1 + off * off);
-    say.weight = std::max(facing, 0.0) * trust * trust;
-    return say;
+    for (int a = 0; a < 3; ++a)
+      term.row[a] = align_ == Align::kNone ? 0 : turn[a], term.row[3 + a] = normal[a];
+    term.residual = distance / size_;
+    const double off = term.residual / reach, trust = 1 / (1 + off * off);
+    term.weight = std::max(facing, 0.0) * trust * trust;
+    return term;
   }
 
-  std::vector<Say> says(double reach) const {
+  std::vector<Term> terms(double reach) const {
     const std::vector<SurfaceSample>&a = earlier_.samples(), &b = now_.samples();
-    std::vector<Say> result(a.size() + b.size());
+    std::vector<Term> result(a.size() + b.size());
     const double unit = size_ * size_;
     tbb::parallel_for(size_t(0), a.size(), [&](size_t i) {
       const Vec3d at = motion_(a[i].position), normal = now_.gradient(at);
-      result[i] = sayOf(at, now_.coarse(at), normal, normal.dot(motion_.rotation * a[i].normal), reach);
+      result[i] = termOf(at, now_.coarse(at), normal, normal.dot(motion_.rotation * a[i].normal), reach);
       result[i].weight *= motion_.scale * motion_.scale * a[i].area / unit;
     });
     const Mat3d back = motion_.rotation.transpose();
@@ -85,9 +90,9 @@ class Tracker {
       const Vec3d& at = b[i].position;
       const Vec3d p = motion_.from + back * (at - motion_.to) / motion_.scale;
       const Vec3d normal = motion_.rotation * earlier_.gradient(p);
-      Say& say = result[a.size() + i];
-      say = sayOf(at, -motion_.scale * earlier_.coarse(p), normal, normal.dot(b[i].normal), reach);
-      say.weight *= b[i].area / unit;
+      Term& term = result[a.size() + i];
+      term = termOf(at, -motion_.scale * earlier_.coarse(p), normal, normal.dot(b[i].normal), reach);
+      term.weight *= b[i].area / unit;
     });
     return result;
   }
@@ -96,7 +101,7 @@ class Tracker {
     Matrix6 h = Matrix6::Zero();
     Vector6 g = Vector6::Zero();
     double weight = 0, square = 0;
-    for (const Say& s : says(reach)) {
+    for (const Term& s : terms(reach)) {
       h += s.weight * s.row * s.row.transpose();
       g += s.weight * s.residual * s.row;
       weight += s.weight, square += s.weight * s.residual * s.residual;
@@ -104,24 +109,24 @@ class Tracker {
     if (!(weight > 0)) return Vector6::Zero();
     h /= weight, g /= weight;
     h.diagonal().array() += 1e-9;
-    const Eigen::Matrix3d hold = holdOf(h, square / weight);
+    const Eigen::Matrix3d prior = priorOf(h, square / weight);
     const Vec3d turned = rotationVector(motion_.rotation);
-    h.topLeftCorner<3, 3>() += hold;
-    g.head<3>() += hold * Eigen::Vector3d(turned[0], turned[1], turned[2]);
+    h.topLeftCorner<3, 3>() += prior;
+    g.head<3>() += prior * Eigen::Vector3d(turned[0], turned[1], turned[2]);
     return -h.ldlt().solve(g);
   }
 
-  /// What holds the turn back, as a quadratic form: all directions by how unsure the fit is, those about
-  /// which the object is round so much that it does not turn.
-  static Eigen::Matrix3d holdOf(const Matrix6& h, double variance) {
+  /// The prior on the turn as a quadratic form: weak where the fit is certain, so strong about axes of
+  /// symmetry that the object does not turn about them.
+  static Eigen::Matrix3d priorOf(const Matrix6& h, double variance) {
     const Eigen::Matrix3d cross = h.topRightCorner<3, 3>(), moves = h.bottomRightCorner<3, 3>();
     const Eigen::Matrix3d turns = h.topLeftCorner<3, 3>() - cross * moves.ldlt().solve(cross.transpose());
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(turns);
-    Eigen::Vector3d hold;
+    Eigen::Vector3d prior;
     for (int a = 0; a < 3; ++a)
-      hold[a] = kRound * kRound / std::max(solver.eigenvalues()[a], 1e-9) +
-                variance / (kParts * kUsualTurn * kUsualTurn);
-    return solver.eigenvectors() * hold.asDiagonal() * solver.eigenvectors().transpose();
+      prior[a] = kRound * kRound / std::max(solver.eigenvalues()[a], 1e-9) +
+                 variance / (kParts * kUsualTurn * kUsualTurn);
+    return solver.eigenvectors() * prior.asDiagonal() * solver.eigenvectors().transpose();
   }
 
   const DistanceField &earlier_, &now_;

@@ -4,8 +4,8 @@
 
 namespace slicemorph {
 
-/// How an object moved from one frame of a sequence to the next: p -> to + scale * rotation * (p - from),
-/// world.
+/// An object's motion from one frame of a sequence to the next: p -> to + scale * rotation *
+/// (p - from), world.
 struct Motion {
   Vec3d from{0, 0, 0}, to{0, 0, 0};
   Mat3d rotation = Mat3d::identity();
@@ -14,14 +14,14 @@ struct Motion {
   Vec3d operator()(const Vec3d& p) const { return to + scale * (rotation * (p - from)); }
 };
 
-/// Scaled as the volume, moved and turned as brings the two surfaces closest, the parts that deform counting
-/// less (both ways point to plane [CM92]). It turns only as far as the surfaces tell: not at
-/// all about an axis of symmetry, nor where one shape becomes another. `align` kNone: directions and size are
-/// kept.
+/// The motion that scales by the cube root of the volumes' ratio and best aligns the two surfaces, by robust
+/// point-to-plane ICP in both directions [CM92] in which parts that deform count less. It turns only as far
+/// as the surfaces determine: not about an axis of symmetry, nor where one shape becomes another. With
+/// Align::kNone directions and size are kept.
 Motion trackMotion(const DistanceField& earlier, const DistanceField& now, Align align);
 
-/// The charts, moved with their objects from the earlier fields to the present ones; those of equal fields
-/// stay. Bends and the half length are kept. `names`: of the objects, for notes.
+/// The charts, moved along with their objects from the earlier fields to the present ones; charts of objects
+/// with the same field stay. Bends and the half length are kept. `names`: of the objects, for notes.
 Frames trackFrames(const Frames& frames, const Fields& earlier, const Fields& now,
                    const std::vector<std::string>& names, Align align);
 

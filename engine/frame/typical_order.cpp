@@ -13,12 +13,14 @@ namespace slicemorph {
 
 namespace {
 
+/// Number of shells, and radius of the outermost one in cube roots of the volume (a ball has
+/// 0.62). Chosen by hand.
 constexpr size_t kShells = 12;
-/// Radius of the outermost shell, in cube roots of the volume.
 constexpr double kReach = 1.8;
 
-/// What an object looks like wherever it is, however large and turned: logarithms of its variances, shares of
-/// its volume in shells about its middle, and at last its own measures, which tell apart what else is equal.
+/// Shape descriptor, invariant to position, rotation and size: half logarithms of the normalised variances
+/// and the shares of volume in shells about the centroid (kCompared values). The rest, volume, centroid and
+/// covariance, only make the order of objects with equal descriptors definite.
 using Description = std::array<double, 3 + kShells + 10>;
 constexpr size_t kCompared = 3 + kShells;
 

@@ -4,9 +4,9 @@
 
 namespace slicemorph {
 
-/// Numbers of the objects, those first that are most like the mean of all: in volume's spread along its axes
-/// and away from its middle. It follows from the shapes alone, in whatever order they are given, and costs as
-/// much for each.
+/// Indices of the objects, the one most similar to the mean of all first, comparing variances along
+/// the principal axes and the radial distribution of volume. Depends on the shapes alone, not on the
+/// order they are given in.
 std::vector<size_t> typicalOrder(const Fields& fields);
 
 }  // namespace slicemorph

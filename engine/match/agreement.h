@@ -5,15 +5,15 @@
 
 namespace slicemorph {
 
-/// Overlap of the objects in chart space and, after a quick, coarse matching, in the middle space; and how
-/// much that bends the objects, free of size.
+/// Overlap of the objects in chart space (`before`) and, after a quick, coarse matching, in the middle space
+/// (`after`), 0 to 1; and how much that matching deforms the objects.
 struct Agreement {
   double before = 0, after = 0;
   double strain = 0;  ///< see mapStrain
 };
 
-/// How well objects can be matched at all when their frames are these. Takes slices at equal positions, and
-/// follows neither limbs nor lines. `options`: of these objects; its slices and features count.
+/// Estimates how well the objects can be matched with these coordinate frames. Uses slices at equal positions
+/// and follows neither limbs nor line features. `options`: only `slices`, `samples` and `features` are used.
 Agreement quickAgreement(const Fields& fields, const Frames& frames, const MorphOptions& options);
 
 }  // namespace slicemorph

@@ -11,22 +11,28 @@ namespace slicemorph {
 
 namespace {
 
-/// Middle slices; each object is sampled four times as densely, so that quarters of a slice can be told.
+// The figures below are heuristics chosen by hand. tests/engine/match/along_spine_test.cpp guards what
+// they are for, and Limbs.AHeadMeetsAHeadOnANeckOfAnotherLength, whose in-between was 4.6 voxels off
+// with equal positions.
+
+/// Middle slices; the objects are sampled kFine times as densely, so that shifts are found to
+/// a quarter slice.
 constexpr int kSlices = 48, kFine = 4;
+/// Pixels across the larger side of a slice.
 constexpr int kPixels = 40;
-/// Half the largest shift between two objects' slices, in fine steps, and its largest change from slice to
-/// slice.
+/// In fine steps: the largest half shift between two objects' slices, a third of the length, and its largest
+/// change from slice to slice.
 constexpr int kFarthest = kSlices * kFine / 3, kFastest = 3;
-/// Price of a change of the half shift by one slice, and of a half shift of the whole length.
+/// Price of a change of the half shift by one slice (squared), and of a half shift of the whole length.
 constexpr double kStretchPrice = 0.1, kShiftPrice = 0.1;
-/// Gain in the slices' mean overlap up to which nothing is taken, and from which all is.
+/// Gain in the slices' mean overlap up to which no shift is taken, and from which it is taken wholly.
 constexpr double kNoGain = 0.04, kClearGain = 0.1;
-/// The same for the overlap itself: slices that overlap less are not alike, whatever is gained.
+/// The same for the overlap itself: slices that overlap less do not correspond, however much is gained.
 constexpr double kUnlike = 0.35, kAlike = 0.45;
-/// Of the Gaussian that smooths the shifts, in slices.
+/// Standard deviation of the Gaussian that smooths the shifts, in slices.
 constexpr double kSmooth = 1.2;
 
-/// How much of each pixel is inside, per fine slice.
+/// Per fine slice, the share of each pixel that is inside.
 using Coverage = std::vector<std::vector<float>>;
 
 Coverage coverageOf(const DistanceField& field, const Chart& chart, const SlicePlanes& planes) {
@@ -36,7 +42,8 @@ Coverage coverageOf(const DistanceField& field, const Chart& chart, const SliceP
   return slices;
 }
 
-/// An object's thickness, as the area that one slice in ten exceeds, and its middle across the spine.
+/// An object's thickness: the area that one slice in ten exceeds; and its centroid across the
+/// spine, chart units.
 struct Thickness {
   double area = 0;
   Vec2d middle{0, 0};
@@ -62,7 +69,7 @@ Thickness thicknessOf(const DistanceField& field, const Chart& chart, const Slic
   return t;
 }
 
-/// Two empty slices agree.
+/// Intersection over union of two slices; null is an empty slice. 1 if both are empty.
 double overlapOf(const std::vector<float>* a, const std::vector<float>* b, size_t pixels) {
   double both = 0, either = 0;
   for (size_t i = 0; i < pixels; ++i) {
@@ -72,11 +79,11 @@ double overlapOf(const std::vector<float>* a, const std::vector<float>* b, size_
   return either > 0 ? both / either : 1;
 }
 
-/// Half the shift between the slices of two objects that belong together, per middle slice, in slices: a's
-/// lies that much before the middle slice, b's that much after it.
+/// Half the shift between corresponding slices of two objects: a's slice lies that much before the middle
+/// slice, b's that much after it.
 struct HalfShifts {
-  std::vector<double> shift;
-  double before = 0, after = 0;
+  std::vector<double> shift;     ///< per middle slice, in slices
+  double before = 0, after = 0;  ///< mean overlap without the shifts and with them
 };
 
 HalfShifts halfShifts(const Coverage& a, const Coverage& b, size_t pixels) {
@@ -128,7 +135,7 @@ HalfShifts halfShifts(const Coverage& a, const Coverage& b, size_t pixels) {
   return result;
 }
 
-/// Value at `x` of a rising polyline, going on with the slope 1 beyond its ends.
+/// Value at `x` of a rising polyline, extended with slope 1 beyond its ends.
 double valueAt(const std::vector<double>& xs, const std::vector<double>& ys, double x) {
   if (x <= xs.front()) return ys.front() + x - xs.front();
   if (x >= xs.back()) return ys.back() + x - xs.back();
@@ -148,8 +155,8 @@ AlongSpine matchAlongSpine(const Fields& fields, const std::vector<Chart>& chart
   const double shrink = std::max(planes.nx, planes.ny) / double(kPixels);
   fine.pixel = planes.pixel * shrink, fine.origin = planes.origin;
   fine.nx = int(planes.nx / shrink) + 1, fine.ny = int(planes.ny / shrink) + 1;
-  // Every object's slices as thick as the others': a slice of a thin object is not to be taken for one near
-  // the end of a thick one.
+  // Scale all objects to the same thickness: a slice of a thin object must not be mistaken for one near the
+  // end of a thick object.
   std::vector<Thickness> thickness(objects);
   double meanLog = 0;
   for (size_t k = 0; k < objects; ++k) {
@@ -165,7 +172,7 @@ AlongSpine matchAlongSpine(const Fields& fields, const std::vector<Chart>& chart
     slices[k] = coverageOf(*fields[k], charts[k], own);
   }
 
-  // Per object, the places that belong to the first object's places.
+  // Per object, the positions that correspond to the first object's.
   AlongSpine result{std::vector<std::vector<double>>(objects, planes.z0), 0, 0};
   std::vector<double> middle(count, 0);
   std::vector<std::vector<double>> partner(objects);
@@ -188,7 +195,7 @@ AlongSpine matchAlongSpine(const Fields& fields, const std::vector<Chart>& chart
   for (const auto& p : partner)
     for (size_t i = 0; i < count; ++i) middle[i] += p[i] / double(objects);
   for (size_t k = 0; k < objects; ++k)
-    for (size_t i = 0; i < count; ++i) result.place[k][i] = valueAt(middle, partner[k], planes.z0[i]);
+    for (size_t i = 0; i < count; ++i) result.position[k][i] = valueAt(middle, partner[k], planes.z0[i]);
   return result;
 }
 

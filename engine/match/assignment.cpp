@@ -7,7 +7,7 @@ namespace slicemorph {
 std::vector<int> assign(const std::vector<std::vector<double>>& cost) {
   const int n = int(cost.size()), m = n > 0 ? int(cost[0].size()) : 0;
   std::vector<double> u(n + 1, 0), v(m + 1, 0);
-  std::vector<int> row(m + 1, 0), way(m + 1, 0);
+  std::vector<int> row(m + 1, 0), previous(m + 1, 0);
   for (int i = 1; i <= n; ++i) {
     row[0] = i;
     int column = 0;
@@ -21,7 +21,7 @@ std::vector<int> assign(const std::vector<std::vector<double>>& cost) {
       for (int j = 1; j <= m; ++j) {
         if (used[j]) continue;
         const double c = cost[r - 1][j - 1] - u[r] - v[j];
-        if (c < least[j]) least[j] = c, way[j] = column;
+        if (c < least[j]) least[j] = c, previous[j] = column;
         if (least[j] < delta) delta = least[j], next = j;
       }
       for (int j = 0; j <= m; ++j)
@@ -31,7 +31,7 @@ std::vector<int> assign(const std::vector<std::vector<double>>& cost) {
           least[j] -= delta;
       column = next;
     } while (row[column] != 0);
-    for (; column; column = way[column]) row[column] = row[way[column]];
+    for (; column; column = previous[column]) row[column] = row[previous[column]];
   }
   std::vector<int> result(n, -1);
   for (int j = 1; j <= m; ++j)

@@ -7,8 +7,11 @@ namespace slicemorph {
 
 namespace {
 
+/// Standard deviation of the smoothing along the spine, in slices: the value of the method's prototype,
+/// tested by BaseWarp.IsSmoothedOverFourSlices.
 constexpr double kSmoothSlices = 4;
-/// No slice is stretched or squeezed by more: the rest is for the finer steps.
+/// No slice is stretched or squeezed by more (square root of the area ratio); later steps do the rest. Chosen
+/// by hand.
 constexpr double kLargestStretch = 1.8;
 
 SliceAffine squareRoot(const SliceMoments& m) {
@@ -18,8 +21,8 @@ SliceAffine squareRoot(const SliceMoments& m) {
   return {m.mean, (m.xx + s) / t, m.xy / t, (m.yy + s) / t};
 }
 
-/// Gaussian over the slices, each with its area as weight, so that empty slices take their neighbours'
-/// values.
+/// Gaussian mean over the slices, weighted by their areas (at most the median), so that empty slices take
+/// their neighbours' values.
 std::vector<SliceAffine> smoothed(const std::vector<SliceMoments>& moments) {
   const int n = int(moments.size());
   double median = 0;
@@ -37,7 +40,7 @@ std::vector<SliceAffine> smoothed(const std::vector<SliceMoments>& moments) {
     for (int j = 0; j < n; ++j) {
       if (!(moments[j].area > 0)) continue;
       const double d = (i - j) / kSmoothSlices;
-      // The far tail keeps empty ends defined.
+      // The second term's long tail keeps the mean defined at empty ends.
       const double w =
           std::min(moments[j].area / median, 1.0) * (std::exp(-0.5 * d * d) + 1e-9 / (1 + d * d * d * d));
       const SliceAffine a = squareRoot(moments[j]);
@@ -61,7 +64,7 @@ Vec2d carry(const SliceAffine& from, const SliceAffine& to, const Vec2d& p) {
   return to.mean + Vec2d(to.xx * q[0] + to.xy * q[1], to.xy * q[0] + to.yy * q[1]);
 }
 
-/// Draws an object's root towards the middle's so that the stretch between them stays bounded.
+/// Scales an object's root so that its stretch against the middle's is at most kLargestStretch.
 SliceAffine bounded(const SliceAffine& a, const SliceAffine& middle) {
   const double stretch =
       std::sqrt((a.xx * a.yy - a.xy * a.xy) / (middle.xx * middle.yy - middle.xy * middle.xy));
@@ -72,10 +75,10 @@ SliceAffine bounded(const SliceAffine& a, const SliceAffine& middle) {
 }  // namespace
 
 BaseWarp makeBaseWarp(const std::vector<ContourStack>& stacks, const SlicePlanes& planes,
-                      const std::vector<std::vector<double>>& place) {
+                      const std::vector<std::vector<double>>& position) {
   BaseWarp base;
   base.z0 = planes.z0;
-  base.place = place;
+  base.position = position;
   const size_t slices = planes.z0.size();
   for (const ContourStack& stack : stacks) {
     std::vector<SliceMoments> moments;
@@ -127,9 +130,9 @@ Displacements baseDisplacements(const BaseWarp& base, const Lattice& lattice, co
         }
         for (size_t k = 0; k < objects; ++k) {
           const Vec2d e = fade * (d[k] - mean);
-          const std::vector<double>& place = base.place[k];
+          const std::vector<double>& position = base.position[k];
           const double along =
-              fade * ((1 - t) * (place[i] - base.z0[i]) + t * (place[i + 1] - base.z0[i + 1]));
+              fade * ((1 - t) * (position[i] - base.z0[i]) + t * (position[i + 1] - base.z0[i + 1]));
           map.of[k][lattice.index(x, y, z)] = openvdb::Vec3s(float(along), float(e[0]), float(e[1]));
         }
       }

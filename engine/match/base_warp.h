@@ -14,24 +14,25 @@ struct SliceAffine {
   double xx = 1, xy = 0, yy = 1;  ///< symmetric square root of the covariance
 };
 
-/// The base warp: every slice's mean and symmetric square root of its covariance, smoothed along the spine
-/// over about four slices. An object without anything on a slice takes the nearest slices' values.
+/// The base warp: every slice's mean and the symmetric square root of its covariance, smoothed along
+/// the spine with a Gaussian of four slices. A slice on which an object has nothing takes the
+/// nearest slices' values.
 struct BaseWarp {
-  std::vector<double> z0;                         ///< of the middle slices
-  std::vector<std::vector<double>> place;         ///< per object: z0 of its slice that belongs to each
+  std::vector<double> z0;                         ///< of the middle slices, chart units
+  std::vector<std::vector<double>> position;      ///< per object and middle slice: z0 of the object's slice
   std::vector<std::vector<SliceAffine>> objects;  ///< per object, per slice
   std::vector<SliceAffine> middle;                ///< their mean, per slice
 };
 
-/// `place`: as in BaseWarp.
+/// `position`: as in BaseWarp.
 BaseWarp makeBaseWarp(const std::vector<ContourStack>& stacks, const SlicePlanes& planes,
-                      const std::vector<std::vector<double>>& place);
+                      const std::vector<std::vector<double>>& position);
 
-/// The base warp as displacements; fades to nothing from the edge of `box` (where the objects are) to the
-/// lattice's.
+/// The base warp as displacements on a lattice. They fall linearly to zero from the faces of `box` (which
+/// holds the objects) to those of the lattice.
 Displacements baseDisplacements(const BaseWarp& base, const Lattice& lattice, const openvdb::BBoxd& box);
 
-/// Object point on slice `i` -> middle point.
+/// Maps a point (x, y) on an object's slice to the middle slice, chart units.
 Vec2d toMiddle(const BaseWarp& base, size_t object, size_t slice, const Vec2d& p);
 
 }  // namespace slicemorph

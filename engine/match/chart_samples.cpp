@@ -24,7 +24,8 @@ ChartSamples chartSamples(const DistanceField& field, const Chart& chart) {
 OrientedPoints thinned(const ChartSamples& samples, int count, const Vec3d& origin) {
   const OrientedPoints& all = samples.points;
   if (int(all.position.size()) <= count) return all;
-  // A surface crosses more bins than its area over theirs, as it does not lie along them.
+  // The factor 1.3 (by hand) allows for the bins that an oblique surface only cuts a corner of: it crosses
+  // more bins than its area divided by theirs.
   const double cell = 1.3 * std::sqrt(samples.area / count);
   std::map<SurfaceBin, size_t> bins;
   OrientedPoints result;
@@ -37,7 +38,7 @@ OrientedPoints thinned(const ChartSamples& samples, int count, const Vec3d& orig
           result.mass.push_back(all.mass[i]);
       continue;
     }
-    // The sample nearest the middle of the bin's cube stands for the bin: a mean would leave the surface.
+    // A bin is represented by the sample nearest its cube's centre: a mean would not lie on the surface.
     const Vec3d middle = origin + cell * (Vec3d(bin[2], bin[1], bin[0]) + Vec3d(0.5));
     const size_t at = it->second;
     if ((all.position[i] - middle).lengthSqr() < (result.position[at] - middle).lengthSqr())

@@ -6,7 +6,7 @@
 
 namespace slicemorph {
 
-/// Samples spread evenly over one surface of an object, in chart coordinates.
+/// The samples of one surface of an object, in chart coordinates.
 struct ChartSamples {
   OrientedPoints points;
   double area = 0;  ///< of the whole surface, chart units squared
@@ -14,8 +14,8 @@ struct ChartSamples {
 
 ChartSamples chartSamples(const DistanceField& field, const Chart& chart);
 
-/// About `count` of the samples, one of every bin, so that a sample more or less in one spot does not change
-/// the choice everywhere else. `origin`: where the bins begin, chart coordinates.
+/// About `count` of the samples, one per bin, so that a sample more or less in one spot does not change the
+/// choice elsewhere. `origin`: corner of the grid of bins, chart coordinates.
 OrientedPoints thinned(const ChartSamples& samples, int count, const Vec3d& origin);
 
 }  // namespace slicemorph

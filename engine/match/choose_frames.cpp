@@ -13,18 +13,20 @@ namespace slicemorph {
 
 namespace {
 
+/// Slices for trials: fewer than the default, as they only rank the candidates.
 constexpr int kQuickSlices = 32;
-/// What curved spines or a twist must win: they are for objects that clearly need them.
+/// Gain in overlap that curved spines or a twist must reach: the 3 % that the method's
+/// prototype asked of a twist.
 constexpr double kPrice = 0.03;
-/// What strain costs: anything can be matched with anything, a head with a tail, but only by bending it.
+/// Price of strain, in overlap: even a head can be matched with a tail, but only by deforming it. Chosen by
+/// hand; guarded by the tests `Facing` in tests/engine/pairs_test.cpp.
 constexpr double kStrainPrice = 0.5;
 
-/// What features may leave over more than the best turn for them does, for a turn that the shapes suggest to
-/// be good enough.
+/// By how much a turn's misfit to the features may exceed the least possible one. Chosen by hand.
 constexpr double kFeatureSlack = 0.3;
 
-/// The turns worth trying from one object to another. Features rule out what goes against them, and suggest
-/// their own turn where that leaves none.
+/// The turns worth trying from one object to another: those that the shapes suggest and that fit the
+/// features; if none is left, the turns that the features suggest.
 std::vector<Turn> turnsToTry(const Fields& pair, const std::vector<Vec3d>& from, const std::vector<Vec3d>& to,
                              const Vec3d& up) {
   std::vector<Turn> turns = proposeTurns(*pair[0], *pair[1], up);
@@ -42,8 +44,8 @@ std::vector<Turn> turnsToTry(const Fields& pair, const std::vector<Vec3d>& from,
   return turns;
 }
 
-/// The turn from the first object of a pair to the other one. Where no agreement is a number, as of shapes
-/// without any inside, the most likely turn.
+/// The best turn from the first object of a pair to the second. The first of `turns` where no agreement is a
+/// number, as of shapes with no inside.
 Turn chooseTurn(const Fields& pair, const std::vector<Turn>& turns, const MorphOptions& options,
                 const Progress& progress) {
   if (turns.size() == 1) return turns[0];
@@ -60,7 +62,7 @@ Turn chooseTurn(const Fields& pair, const std::vector<Turn>& turns, const MorphO
   return *best;
 }
 
-/// Price of all the objects' turns against the first.
+/// Mean price of the objects' turns relative to the first.
 double turnPrice(const Frames& frames, const Vec3d& up) {
   double price = 0;
   for (size_t k = 1; k < frames.charts.size(); ++k)
@@ -68,7 +70,7 @@ double turnPrice(const Frames& frames, const Vec3d& up) {
   return price / double(std::max<size_t>(frames.charts.size() - 1, 1));
 }
 
-/// What was decided of an object's turn against the first one, `first`.
+/// The note on an object's turn relative to the first object, `first`.
 Note turnNote(const Turn& turn, const std::string& name, const std::string& first) {
   const double degrees = turn.angle * 180 / M_PI;
   char text[96];
@@ -83,18 +85,18 @@ Note turnNote(const Turn& turn, const std::string& name, const std::string& firs
   return {"frame.turned", Severity::kNote, name, sentence + text};
 }
 
-/// Every object turned against the first, about straight spines.
+/// Frames with straight spines, every object turned relative to the first.
 Frames straightFrames(const Fields& fields, const std::vector<std::string>& names,
                       const MorphOptions& options, const Progress& progress) {
   std::vector<Mat3d> rotations(fields.size(), Mat3d::identity());
   Notes notes;
   for (size_t k = 1; k < fields.size() && options.align != Align::kNone; ++k) {
-    // Only two shapes are looked at here, and the features tell of all.
+    // The features refer to all objects, but only two are compared here.
     MorphOptions pairOptions = options;
     pairOptions.features.clear();
     const Fields pair{fields[0], fields[k]};
     const std::vector<Turn> turns =
-        turnsToTry(pair, placesOn(options.features, 0), placesOn(options.features, k), options.up);
+        turnsToTry(pair, pointsOn(options.features, 0), pointsOn(options.features, k), options.up);
     const Turn turn = chooseTurn(pair, turns, pairOptions, progress);
     rotations[k] = turn.rotation;
     notes.push_back(turnNote(turn, names[k], names[0]));
@@ -104,13 +106,14 @@ Frames straightFrames(const Fields& fields, const std::vector<std::string>& name
   return frames;
 }
 
-/// The best frames so far, and what they reach.
+/// The best frames so far, and their agreement.
 struct FrameTrials {
   Frames best;
   Agreement reached;
 };
 
-/// After one more trial, named `name`. `wanted`: taken whatever it reaches.
+/// The trials after one more, called `name` in its note. `wanted`: the frames are taken
+/// regardless of overlap.
 FrameTrials afterTrial(FrameTrials trials, const Frames& frames, const Fields& fields,
                        const MorphOptions& options, const char* name, bool wanted) {
   const Agreement a = quickAgreement(fields, frames, options), &least = trials.reached;
@@ -126,7 +129,7 @@ FrameTrials afterTrial(FrameTrials trials, const Frames& frames, const Fields& f
   return trials;
 }
 
-/// No overlap is above 1 and no price below 0: what cannot win is not tried.
+/// Whether a trial can still win, as no overlap is above 1 and no price below 0.
 bool mayBeBeaten(const FrameTrials& trials, const Vec3d& up) {
   return 0.5 * (2 - trials.reached.before - trials.reached.after) + turnPrice(trials.best, up) > kPrice;
 }

@@ -5,10 +5,10 @@
 
 namespace slicemorph {
 
-/// Chooses how the objects are laid on each other: turned against the first, about straight or curved spines,
-/// twisted or not. Each change must win overlap after a quick, coarse matching, less its price; overlap
-/// before warping misleads where shapes differ much. `names`: of the objects, for notes. `progress`: may
-/// cancel it.
+/// Chooses the coordinate frames of the objects: their rotations relative to the first object, straight or
+/// curved spines, twist or none. A change is accepted only if it gains more overlap than its price. Overlap
+/// is measured after a quick, coarse matching too, since overlap before warping misleads where shapes differ
+/// much. `names`: of the objects, for notes. Throws Cancelled when `progress` is cancelled.
 Frames chooseFrames(const Fields& fields, const std::vector<std::string>& names, const MorphOptions& options,
                     const Progress& progress);
 

@@ -8,18 +8,19 @@ namespace slicemorph {
 
 namespace {
 
-/// A point is trusted wholly up to three quarters of the reach, and less and less from there.
+/// Trust falls from 1 at three quarters (1 - 1 / kFading) of the reach to 0 at the reach. Chosen by hand.
 constexpr double kFading = 4;
-/// Cosines between normals that face the same way not at all, and clearly.
+/// Cosine between the normals at which trust is 0, and from which it is 1; around the
+/// prototype's limit of 0.3.
 constexpr double kAskew = 0.1, kFacing = 0.5;
 
-/// A chart point on a surface, and how far that is to be trusted, 0 to 1.
+/// A point projected onto a surface.
 struct Projected {
-  Vec3d at;
-  float trust;
+  Vec3d at;     ///< chart coordinates; the unprojected point where trust is 0
+  float trust;  ///< 0 to 1
 };
 
-/// `normal`: in chart space, of the sample that looks for its place.
+/// `at`, `normal`: of the sample that is projected, chart space.
 Projected projectOnto(const DistanceField& field, const Chart& chart, const Vec3d& at, const Vec3d& normal,
                       double reach) {
   const Vec3d surface = field.closest(chart.toWorld(at));

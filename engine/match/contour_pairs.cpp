@@ -12,10 +12,13 @@ namespace slicemorph {
 
 namespace {
 
+/// From the method's prototype, which accepted pairs from an overlap of 0.35 to 0.5. Without the limit a
+/// sphere that became a torus fell into five pieces there.
 constexpr double kTrustedOverlap = 0.4;
+/// Per chart unit, and per factor e of the areas; from the prototype.
 constexpr double kCentroidPrice = 1.2, kAreaPrice = 0.35;
 
-/// A contour carried to the middle slice.
+/// A contour mapped to the middle slice.
 struct Carried {
   std::vector<Vec2d> points;
   Vec2d centroid{0, 0}, low{0, 0}, high{0, 0};
@@ -37,7 +40,7 @@ Carried carryContour(const Contour& c, const BaseWarp& base, size_t object, size
   return r;
 }
 
-/// Intersection over union of two polygons, by scan lines.
+/// Intersection over union of two polygons, by 64 scan lines.
 double overlapOf(const Carried& a, const Carried& b) {
   constexpr int kLines = 64;
   const double low = std::min(a.low[1], b.low[1]), high = std::max(a.high[1], b.high[1]);
@@ -93,7 +96,7 @@ std::vector<ContourPair> matchSlice(const std::vector<Contour>& a, const std::ve
   return pairs;
 }
 
-/// The shift of b's points that brings them closest to a's.
+/// The cyclic shift of b's points that correlates best with a's.
 int bestStart(const std::vector<Vec2d>& a, const std::vector<Vec2d>& b) {
   const int n = int(a.size());
   int best = 0;
@@ -106,7 +109,7 @@ int bestStart(const std::vector<Vec2d>& a, const std::vector<Vec2d>& b) {
   return best;
 }
 
-/// Every object and the next one, round to the first.
+/// Every object with the next one, and the last with the first.
 std::vector<std::pair<size_t, size_t>> neighbours(size_t objects) {
   std::vector<std::pair<size_t, size_t>> pairs;
   for (size_t k = 0; k + 1 < objects; ++k) pairs.emplace_back(k, k + 1);
@@ -146,14 +149,14 @@ std::vector<Correspondence> pairCorrespondences(const std::vector<ContourPair>& 
       const Vec2d middle = 0.5 * (ma[i] + mb[(i + shift) % samples]);
       Correspondence c;
       for (size_t k = 0; k < stacks.size(); ++k) {
-        // An object that is no part of this pair follows the base warp.
+        // An object that is not part of this pair follows the base warp.
         const SliceAffine &m = base.middle[pair.slice], &o = base.objects[k][pair.slice];
         const double det = m.xx * m.yy - m.xy * m.xy;
         const Vec2d d = middle - m.mean;
         const Vec2d q((m.yy * d[0] - m.xy * d[1]) / det, (m.xx * d[1] - m.xy * d[0]) / det);
         const Vec2d follows = o.mean + Vec2d(o.xx * q[0] + o.xy * q[1], o.xy * q[0] + o.yy * q[1]);
         const Vec2d at = k == pair.objectA ? pa : k == pair.objectB ? pb : follows;
-        c.at.emplace_back(base.place[k][pair.slice], at[0], at[1]);
+        c.at.emplace_back(base.position[k][pair.slice], at[0], at[1]);
         c.middle += c.at.back() / double(stacks.size());
       }
       perPair[p].push_back(std::move(c));

@@ -6,7 +6,7 @@ namespace slicemorph {
 
 namespace {
 
-/// toMiddle for any displacement D(s), known on a lattice of this spacing.
+/// toMiddle for any displacement D(s). `spacing`: of its lattice; steps and tolerances are fractions of it.
 template <typename Displacement>
 bool solveMiddle(const Displacement& displacement, double spacing, const Vec3d& a, Vec3d& s) {
   const double h = 0.5 * spacing;

@@ -11,26 +11,29 @@ namespace slicemorph {
 
 namespace {
 
-/// A mark counts as much as a whole patch of the surface, so that points found nearby cannot outvote it; one
-/// of the many along a line less.
+// The figures below are chosen by hand; tests/engine/match/features_test.cpp and
+// tests/engine/features_test.cpp guard what they are for.
+
+/// Weight in the fit, against 1 of a surface sample. A mark counts as much as a patch of the surface, so that
+/// samples near it cannot outvote it; each of the many points along a line counts less.
 constexpr float kMarkWeight = 100, kLineWeight = 10;
-/// Points along a line, besides its first, and on a disk's rim.
+/// Segments of a resampled line, and points on a disk's rim.
 constexpr int kLinePieces = 12, kRim = 8;
-/// Of the objects' diagonal: a feature further than this from every surface says nothing.
+/// Fraction of an object's diagonal: a feature further than this from every surface is left out.
 constexpr double kFar = 0.1;
-/// Of the objects' size in chart space: lines whose ends are nearer to each other are one.
+/// Fraction of the objects' size in chart space: lines whose ends are nearer to each other are joined.
 constexpr double kJoined = 0.01;
-/// Least radius of a line, of the same size: on the surface there is no depth to tell it.
+/// Least radius of a line, fraction of the same size: on the surface its depth is 0.
 constexpr double kThinnest = 0.008;
-/// A feature that is missed by more than this share of the size is not met.
+/// Fraction of the size: a feature whose points miss by more is not met.
 constexpr double kUnmet = 0.02;
 
 using Line = std::vector<Vec3d>;
 
-/// A line as every object has it, chart coordinates, of as many points.
+/// Corresponding lines (or points) of all objects, chart coordinates, with equally many points.
 using LineGroup = std::vector<Line>;
 
-/// The polyline's points at equal steps of its length.
+/// The polyline resampled to `pieces` + 1 points at equal steps of its length.
 Line evenly(const Line& line, int pieces) {
   std::vector<double> length{0};
   for (size_t i = 1; i < line.size(); ++i) length.push_back(length.back() + (line[i] - line[i - 1]).length());
@@ -45,6 +48,7 @@ Line evenly(const Line& line, int pieces) {
   return result;
 }
 
+/// Mean diagonal of the objects' boxes, chart units.
 double sizeOf(const Fields& fields, const std::vector<Chart>& charts) {
   double size = 0;
   for (size_t k = 0; k < fields.size(); ++k)
@@ -52,7 +56,7 @@ double sizeOf(const Fields& fields, const std::vector<Chart>& charts) {
   return size;
 }
 
-/// The largest distance of a place on any object from that on the first.
+/// The largest distance of a line's start (or end) on any object from that on the first.
 double movement(const LineGroup& group, bool atEnd) {
   double most = 0;
   for (const Line& line : group)
@@ -71,7 +75,7 @@ bool follows(const LineGroup& first, const LineGroup& second, double near) {
   return true;
 }
 
-/// Joins the groups that go on in each other on all objects: one ends where the other begins.
+/// Joins groups of which one ends where the other begins, on all objects.
 void joinLines(std::vector<LineGroup>& groups, double near) {
   for (size_t i = 0; i < groups.size(); ++i)
     for (size_t j = 0; j < groups.size(); ++j) {
@@ -79,17 +83,18 @@ void joinLines(std::vector<LineGroup>& groups, double near) {
       for (size_t k = 0; k < groups[i].size(); ++k)
         groups[i][k].insert(groups[i][k].end(), groups[j][k].begin() + 1, groups[j][k].end());
       groups.erase(groups.begin() + std::ptrdiff_t(j));
-      i = size_t(-1);  // a longer line may go on in one that was looked at
+      i = size_t(-1);  // start again: the longer line may join one compared before
       break;
     }
 }
 
+/// Unit direction in chart space of a world direction, by a step of `length` world units.
 Vec3d chartDirection(const Chart& chart, const Vec3d& at, const Vec3d& direction, double length) {
   return (chart.toChart(at + length * direction) - chart.toChart(at)).unit();
 }
 
-/// The disk's middle, rim, and a place on either side, in chart coordinates; rims begin where the least turn
-/// from the first object's leads.
+/// The disk's centre, a point on either side of it and points on its rim, in chart coordinates. Each rim
+/// starts where the least rotation between the normals takes the first object's start.
 LineGroup diskPoints(const Feature& disk, const std::vector<Chart>& charts) {
   LineGroup points(charts.size());
   Vec3d first(0.0), side(0.0);
@@ -111,7 +116,7 @@ LineGroup diskPoints(const Feature& disk, const std::vector<Chart>& charts) {
     e1 = (e1 - e1.dot(normal) * normal).unit();
     const Vec3d e2 = normal.cross(e1);
     points[k].push_back(z);
-    for (double way : {-0.5, 0.5}) points[k].push_back(charts[k].toChart(center + way * radius * normal));
+    for (double side : {-0.5, 0.5}) points[k].push_back(charts[k].toChart(center + side * radius * normal));
     for (int i = 0; i < kRim; ++i) {
       const double angle = 2 * M_PI * i / kRim;
       points[k].push_back(charts[k].toChart(center + radius * (std::cos(angle) * e1 + std::sin(angle) * e2)));
@@ -120,7 +125,7 @@ LineGroup diskPoints(const Feature& disk, const std::vector<Chart>& charts) {
   return points;
 }
 
-/// The points of a group as correspondences, half way on straight lines.
+/// The points of a group as correspondences; the middle points are the means.
 void addMarks(const LineGroup& points, float weight, std::vector<Correspondence>& marks) {
   for (size_t i = 0; i < points[0].size(); ++i) {
     Correspondence c;
@@ -133,6 +138,7 @@ void addMarks(const LineGroup& points, float weight, std::vector<Correspondence>
   }
 }
 
+/// A line as a limb of every object; its radius is the depth below the surface.
 std::vector<PlacedLimb> limbsOf(const LineGroup& group, const Fields& fields,
                                 const std::vector<Chart>& charts, double size) {
   std::vector<PlacedLimb> limbs;
@@ -148,36 +154,37 @@ std::vector<PlacedLimb> limbsOf(const LineGroup& group, const Fields& fields,
   return limbs;
 }
 
-/// Places of a feature that a map is to meet, per object.
-LineGroup checkedPlaces(const Feature& feature, const std::vector<Chart>& charts) {
+/// The points of a feature that a map should meet, per object, chart coordinates.
+LineGroup featurePoints(const Feature& feature, const std::vector<Chart>& charts) {
   if (feature.kind == Feature::Kind::kDisk) return diskPoints(feature, charts);
-  LineGroup places;
+  LineGroup points;
   for (size_t k = 0; k < charts.size(); ++k) {
     Line own;
     for (const Vec3d& p : feature.places[k]) own.push_back(charts[k].toChart(p));
-    places.push_back(own.size() > 1 ? evenly(own, kLinePieces) : own);
+    points.push_back(own.size() > 1 ? evenly(own, kLinePieces) : own);
   }
-  return places;
+  return points;
 }
 
-/// How far from each other the places of a feature lie in the middle space, at most.
-double missOf(const LineGroup& places, const Displacements& map, const std::vector<MiddleGuess>& guesses) {
+/// How far a feature's points, mapped to the middle space, lie from their mean over the objects, at most.
+double missOf(const LineGroup& points, const Displacements& map, const std::vector<MiddleGuess>& guesses) {
   double most = 0;
-  for (size_t i = 0; i < places[0].size(); ++i) {
+  for (size_t i = 0; i < points[0].size(); ++i) {
     std::vector<Vec3d> middle;
     Vec3d mean(0.0);
-    for (size_t k = 0; k < places.size(); ++k) {
-      Vec3d s = guesses[k].near(places[k][i]);
-      if (!toMiddle(map, k, places[k][i], s)) break;
-      middle.push_back(s), mean += s / double(places.size());
+    for (size_t k = 0; k < points.size(); ++k) {
+      Vec3d s = guesses[k].near(points[k][i]);
+      if (!toMiddle(map, k, points[k][i], s)) break;
+      middle.push_back(s), mean += s / double(points.size());
     }
-    if (middle.size() < places.size()) continue;
+    if (middle.size() < points.size()) continue;
     for (const Vec3d& s : middle) most = std::max(most, (s - mean).length());
   }
   return most;
 }
 
-/// How much two features' places would have to be pulled apart or past each other.
+/// How much two features contradict each other: the largest change, from the first object to another, of the
+/// vector between two of their points, relative to its length.
 double conflict(const LineGroup& a, const LineGroup& b, double size) {
   double most = 0;
   for (size_t i = 0; i < a[0].size(); ++i)
@@ -198,16 +205,16 @@ FeaturePoints placeFeatures(const std::vector<Feature>& features, const Fields& 
   const double size = features.empty() ? 1 : sizeOf(fields, charts);
   std::vector<LineGroup> lines;
   for (const Feature& feature : features) {
-    LineGroup places = checkedPlaces(feature, charts);
+    LineGroup points = featurePoints(feature, charts);
     if (feature.kind == Feature::Kind::kLine)
-      lines.push_back(std::move(places));
+      lines.push_back(std::move(points));
     else
-      addMarks(places, kMarkWeight, result.marks);
+      addMarks(points, kMarkWeight, result.marks);
   }
   joinLines(lines, kJoined * size);
   result.limbs.resize(fields.size());
   for (LineGroup& line : lines) {
-    // It swings about the end that moves least, where it leaves the body.
+    // A line starts at the end that moves least, where a limb leaves the body.
     if (movement(line, true) < movement(line, false)) reverse(line);
     const std::vector<PlacedLimb> limbs = limbsOf(line, fields, charts, size);
     for (Correspondence& c : limbPoints(limbs)) {
@@ -219,7 +226,7 @@ FeaturePoints placeFeatures(const std::vector<Feature>& features, const Fields& 
   return result;
 }
 
-Vec3d placeAlong(const std::vector<Vec3d>& line, double share) {
+Vec3d pointAlong(const std::vector<Vec3d>& line, double share) {
   if (line.size() == 1) return line[0];
   constexpr int kSteps = 1000;
   return evenly(line, kSteps)[size_t(std::lround(share * kSteps))];
@@ -256,11 +263,11 @@ Notes contradictions(const std::vector<Feature>& features, const std::vector<Cha
   if (features.empty()) return warnings;
   std::vector<MiddleGuess> guesses;
   for (const VectorField& field : map.of) guesses.emplace_back(map.lattice, field);
-  std::vector<LineGroup> places;
+  std::vector<LineGroup> points;
   std::vector<double> miss;
   for (const Feature& feature : features) {
-    places.push_back(checkedPlaces(feature, charts));
-    miss.push_back(missOf(places.back(), map, guesses));
+    points.push_back(featurePoints(feature, charts));
+    miss.push_back(missOf(points.back(), map, guesses));
   }
   std::set<std::pair<size_t, size_t>> prescribed;
   for (size_t i = 0; i < features.size(); ++i) {
@@ -268,7 +275,7 @@ Notes contradictions(const std::vector<Feature>& features, const std::vector<Cha
     size_t against = i;
     double most = 0;
     for (size_t j = 0; j < features.size(); ++j)
-      if (const double c = i == j ? 0 : conflict(places[i], places[j], size); c > most) most = c, against = j;
+      if (const double c = i == j ? 0 : conflict(points[i], points[j], size); c > most) most = c, against = j;
     char off[64];
     std::snprintf(off, sizeof off, "%.3g world units", miss[i] * charts[0].meanScale());
     if (against == i || most < 1) {

@@ -4,11 +4,12 @@
 
 namespace slicemorph {
 
-/// The map on the lattice that frames move: as fine as the eye needs, still free of folds.
+/// The map on the finer lattice from which in-betweens are made, again free of folds.
 Displacements finishedMap(const MatchObjects& objects, const Displacements& map);
 
-/// The displacements on a lattice of the same nodes that covers the objects as they are now. Nodes keep what
-/// they have, so that frame after frame blurs nothing; beyond them is what the outermost ones say.
+/// The displacements on a lattice that covers the objects' present boxes and whose nodes coincide with those
+/// of `before`. Nodes keep their values, so that repeating this from frame to frame blurs nothing; new nodes
+/// take the value of the nearest outermost one.
 Displacements continuedOver(const MatchObjects& objects, const Displacements& before);
 
 }  // namespace slicemorph

@@ -25,13 +25,14 @@ struct Lanes<Eigen::Array4f> {
 
 namespace {
 
-/// Four columns that are solved beside each other.
+/// The values of four columns (right-hand sides), which are solved side by side.
 using Four = Eigen::Array4f;
 using FourDoubles = Eigen::Array4d;
 using Column = std::vector<Four>;
 
-/// The normal equations' operator W^T W + stiffness L^T L + a trace of the identity. Columns hold the
-/// lattice's nodes within a ring of zeros.
+/// The operator of the normal equations, W^T W + stiffness L^T L + 1e-5 I; the last term only makes it
+/// definite. W: interpolation at the sites, times the roots of their weights; L: Laplacian. A column holds
+/// the lattice's nodes with a border of zeros around them.
 class NormalOperator {
  public:
   NormalOperator(const Lattice& lattice, const Sites& sites, double stiffness)
@@ -61,7 +62,7 @@ class NormalOperator {
     return b;
   }
 
-  /// y = this times x; `scratch` and `y` are of the same size and zero in the ring.
+  /// y = this times x; `scratch` and `y` are of the same size and zero in the border.
   void operator()(const Column& x, Column& scratch, Column& y) const {
     laplacian(x, scratch);
     laplacian(scratch, y);
@@ -84,7 +85,7 @@ class NormalOperator {
     float w[8];
   };
 
-  /// The first node of every row, and the one after its last.
+  /// Calls body(n, end) for every row, with the index of its first node and the one past its last.
   template <typename Body>
   void forEachRow(const Body& body) const {
     for (int z = 0; z < lattice_.size[2]; ++z)
@@ -106,7 +107,7 @@ class NormalOperator {
   size_t offset_[8];
 };
 
-/// The normal equations of all nodes as conjugateGradients wants them.
+/// The normal equations of all nodes in the form that conjugateGradients takes.
 class ColumnSystem {
  public:
   explicit ColumnSystem(const NormalOperator& op) : op_(op), scratch_(op.zero()) {}
@@ -114,7 +115,7 @@ class ColumnSystem {
   size_t size() const { return scratch_.size(); }
   size_t node(size_t i) const { return i; }
   float diagonal(size_t) const { return 1; }
-  /// Fours of columns are solved beside each other, each by one task.
+  /// No parallelism inside: one task per four columns.
   Grain grain() const { return {std::numeric_limits<size_t>::max()}; }
   void apply(const Column& x, Column& product) { op_(x, scratch_, product); }
 
@@ -123,7 +124,7 @@ class ColumnSystem {
   Column scratch_;
 };
 
-/// Each column for itself, up to a thousandth of the right side.
+/// Solves four columns from `x`, each to a residual of a thousandth of its right-hand side or 80 iterations.
 Column solve(const NormalOperator& op, const Column& b, Column x) {
   ColumnSystem system(op);
   Column residual = op.zero();
@@ -145,8 +146,8 @@ Displacements fitFields(const Lattice& lattice, const Sites& sites, double stiff
   const size_t objects = sites.value.size();
   const NormalOperator op(lattice, sites, stiffness);
   Displacements result{lattice, start.of};
-  // The fit is linear: the last object follows from the others and from the sum of all, which mostly is
-  // nothing.
+  // The fit is linear: the last object's field follows from the others' and from the fit of their sum, which
+  // is zero unless points move on parabolas.
   std::vector<Vec3d> sums(sites.position.size(), Vec3d(0.0));
   VectorField sum(lattice.count(), openvdb::Vec3s(0.f));
   double most = 0, largest = 0;

@@ -7,7 +7,7 @@ namespace slicemorph {
 
 namespace {
 
-/// What the fields on top of a base must be to meet the correspondences.
+/// The values that fields added to a base must have to meet the correspondences.
 Sites sitesOn(const Displacements& base, const std::vector<Correspondence>& points) {
   const size_t objects = base.of.size();
   Sites sites;
@@ -32,7 +32,7 @@ Displacements fittedMap(const MatchObjects& objects, const Matching& matching,
   for (size_t k = 0; k < objects.count(); ++k)
     for (size_t i = 0; i < lattice.count(); ++i) start.of[k][i] -= base.of[k][i];
   Displacements map = fitFields(lattice, sitesOn(matching.base, points), fit.stiffness, start);
-  // A base that is finer than the fields, as of limbs that were followed, keeps its own lattice.
+  // A base that is finer than the fields, as after limbs were followed, keeps its own lattice.
   const bool finer = matching.base.lattice.spacing < lattice.spacing;
   if (finer) map = resampled(map, matching.base.lattice);
   const Displacements& under = finer ? matching.base : base;

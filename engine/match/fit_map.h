@@ -7,12 +7,12 @@ namespace slicemorph {
 
 /// How a map is fitted.
 struct MapFit {
-  double spacing = 0;    ///< of the lattice, in the objects' sizes
+  double spacing = 0;    ///< of the lattice, as a fraction of MatchObjects::size
   double stiffness = 0;  ///< see fitFields
 };
 
-/// The smooth, fold-free map that meets the correspondences and the user's marks: smooth fields on top of
-/// the matching's base.
+/// The fold-free map fitted to the correspondences and the user's marks: the matching's base
+/// plus smooth fields.
 Displacements fittedMap(const MatchObjects& objects, const Matching& matching,
                         std::vector<Correspondence> points, const MapFit& fit);
 

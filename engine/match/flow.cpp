@@ -12,14 +12,19 @@ namespace slicemorph {
 
 namespace {
 
+// The figures are chosen by hand; tests/engine/match/flow_test.cpp guards what they are for.
+
+/// Most steps; correspondences that are not met by then stay unmet.
 constexpr int kMaxSteps = 16;
 /// A step squeezes no tetrahedron below this share of its volume.
 constexpr double kLeastRatio = 0.4;
+/// Of a step's fit, see fitFields.
 constexpr double kStiffness = 0.3;
-/// Of points that keep their places, against the limbs' points.
+/// Weight of the points that stay fixed, against 1 of the limbs' points.
 constexpr float kStillWeight = 0.3f;
 
-/// The steps that take every middle point to where its object has the limbs' points now.
+/// The steps whose composition takes the correspondences' middle points to the points that `map` takes to
+/// their positions on one object.
 std::vector<Displacements> stepsOf(const Displacements& map, size_t object,
                                    const std::vector<Correspondence>& points, const std::vector<Vec3d>& still,
                                    const Lattice& lattice) {

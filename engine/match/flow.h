@@ -4,10 +4,10 @@
 
 namespace slicemorph {
 
-/// The map carried on until it meets the correspondences, however far off they are, in small steps none of
-/// which folds: limbs swing past each other where one displacement, fitted at once, would have to fold.
-/// `still`: middle points that keep their places. `spacing`: of the fields fitted; the result lies on
-/// `lattice`.
+/// Composes a map with small fold-free steps until it meets the correspondences, however far away they are:
+/// limbs can swing past each other where a single fitted displacement would have to fold. `still`: middle
+/// points that stay fixed. `spacing`: of the lattice on which each step is fitted, chart units. `lattice`: of
+/// the result.
 Displacements flowed(const Displacements& map, const std::vector<Correspondence>& points,
                      const std::vector<Vec3d>& still, double spacing, const Lattice& lattice);
 

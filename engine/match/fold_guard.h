@@ -4,12 +4,13 @@
 
 namespace slicemorph {
 
-/// Smallest volume of a lattice tetrahedron on any object, over its volume in the middle space.
+/// Smallest ratio, over all objects and lattice tetrahedra, of a tetrahedron's signed volume on the object to
+/// its volume in the middle space.
 double leastRatio(const Displacements& map);
 
-/// Smooths the displacements where the map to some object, or to a blend of objects, would squeeze a
-/// tetrahedron below `floor` of its volume, until none is left: piecewise linear maps without a fold are then
-/// one to one. Returns how many rounds were needed.
+/// Smooths the displacements where the map to an object, or to the in-between half way from the middle to it,
+/// squeezes a tetrahedron below `floor` times its volume, until none is left. A map that is linear on
+/// tetrahedra and has no fold is one to one. Returns the number of rounds.
 int removeFolds(Displacements& map, double floor = 0.12);
 
 }  // namespace slicemorph

@@ -11,13 +11,16 @@ namespace slicemorph {
 
 namespace {
 
-/// In sizes: limbs are followed by fields of this spacing, and the map that follows them is kept on a lattice
-/// half as wide, which holds the bends that small steps add up to.
+// The figures are chosen by hand; tests/engine/pairs_test.cpp counts the limbs of in-betweens. Lengths are
+// fractions of MatchObjects::size.
+
+/// Spacing of the lattice on which each step is fitted; and of the resulting map's lattice, which is finer as
+/// it must hold the bends that small steps add up to.
 constexpr double kFlowSpacing = 0.08, kFlowLattice = 0.04;
-/// Per object: samples of the body; and how far a sample of the body is from a limb, in the limb's radii.
+/// Surface samples per object, if there are two; those of the body are further from every limb's centre line
+/// than kStillReach of its radii plus kStillGap, so that points near thin limbs do not hold them.
 constexpr int kStillSamples = 900;
 constexpr double kStillReach = 1.5;
-/// And beyond that, in sizes, so that thin limbs keep some distance, too.
 constexpr double kStillGap = 0.03;
 
 bool isAway(const Vec3d& z, const std::vector<PlacedLimb>& limbs, double gap) {

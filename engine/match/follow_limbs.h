@@ -5,13 +5,13 @@
 
 namespace slicemorph {
 
-/// Surface points well away from all limbs, middle space: the body, which does not swing with them. `limbs`:
+/// Surface points away from all limbs, in the middle space: the body, which does not move with them. `limbs`:
 /// per object.
 std::vector<Vec3d> stillPoints(const MatchObjects& objects, const Matching& matching,
                                const std::vector<std::vector<PlacedLimb>>& limbs);
 
-/// The matching with a map that leads limbs to where `points` say, however far they swing, and keeps them
-/// there from then on. `still`: middle points that keep their positions.
+/// The matching with a map that carries limbs onto the correspondences `points`, however far they swing;
+/// later rounds hold them there. `still`: middle points that stay fixed.
 Matching followLimbs(const MatchObjects& objects, Matching matching, std::vector<Correspondence> points,
                      const std::vector<Vec3d>& still);
 

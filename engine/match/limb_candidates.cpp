@@ -12,21 +12,24 @@ namespace slicemorph {
 
 namespace {
 
-/// What a limb that grows out of the body is worth although it costs overlap: the air beside it has no place
-/// on the object that lacks it.
+// In overlap, chosen by hand; Limbs.ALegGrowsOutOfTheBody and tests/engine/pairs_test.cpp
+// guard what they are for.
+
+/// Bonus for limbs that grow out of the body: it costs overlap, as the air beside such a limb has no
+/// counterpart on the object that lacks it.
 constexpr double kGrownBonus = 0.03;
-/// A gain in overlap after a quick matching that is one after the whole matching, too; and one that is worth
-/// a whole matching to see.
+/// Gain after a quick matching that surely remains after the whole matching; and gain from which the whole
+/// matching is worth trying.
 constexpr double kNoDoubt = 0.1, kWorthTrying = 0.04;
 
 /// The points of the limbs that may be followed.
 struct LimbPoints {
-  std::vector<Correspondence> matched;  ///< of those that all objects have
-  std::vector<Correspondence> all;      ///< of these, and of those that grow out of the body
-  int matches = 0, grown = 0;           ///< limbs
+  std::vector<Correspondence> matched;  ///< of limbs that all objects have
+  std::vector<Correspondence> all;      ///< of these, and of limbs that grow out of the body
+  int matches = 0, grown = 0;           ///< numbers of limbs of either kind
 };
 
-/// Whether a user's line says where a limb goes.
+/// Whether a user's line feature already prescribes a limb.
 bool isPrescribedLimb(const LimbGroup& group, const FeaturePoints& guides) {
   for (size_t k = 0; k < group.limb.size(); ++k)
     if (isPrescribedBy(group.limb[k], guides.limbs[k])) return true;
@@ -45,7 +48,7 @@ LimbPoints limbPointsOf(const std::vector<LimbGroup>& groups, const FeaturePoint
   return found;
 }
 
-/// Such as "2 and 3 found, 2 matched, 1 to grow out of the body".
+/// Such as "limbs: 2 and 3 found, 2 matched, 1 to grow out of the body".
 Note limbNote(const std::vector<std::vector<PlacedLimb>>& limbs, const LimbPoints& points) {
   std::string counts;
   for (const auto& list : limbs) counts += (counts.empty() ? "" : " and ") + std::to_string(list.size());
@@ -54,11 +57,11 @@ Note limbNote(const std::vector<std::vector<PlacedLimb>>& limbs, const LimbPoint
               std::to_string(points.grown) + " to grow out of the body"};
 }
 
-/// The candidates so far, while one way after the other to follow limbs is tried.
+/// The candidates so far, while the sets of limbs to follow are tried one after the other.
 struct Trials {
   std::vector<Matching> candidates;
   double without = 0;  ///< overlap after a quick matching that follows no limbs
-  double most = 0;     ///< value that the next one must exceed to be the only candidate
+  double most = 0;     ///< value that the next trial must exceed to become the only candidate
   Notes notes;
 };
 

@@ -5,9 +5,9 @@
 
 namespace slicemorph {
 
-/// Limbs are matched as wholes: a leg meets the leg that leaves the body at the same place, however far it
-/// has swung. Returns the matchings from which the rounds may start: one where following limbs wins beyond
-/// doubt or cannot win, else all those that may turn out best.
+/// Matches limbs as wholes: a leg with the leg that leaves the body at the same position, however far it has
+/// swung. Returns the matchings from which the rounds may start: a single one where following limbs clearly
+/// wins or cannot win, otherwise all those that may turn out best.
 std::vector<Matching> limbCandidates(const MatchObjects& objects, const Matching& matching);
 
 }  // namespace slicemorph

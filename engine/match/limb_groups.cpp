@@ -12,10 +12,13 @@ namespace slicemorph {
 
 namespace {
 
-/// Costs of a difference of one size in where a limb leaves the body and in where its tip is, and of lengths
-/// that differ by the factor e; and what being left without a partner costs.
+// The figures here and below are chosen by hand; tests/engine/match/limb_groups_test.cpp and
+// tests/engine/spine/limbs_test.cpp guard what they are for.
+
+/// Costs of matching two limbs, per distance of their roots and of their tips in units of the objects' size,
+/// and per factor e of their lengths; and the cost of having no partner.
 constexpr double kRootPrice = 2, kTipPrice = 0.5, kLengthPrice = 0.4, kAlonePrice = 1.3;
-/// The first points of a limb's line, which tell where it leaves the body.
+/// Points at the start of a limb's line whose mean is its root, where it leaves the body.
 constexpr int kRootPoints = 4;
 
 double costOf(const PlacedLimb& a, const PlacedLimb& b, double size) {
@@ -27,7 +30,7 @@ double costOf(const PlacedLimb& a, const PlacedLimb& b, double size) {
          kLengthPrice * std::abs(std::log(a.length / b.length));
 }
 
-/// The least turn that takes one direction to another.
+/// The rotation of least angle that takes one direction to another.
 Mat3d turnBetween(const Vec3d& from, const Vec3d& to) {
   Vec3d axis = from.cross(to);
   const double s = axis.length(), angle = std::atan2(s, from.dot(to));
@@ -35,8 +38,8 @@ Mat3d turnBetween(const Vec3d& from, const Vec3d& to) {
   return rotationFromVector(axis.unit() * angle);
 }
 
-/// A limb as a root, lengths, and frames that do not spin (first column along the limb), one a piece between
-/// two points.
+/// A limb as a root and, per segment, a length and a rotation-minimising coordinate frame [WJZL08] (first
+/// column along the limb).
 struct Stem {
   Vec3d root;
   std::vector<double> length;
@@ -55,6 +58,7 @@ Stem stemOf(const std::vector<Vec3d>& line, const Mat3d& firstFrame) {
   return stem;
 }
 
+/// Mean rotation, by fixed-point iteration in the tangent space.
 Mat3d meanFrame(const std::vector<Mat3d>& frames) {
   Mat3d mean = frames[0];
   for (int i = 0; i < 20; ++i) {
@@ -65,8 +69,7 @@ Mat3d meanFrame(const std::vector<Mat3d>& frames) {
   return mean;
 }
 
-/// Mean root and lengths; the first frame is the mean, and from piece to piece it turns by the mean of the
-/// turns.
+/// Means of the roots, of the lengths, of the first frames and of the turns from segment to segment.
 Stem meanStem(const std::vector<Stem>& stems) {
   const double share = 1.0 / double(stems.size());
   Stem mean = stems[0];
@@ -85,7 +88,7 @@ Stem meanStem(const std::vector<Stem>& stems) {
   return mean;
 }
 
-/// The middle line's points, each with four around it.
+/// The points of the centre line, each followed by four points around it at the limb's radius.
 std::vector<Vec3d> pointsOf(const Stem& stem, const std::vector<double>& radius) {
   std::vector<Vec3d> points;
   Vec3d p = stem.root;
@@ -98,11 +101,11 @@ std::vector<Vec3d> pointsOf(const Stem& stem, const std::vector<double>& radius)
   return points;
 }
 
-/// A limb that an object lacks lies in it as a stub of at most this share of the limb's length, and not
-/// further away from where the limb is attached.
+/// Largest depth of a stub, and largest distance from where the limb would start to the object's surface; in
+/// lengths of the limb.
 constexpr double kStubLength = 0.35, kStubReach = 0.5;
 
-/// Per limb of one list its partner in the other; -1: none.
+/// Per limb of `a` the index of its partner in `b`; -1: none. `size`: see groupLimbs.
 std::vector<int> matchLimbs(const std::vector<PlacedLimb>& a, const std::vector<PlacedLimb>& b, double size) {
   if (a.empty() || b.empty()) return std::vector<int>(a.size(), -1);
   std::vector<std::vector<double>> cost(a.size(), std::vector<double>(b.size() + a.size(), kAlonePrice));
@@ -114,7 +117,7 @@ std::vector<int> matchLimbs(const std::vector<PlacedLimb>& a, const std::vector<
   return partner;
 }
 
-/// What limbs have in common: the mean of their places and lengths in the middle space.
+/// The mean line and length, in the middle space, of the limbs of a group.
 PlacedLimb meanOf(const std::vector<std::vector<PlacedLimb>>& limbs, const std::vector<int>& group) {
   PlacedLimb mean;
   double count = 0;
@@ -131,8 +134,8 @@ PlacedLimb meanOf(const std::vector<std::vector<PlacedLimb>>& limbs, const std::
   return mean;
 }
 
-/// What takes part in one limb: per object the number of its limb; -1: it has none. Object after object joins
-/// the limbs of those before.
+/// Groups of corresponding limbs: per group and object the index of its limb; -1: it has none. The objects
+/// are added one by one, each matched with the means of the groups found so far.
 std::vector<std::vector<int>> partnersOf(const std::vector<std::vector<PlacedLimb>>& limbs, double size) {
   std::vector<std::vector<int>> groups;
   for (size_t k = 0; k < limbs.size(); ++k) {
@@ -149,8 +152,7 @@ std::vector<std::vector<int>> partnersOf(const std::vector<std::vector<PlacedLim
   return groups;
 }
 
-/// Object k's place for a limb it lacks: a short one that lies wholly below the surface, where the limb would
-/// be attached.
+/// The stub of a limb that object k lacks: short, wholly below the surface, where the limb would be attached.
 std::optional<PlacedLimb> stubOf(const PlacedLimb& limb, size_t k, const DistanceField& field,
                                  const Chart& chart, const Displacements& map) {
   const Vec3d root = limb.middle[0] + map.at(k, limb.middle[0]);
@@ -158,7 +160,7 @@ std::optional<PlacedLimb> stubOf(const PlacedLimb& limb, size_t k, const Distanc
   const Vec3d surface = chart.toChart(world);
   if ((surface - root).length() > kStubReach * limb.length) return {};
   const Vec3d out = chart.normalToChart(surface, field.gradient(world));
-  // How far it may go down: as long as it gets deeper.
+  // Go down as long as the distance to the surface grows.
   const double unit = 1 / chart.meanScale(), step = 0.02 * limb.length;
   double depth = 0, deepest = 0;
   while (depth < kStubLength * limb.length) {
@@ -227,7 +229,7 @@ std::vector<Correspondence> limbPoints(const std::vector<PlacedLimb>& limbs) {
   for (const PlacedLimb& limb : limbs) {
     const Vec3d d = limb.chart[1] - limb.chart[0];
     const Vec3d along = d.length() > 0 ? d.unit() : Vec3d(1, 0, 0);
-    // One frame for all where they leave the body, then each its own way.
+    // Each object's first frame is the first object's, turned as little as possible.
     Mat3d frame = stems.empty() ? turnBetween({1, 0, 0}, along) : stems[0].frame[0];
     frame = turnBetween(frame.col(0), along) * frame;
     stems.push_back(stemOf(limb.chart, frame));

@@ -6,34 +6,34 @@
 
 namespace slicemorph {
 
-/// A limb as the matching sees it.
+/// A limb as the matching uses it.
 struct PlacedLimb {
-  std::vector<Vec3d> chart;    ///< its line, chart coordinates of its object
-  std::vector<Vec3d> middle;   ///< the same places in the middle space
+  std::vector<Vec3d> chart;    ///< its centre line from the body to the tip, chart coordinates of its object
+  std::vector<Vec3d> middle;   ///< the same points in the middle space
   std::vector<double> radius;  ///< chart units
   double length = 0;           ///< in the middle space
 };
 
-/// The limbs of every object, by the map so far.
+/// Finds the limbs of every object and maps them to the middle space by `map`.
 std::vector<std::vector<PlacedLimb>> placedLimbs(const Fields& fields, const std::vector<Chart>& charts,
                                                  const Displacements& map);
 
-/// One limb as every object has it.
+/// Corresponding limbs of all objects.
 struct LimbGroup {
   std::vector<PlacedLimb> limb;  ///< per object
   bool grows = false;            ///< some objects lack it: there it is a stub below the surface
 };
 
-/// Limbs matched, object after object with those that the ones before have in common, by the places where
-/// they leave the body, their tips and their lengths. One without a partner lies in the other objects as a
-/// short stub, wholly below the surface where it would be attached; it is left out where there is no body to
-/// take it. `size`: of the objects, middle space.
+/// Matches limbs by where they leave the body, by their tips and their lengths; each object's limbs with the
+/// means of the groups found so far. A limb without a partner becomes a short stub in the other objects,
+/// wholly below the surface where it would be attached; it is left out where some object is too thin there to
+/// hold a stub or its surface is too far away. `size`: of the objects, chart units.
 std::vector<LimbGroup> groupLimbs(const std::vector<std::vector<PlacedLimb>>& limbs, const Fields& fields,
                                   const std::vector<Chart>& charts, const Displacements& map, double size);
 
-/// Points of a limb as every object has it, along the middle line and around it at the limb's radii, in
-/// frames that do not spin. Half way the limb has the mean of their lengths and is bent and turned half as
-/// much as they are: it swings, and does not cut across.
+/// Correspondences of one limb of all objects: points along its centre line and around it at the limb's
+/// radius, in rotation-minimising frames. In the middle space the limb has the mean length, direction and
+/// bending, so that it swings instead of moving along straight lines and becoming shorter.
 std::vector<Correspondence> limbPoints(const std::vector<PlacedLimb>& limbs);
 
 }  // namespace slicemorph

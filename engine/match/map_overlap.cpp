@@ -28,7 +28,8 @@ double mapOverlap(const MatchObjects& objects, const Displacements& map) {
           const double d = samplers[k].coarse(fields[k]->relative(charts[k].toWorld(z))) * unit[k];
           inside[k] = charts[k].spread(z) > 0 ? std::min(std::max(0.5 - d, 0.0), 1.0) : 0;
         }
-        // Of the pairs with the n-th smallest, it is the smaller one in all with larger ones.
+        // Sums of min and max over all pairs: the n-th smallest is the minimum of its pairs
+        // with the larger ones.
         std::sort(inside.begin(), inside.end());
         for (size_t n = 0; n < count; ++n)
           both[size_t(iz)] += inside[n] * double(count - 1 - n), either[size_t(iz)] += inside[n] * double(n);

@@ -4,12 +4,12 @@
 
 namespace slicemorph {
 
-/// Soft intersection over union, 0 to 1, of the objects warped by a map into the middle space; of all their
-/// pairs where they are more than two.
+/// Soft intersection over union, 0 to 1, of the objects warped into the middle space; of more than two
+/// objects, the sum of all pairs' intersections over the sum of their unions.
 double mapOverlap(const MatchObjects& objects, const Displacements& map);
 
-/// How much a map bends the objects, free of size: root mean square of its displacements' derivatives inside
-/// them.
+/// How much a map deforms the objects, independent of their size: root mean square of the displacements'
+/// derivatives inside them.
 double mapStrain(const MatchObjects& objects, const Displacements& map);
 
 }  // namespace slicemorph

@@ -9,7 +9,7 @@ namespace slicemorph {
 
 namespace {
 
-/// In sizes: room around the objects' box, for what maps move beyond it.
+/// Margin around the objects' box, fraction of `size`, for what maps move beyond it. Chosen by hand.
 constexpr double kMargin = 0.3;
 
 MatchSurface sampledSurface(const Fields& fields, const std::vector<Chart>& charts) {

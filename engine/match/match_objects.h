@@ -7,38 +7,39 @@
 
 namespace slicemorph {
 
-/// One surface of every object as the matching sees it.
+/// One surface of every object: its distance fields and its samples.
 struct MatchSurface {
   Fields fields;                      ///< per object; null where it has none
   std::vector<ChartSamples> samples;  ///< per object
 };
 
-/// What is measured once of objects that are to be matched. Chart space is that of their frames.
+/// The objects to be matched, with what is measured once before matching.
 struct MatchObjects {
   std::vector<Chart> charts;           ///< per object
   MatchSurface shape;                  ///< the objects' own surfaces: every object has one
-  std::vector<MatchSurface> inner;     ///< further surfaces, that steer the map
-  std::vector<Feature> features;       ///< what the user prescribed, world
+  std::vector<MatchSurface> inner;     ///< further surfaces, which also guide the map
+  std::vector<Feature> features;       ///< prescribed by the user, world coordinates
   FeaturePoints guides;                ///< the same in chart coordinates
   std::vector<openvdb::BBoxd> boxes;   ///< per object, chart space
   openvdb::BBoxd box;                  ///< of all objects
   double size = 1;                     ///< cube root of the box's volume, chart units
-  double overlapSpacing = kWholeLook;  ///< of the lattice on which overlaps are measured, in sizes
+  double overlapSpacing = kWholeLook;  ///< of the lattice on which overlaps are measured, fraction of `size`
 
-  /// For what decides, and with a third of the nodes for trials.
+  /// Lattice spacings for the matching itself, and, with a third of the nodes (0.7^3), for quick trials.
   static constexpr double kWholeLook = 0.035, kQuickLook = 0.05;
 
   size_t count() const { return charts.size(); }
-  /// Over all objects and a margin around them; `spacing`: in sizes.
+  /// Over all objects and a margin around them; `spacing`: fraction of `size`.
   Lattice lattice(double spacing) const { return Lattice::over(reach(), spacing * size); }
-  /// The box of all objects with room around it for what moves.
+  /// The box of all objects with a margin for what the map moves beyond it.
   openvdb::BBoxd reach() const;
-  /// Samples are counted for two objects; more share them, so that the work grows no faster than their
-  /// number.
+  /// Samples per object: `samples` for two objects; more objects share the same total, so that the work grows
+  /// no faster than the number of objects.
   int ofEach(int samples) const;
 };
 
-/// `inner`: each per object, null where one has none. `features`: of these objects.
+/// `inner`: for each further surface one field per object, null where it has none.
+/// `features`: of these objects.
 MatchObjects measureObjects(const Fields& fields, const std::vector<Fields>& inner,
                             const std::vector<Chart>& charts, const std::vector<Feature>& features);
 

@@ -5,14 +5,14 @@
 
 namespace slicemorph {
 
-/// The state of the matching: every step takes it from the one before and hands it on.
+/// The state of the matching, passed from step to step.
 struct Matching {
   Displacements map;                       ///< free of folds
-  Displacements base;                      ///< what the rounds' smooth fields are added to
-  std::vector<Correspondence> limbPoints;  ///< that hold limbs where they were followed to
-  std::vector<MiddleGuess> guesses;        ///< then, per object: where to look for middle points
-  double overlap = 0;                      ///< of the objects so warped
-  double bonus = 0;                        ///< what the map is worth beyond its overlap
+  Displacements base;                      ///< to which each round adds a fitted smooth field
+  std::vector<Correspondence> limbPoints;  ///< that hold followed limbs in position
+  std::vector<MiddleGuess> guesses;  ///< per object, starts for toMiddle; empty while the map moves little
+  double overlap = 0;                ///< of the objects warped by `map`, see mapOverlap
+  double bonus = 0;                  ///< added to the overlap when matchings are compared
   Notes notes;
 
   double value() const { return overlap + bonus; }

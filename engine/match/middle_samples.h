@@ -5,8 +5,8 @@
 
 namespace slicemorph {
 
-/// Samples of an object's surface where the map has them in the middle space; those that it cannot place are
-/// left out.
+/// Samples of an object's surface, mapped to the middle space. Samples for which toMiddle does not converge
+/// are left out.
 struct MiddleSamples {
   OrientedPoints points;   ///< middle space
   std::vector<Vec3d> own;  ///< chart coordinates of the object
@@ -15,7 +15,7 @@ struct MiddleSamples {
 /// `points`: of the object, chart coordinates.
 MiddleSamples middleSamples(const Matching& matching, size_t object, const OrientedPoints& points);
 
-/// Samples of all objects' shapes; `count`: per object, if there were two (`MatchObjects::ofEach`).
+/// Samples of all objects' own surfaces. `count`: per object if there are two, see MatchObjects::ofEach.
 std::vector<MiddleSamples> middleSamples(const MatchObjects& objects, const Matching& matching, int count);
 
 }  // namespace slicemorph

@@ -14,12 +14,14 @@ namespace slicemorph {
 
 namespace {
 
-/// Samples of an inner surface, at least.
+/// Least number of samples of an inner surface. Chosen by hand.
 constexpr int kLeastInner = 300;
-/// Points for which a round's stiffness is given: it then means the same for all rounds.
+/// Number of points for which a round's stiffness is given; it is scaled with their number, as the data term
+/// of the fit grows with it.
 constexpr double kPointsOfStiffness = 2000;
 
-/// Closest points of the inner surfaces, as densely as those of the shapes, each on its own kind alone.
+/// Closest points of the inner surfaces, sampled as densely as the shapes; each on the same inner surface of
+/// the other objects.
 std::vector<Correspondence> innerPoints(const MatchObjects& objects, const Matching& matching,
                                         const Round& round) {
   std::vector<Correspondence> points;
@@ -50,8 +52,9 @@ std::vector<Correspondence> roundPoints(const MatchObjects& objects, const Match
   return points;
 }
 
-/// Closest points nearly always help, and the last rounds by little each: they are only refused where they
-/// harm. But of many objects they draw every one to the nearest of all the others.
+/// Closest points of two objects nearly always help, in the last rounds by little each: they are only
+/// refused where they harm. Of more than two objects they pull each towards whichever other is nearest,
+/// and must gain overlap.
 GainWanted gainWanted(const MatchObjects& objects, const Round& round) {
   if (round.kind == Round::Kind::kSoft || objects.count() > 2) return {};
   return {-2 * kSureGain, -kSureGain};

@@ -6,11 +6,11 @@
 
 namespace slicemorph {
 
-/// The matching after one round more: points of every object look for their places on the others, a smooth
-/// map is fitted to what they find, and is taken as far as the objects overlap better.
+/// The matching after one more round: finds correspondences from every object's samples to the others, fits a
+/// smooth map to them, and takes it as far as it improves the overlap.
 Matching refined(const MatchObjects& objects, Matching matching, const Round& round);
 
-/// After a quick matching from there: how good it may become.
+/// The matching after the few kQuickRounds, an estimate of how good it may become.
 Matching triedQuickly(const MatchObjects& objects, Matching matching);
 
 }  // namespace slicemorph

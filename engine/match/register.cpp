@@ -16,10 +16,11 @@ namespace slicemorph {
 
 namespace {
 
-/// Overlap that only a cut loses from one frame to the next.
+/// Loss of overlap from one frame to the next that is taken for a cut. Chosen by hand; guarded by
+/// Sequence.CutsAndNewEqualsArePlannedAnew.
 constexpr double kCut = 0.15;
 
-/// Goes on from a map that nearly holds.
+/// A matching that starts from a map that is nearly right.
 Matching continuedMatching(const MatchObjects& objects, const Displacements& map, const Displacements& base) {
   Matching matching;
   matching.base = continuedOver(objects, base);
@@ -30,7 +31,7 @@ Matching continuedMatching(const MatchObjects& objects, const Displacements& map
   return matching;
 }
 
-/// The matching after the rounds that follow small changes. `progress` says that so much of the whole is done.
+/// The matching after kFollowRounds. `done`: share of the whole work to report, 0 to 1.
 Matching afterFollowRounds(const MatchObjects& objects, Matching matching, Progress& progress, double done) {
   for (const Round& round : kFollowRounds) {
     if (progress.cancelled()) throw Cancelled();
@@ -51,14 +52,15 @@ Registration registrationOf(const MatchObjects& objects, Matching matching, Matc
   return result;
 }
 
-/// With warnings of the features that the final map does not meet.
+/// Adds warnings of the features that the final map does not meet.
 Registration withContradictions(const MatchObjects& objects, Registration made) {
   for (const Note& warning : contradictions(objects.features, objects.charts, made.map, objects.size))
     made.notes.push_back(warning);
   return made;
 }
 
-/// The best of what the rounds make of the candidates.
+/// The best matching after running the rounds on every candidate; the earlier one unless
+/// another is clearly better.
 Matching bestAfterRounds(const MatchObjects& objects, const std::vector<Matching>& candidates,
                          const Rounds& rounds, Progress& progress) {
   std::optional<Matching> best;

@@ -11,6 +11,7 @@ namespace slicemorph {
 
 namespace {
 
+/// `position`: per object and slice, z0 in chart units.
 SlicedObjects cutAt(const MatchObjects& objects, SlicePlanes planes,
                     std::vector<std::vector<double>> position) {
   SlicedObjects slices{std::move(planes), std::move(position), {}, {}};
@@ -27,7 +28,7 @@ SlicedObjects cutAt(const MatchObjects& objects, SlicePlanes planes,
 SlicedObjects sliceObjects(const MatchObjects& objects, int count) {
   SlicePlanes planes = placeSlices(objects.boxes, count);
   AlongSpine along = matchAlongSpine(objects.shape.fields, objects.charts, planes);
-  SlicedObjects slices = cutAt(objects, std::move(planes), std::move(along.place));
+  SlicedObjects slices = cutAt(objects, std::move(planes), std::move(along.position));
   char text[128];
   std::snprintf(text, sizeof text, "slices at equal positions overlap %.3f, matched along the spine %.3f",
                 along.before, along.after);

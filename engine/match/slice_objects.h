@@ -5,7 +5,7 @@
 
 namespace slicemorph {
 
-/// The slices of every object, equal in number: slice i of one belongs with slice i of the others.
+/// The slices of every object, equal in number: slice i of one object corresponds to slice i of the others.
 struct SlicedObjects {
   SlicePlanes planes;                           ///< of the middle slices
   std::vector<std::vector<double>> position;    ///< per object and slice: z0 of its own, chart units, rising
@@ -13,14 +13,13 @@ struct SlicedObjects {
   Notes notes;
 };
 
-/// Cuts every object into `count` slices, at the positions along its spine that are most like those of the
-/// first object (`matchAlongSpine`).
+/// Cuts every object into `count` slices, at positions along its spine that correspond (`matchAlongSpine`).
 SlicedObjects sliceObjects(const MatchObjects& objects, int count);
 
-/// The same at equal positions along all spines.
+/// The same, at equal chart positions for all objects.
 SlicedObjects sliceAtEqualPositions(const MatchObjects& objects, int count);
 
-/// What is on the slices.
+/// The contours on the slices of every object.
 struct TracedObjects {
   SlicePlanes planes;                         ///< as in SlicedObjects
   std::vector<std::vector<double>> position;  ///< as in SlicedObjects

@@ -7,10 +7,10 @@ namespace slicemorph {
 
 namespace {
 
-/// Points that are trusted less than this are left out.
+/// Points that are trusted less than this are left out. Chosen by hand.
 constexpr float kLeastTrust = 0.05f;
 
-/// Where samples of one object go on every other one; nowhere on their own.
+/// Targets of one object's samples, per object; empty for the object itself.
 using TargetsOnOthers = std::vector<SoftTargets>;
 
 std::vector<TargetsOnOthers> matchedPairs(const std::vector<MiddleSamples>& samples, double blur) {
@@ -24,7 +24,7 @@ std::vector<TargetsOnOthers> matchedPairs(const std::vector<MiddleSamples>& samp
   return targets;
 }
 
-/// Sample `i` of object `j` on every object.
+/// The correspondence of sample `i` of object `j`.
 Correspondence softPoint(const Displacements& map, const std::vector<MiddleSamples>& samples,
                          const TargetsOnOthers& targets, size_t j, size_t i) {
   const size_t objects = samples.size();

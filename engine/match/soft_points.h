@@ -4,9 +4,9 @@
 
 namespace slicemorph {
 
-/// Correspondences from every object's samples to where a soft match of all pairs of objects sends them; of
-/// more than two objects each target counts as far as it is trusted against the sample's best. `blur`: see
-/// softMatch, chart units.
+/// Correspondences from every object's samples to their targets on the other objects, by soft matches of all
+/// pairs of objects in the middle space. Of more than two objects, each target counts in proportion to its
+/// trust, relative to the sample's most trusted one. `blur`: see softMatch, chart units.
 std::vector<Correspondence> softPoints(const Displacements& map, const std::vector<MiddleSamples>& samples,
                                        double blur);
 

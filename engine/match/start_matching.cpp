@@ -14,13 +14,15 @@ namespace slicemorph {
 
 namespace {
 
-/// In sizes: of the lattice of slices laid on each other.
+// The figures are chosen by hand. Lattice spacings are fractions of MatchObjects::size.
+
+/// Spacing of the base warp's lattice.
 constexpr double kBaseSpacing = 0.08;
-/// Pairs of contours tell the map from the slices' inside to a few parts, no finer.
+/// The fit of contour pairs is coarse: they determine the map roughly, not in detail.
 constexpr MapFit kPairFit{0.12, 4};
-/// Of a contour's samples, every fourth one is matched, but no fewer than these.
+/// Every fourth of a contour's samples is used, but no fewer than kLeastSamples.
 constexpr int kSampleShare = 4, kLeastSamples = 16;
-/// Marks alone make a first map as smooth as the first soft matches.
+/// The fit of marks: about as smooth as that of the soft matches.
 constexpr MapFit kMarkFit{0.15, 0.5};
 
 Displacements noDisplacements(const MatchObjects& objects) {
@@ -50,7 +52,7 @@ MatchingStart startFromContours(const MatchObjects& objects, const TracedObjects
   return start;
 }
 
-/// What is known for certain comes before what is found.
+/// The matching made to meet the user's features, before anything is matched automatically on top of it.
 Matching metFeatures(const MatchObjects& objects, Matching matching) {
   if (objects.features.empty()) return matching;
   const FeaturePoints& guides = objects.guides;

@@ -5,16 +5,15 @@
 
 namespace slicemorph {
 
-/// What slices, contours and the user's features make of the objects before any of their parts are matched.
+/// The matching by slices, contours and the user's features, before limbs and surface points are matched.
 struct MatchingStart {
   Matching matching;
-  std::vector<ContourPair> pairs;  ///< that are trusted
-  double overlapBefore = 0;        ///< of the objects in chart space, as their frames lay them
+  std::vector<ContourPair> pairs;  ///< accepted ones
+  double overlapBefore = 0;        ///< of the objects in chart space, without any warp
 };
 
-/// Slices laid on each other, then accepted contour pairs, each as far as the objects overlap better; and the
-/// user's features, which are met whatever that does to the overlap. `samples`: points along a contour.
-/// `traced`: of the objects.
+/// The base warp, then the accepted contour pairs, each as far as it improves the overlap; then the user's
+/// features, whatever they do to the overlap. `traced`: of the objects. `samples`: points along a contour.
 MatchingStart startMatching(const MatchObjects& objects, const TracedObjects& traced, int samples);
 
 }  // namespace slicemorph

@@ -7,11 +7,11 @@
 
 namespace slicemorph {
 
-/// A gain in overlap that is no accident.
+/// A gain in overlap that counts as certain, not as noise. Chosen by hand.
 constexpr double kSureGain = 0.01;
 
-/// What a map must gain in overlap to be taken: not at all at `none` or less, wholly from `all` on, in part
-/// between, so that no decision hangs on the last digit.
+/// Gain in overlap up to which a map is not taken at all, and from which it is taken wholly; in between it is
+/// taken in part (smoothstep), so that no decision depends on the last digit.
 struct GainWanted {
   double none = 0, all = kSureGain;
 };
@@ -21,8 +21,8 @@ struct TakenMap {
   double share = 0;  ///< to which the map was taken, 0 to 1
 };
 
-/// Takes a map to the degree to which the objects warped by it overlap better than before. `name`: for the
-/// note.
+/// Blends the matching's map with `map` by how much better the objects warped by `map` overlap. `name`: for
+/// the note.
 TakenMap takeAsFarAsBetter(const MatchObjects& objects, Matching matching, const Displacements& map,
                            const GainWanted& wanted, const std::string& name);
 

@@ -16,13 +16,13 @@ namespace slicemorph {
 
 namespace {
 
-/// Voxels of the mean along the lattice's longest side.
+/// Voxels of the mean along the lattice's longest side. Chosen by hand.
 constexpr double kMeanVoxels = 128;
 
-/// The mean of the objects by a map.
+/// The mean shape of the objects by a map.
 struct Mean {
   Chart chart;
-  std::shared_ptr<const DistanceField> field;  ///< null: there is nothing at all
+  std::shared_ptr<const DistanceField> field;  ///< null if the mean is empty
 };
 
 Mean meanOf(const Displacements& map, const Fields& fields, const Frames& frames) {
@@ -37,7 +37,7 @@ Mean meanOf(const Displacements& map, const Fields& fields, const Frames& frames
   return {pose.chart, std::make_shared<DistanceField>(surface)};
 }
 
-/// The points that a displacement takes to each node of a lattice.
+/// Per node of `nodes` the point that a displacement takes there (inverse of the displacement).
 std::vector<Vec3d> sourcesOf(const Lattice& nodes, const Lattice& lattice, const VectorField& displacement) {
   const MiddleGuess guess(lattice, displacement);
   std::vector<Vec3d> sources(nodes.count());
@@ -52,7 +52,7 @@ std::vector<Vec3d> sourcesOf(const Lattice& nodes, const Lattice& lattice, const
   return sources;
 }
 
-/// How far from each node of a lattice lies what a field takes its source to.
+/// Per node, the displacement from the node to where `field` takes the node's source.
 VectorField displacementFrom(const std::vector<Vec3d>& sources, const Lattice& nodes, const Lattice& lattice,
                              const VectorField& field) {
   VectorField result(nodes.count());
@@ -67,12 +67,12 @@ VectorField displacementFrom(const std::vector<Vec3d>& sources, const Lattice& n
   return result;
 }
 
-/// The displacements of a pair's second object from the points of its first one, the mean.
+/// The displacements of a pair's second object from points of the first one, the mean.
 VectorField fromMean(const Displacements& pair, const Lattice& nodes) {
   return displacementFrom(sourcesOf(nodes, pair.lattice, pair.of[0]), nodes, pair.lattice, pair.of[1]);
 }
 
-/// The same map from a space in which every point is the mean of its positions on the objects.
+/// The same map, from a middle space in which every point is the mean of its positions on the objects.
 Displacements recentred(const Displacements& map) {
   const Lattice& lattice = map.lattice;
   Displacements mean{lattice, {VectorField(lattice.count(), openvdb::Vec3s(0.f))}};
@@ -86,7 +86,8 @@ Displacements recentred(const Displacements& map) {
   return result;
 }
 
-/// Where features are half way by a map, world places of the mean; lines by nine places along them.
+/// The features for the pair of the mean (first) and an object: on the mean they are at the positions half
+/// way by the map, world units; lines by nine points along them.
 std::vector<Feature> featuresOfPair(const std::vector<Feature>& features, size_t object,
                                     const Displacements& map, const std::vector<Chart>& charts,
                                     const Mean& mean) {
@@ -94,10 +95,10 @@ std::vector<Feature> featuresOfPair(const std::vector<Feature>& features, size_t
   for (const Feature& feature : features) {
     Feature pair{feature.name, feature.kind, {{}, feature.places[object]}, {}, {}};
     const double share = 1.0 / double(charts.size());
-    const auto middle = [&](auto placeOn) {
+    const auto middle = [&](auto positionOn) {
       Vec3d sum(0.0);
       for (size_t k = 0; k < charts.size(); ++k) {
-        const Vec3d a = charts[k].toChart(placeOn(k));
+        const Vec3d a = charts[k].toChart(positionOn(k));
         Vec3d s = a - map.at(k, a);
         sum += share * (toMiddle(map, k, a, s) ? s : a);
       }
@@ -106,7 +107,7 @@ std::vector<Feature> featuresOfPair(const std::vector<Feature>& features, size_t
     const size_t count = feature.kind == Feature::Kind::kLine ? 9 : 1;
     for (size_t i = 0; i < count; ++i)
       pair.places[0].push_back(middle([&](size_t k) {
-        return placeAlong(feature.places[k], count > 1 ? double(i) / double(count - 1) : 0);
+        return pointAlong(feature.places[k], count > 1 ? double(i) / double(count - 1) : 0);
       }));
     if (feature.kind == Feature::Kind::kDisk) {
       const Vec3d ahead = middle(
@@ -121,7 +122,7 @@ std::vector<Feature> featuresOfPair(const std::vector<Feature>& features, size_t
   return result;
 }
 
-/// The mean and object k matched as a pair; from `map`, of all objects, by which the mean was made.
+/// Matches the mean and object k as a pair. `map`: of all objects, by which the mean was made.
 Registration matchedWithMean(const MatchObjects& objects, size_t k, const Displacements& map,
                              const Mean& mean, const MorphOptions& options) {
   const MatchObjects pair =

@@ -4,11 +4,11 @@
 
 namespace slicemorph {
 
-/// The matching of more than two objects: their mean shape by the map so far is built, each object is matched
-/// with it as one of a pair is, and what lies at a point of the mean is moved to the mean of its positions on
-/// all of them. So every object is matched as well as two are, none is special, and the work grows with their
-/// number. (Unbiased atlases [JDJG04].) `start`: of all objects; taken over but for the map. `frames`: of
-/// the objects, from which their charts are. `names`: of the objects, for notes.
+/// Matches more than two objects: builds their mean shape by the map so far, matches each object with it as a
+/// pair, and recentres the result so that every point of the middle space is the mean of its positions on all
+/// objects (unbiased atlas [JDJG04]). So every object is matched as well as one of two, none is special, and
+/// the work grows linearly with their number. `start`: of all objects; kept except for the map. `frames`: the
+/// objects' coordinate frames. `names`: of the objects, for notes. Throws Cancelled.
 Registration matchThroughMean(Registration start, const MatchObjects& objects, const Frames& frames,
                               const std::vector<std::string>& names, const MorphOptions& options,
                               Progress& progress);

@@ -223,7 +223,7 @@ void Pullback::fillVelocities(openvdb::Vec3SGrid& grid, const Weights& rate) con
   for (size_t k = 0; k < rate.size(); ++k) shapeRate[p.shapeOf[k]] += rate[k];
   const NodeMap nodes = p.carrying.lattice->velocitiesWithin(box, p.shapeWeights, shapeRate, p.carrying.pose,
                                                              grid.transform(), carryingStep(box));
-  const NodePlaces velocities(nodes);
+  const NodePositions velocities(nodes);
   const int step = nodes.step;
   openvdb::tree::LeafManager<openvdb::Vec3STree> leaves(grid.tree());
   leaves.foreach ([&](openvdb::Vec3STree::LeafNodeType& leaf, size_t) {

@@ -109,9 +109,9 @@ class Rebuilder {
         }
   }
 
-  /// `values`: of the cell's first voxel, in OpenVDB's leaf order (x slowest). Voxels go by blocks of 2 x 2 x
-  /// 2, and only those blocks are sampled whose middle is near enough to the surface to hold a voxel of the
-  /// band.
+  /// `values`: of the cell's first voxel, in OpenVDB's leaf order (x slowest). Voxels go by blocks
+  /// of 2 x 2 x 2, and only those blocks are sampled whose middle is near enough to the surface to
+  /// hold a voxel of the band.
   void fillCell(int i, int j, int k, std::vector<std::vector<openvdb::Vec3s>>& places, float* values) const {
     for (size_t n = 0; n < used_.size(); ++n) {
       if (places_.torn(i, j, k, 2, used_[n])) return blendNodes(i, j, k, values);
@@ -161,7 +161,7 @@ class Rebuilder {
   double voxel_;
   int step_;
   double steepest_;
-  NodePlaces places_;
+  NodePositions places_;
   const DistanceBlend& blend_;
   std::vector<size_t> used_;   ///< objects that count somewhere
   std::vector<float> factor_;  ///< of each of these, where weights do not vary

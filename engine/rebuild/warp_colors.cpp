@@ -34,7 +34,7 @@ Vec3SGrid::Ptr warpColors(const FloatGrid& surface, const std::vector<CarriedCol
   auto result = Vec3SGrid::create(tree);
   result->setTransform(surface.transform().copy());
   result->setName("Cd");
-  const NodePlaces finder(nodes);
+  const NodePositions finder(nodes);
   const int step = nodes.step;
   const std::vector<size_t> regionShapes = weights.regionObjects();
   using Leaf = openvdb::Vec3STree::LeafNodeType;

@@ -25,8 +25,8 @@ constexpr int kFineNodesUpTo = 400;
 
 /// Voxels of a grid that a cell of the in-between may spread over.
 constexpr double kMostLocal = 64 * 64 * 64;
-/// Voxels of a grid by which the faces of staggered values lie off, at most: half a voxel stretched six
-/// times.
+/// Voxels of a grid by which the faces of staggered values lie off, at most: half a voxel
+/// stretched six times.
 constexpr double kStaggeredReach = 3;
 
 /// World space, relative to an anchor, to a grid's index space.
@@ -88,8 +88,8 @@ bool cellActive(const NodeMap& nodes, const std::vector<Source>& sources, int i,
       const size_t node = nodes.index(i + (n & 1), j + (n >> 1 & 1), k + (n >> 2));
       box.expand(s.toIndex(Vec3d(nodes.at[node * nodes.objects + s.shape])));
     }
-    // The splines between the nodes overshoot by at most an eighth of the cell; the samples reach a voxel
-    // out.
+    // The splines between the nodes overshoot by at most an eighth of the cell; the samples
+    // reach a voxel out.
     const Vec3d slack = box.extents() / 8.0 + Vec3d(1.0);
     if (s.blocks.meets({box.min() - slack, box.max() + slack})) return true;
   }
@@ -102,7 +102,7 @@ struct CellPlaces {
   std::vector<Vec3d> index;           ///< of the object's grid
   openvdb::BBoxd box;                 ///< of these
 
-  void find(const NodePlaces& places, const openvdb::Coord& node, const Source& source) {
+  void find(const NodePositions& places, const openvdb::Coord& node, const Source& source) {
     places.find(node[0], node[1], node[2], source.shape, world);
     index.resize(world.size());
     box = openvdb::BBoxd();
@@ -376,7 +376,7 @@ class Blender {
   std::unique_ptr<Numbers> numbers_;
   int channels_;
   const NodeMap& nodes_;
-  NodePlaces places_;
+  NodePositions places_;
   const LocalWeights& weights_;
   bool vary_;
   const GridBase& prototype_;
@@ -397,7 +397,7 @@ GridBase::Ptr nearestInBetween(const CarriedGrid& carried, const NodeMap& nodes)
   const std::vector<Source> sources{{carried.shape, carried.object, carried.weight,
                                      ToIndex(carried.grid->transform(), carried.anchor), std::move(*blocks),
                                      nullptr}};
-  const NodePlaces nodePlaces(nodes);
+  const NodePositions nodePlaces(nodes);
   const int step = nodes.step;
   const std::vector<openvdb::Coord> origins =
       leavesWith(nodes, [&](int i, int j, int k) { return cellActive(nodes, sources, i, j, k); });

@@ -13,7 +13,7 @@ SlicePlanes placeSlices(const std::vector<openvdb::BBoxd>& chartBoxes, int count
   const Vec3d extent = box.extents();
   SlicePlanes planes;
   for (int i = 0; i < count; ++i) planes.z0.push_back(box.min()[0] + (i + 0.5) * extent[0] / count);
-  constexpr int kPixels = 112;  // across the larger side
+  constexpr int kPixels = 112;  // across the larger side; chosen by hand
   planes.pixel = std::max(extent[1], extent[2]) / kPixels;
   planes.nx = int(std::ceil(extent[1] / planes.pixel)) + 5;
   planes.ny = int(std::ceil(extent[2] / planes.pixel)) + 5;

@@ -9,9 +9,9 @@ namespace slicemorph {
 
 using openvdb::Vec2d;
 
-/// Where the slices of all objects lie: equal counts, equal places in chart space.
+/// The slice planes and pixel grid in chart space, shared by all objects.
 struct SlicePlanes {
-  std::vector<double> z0;  ///< place along the spine, chart units
+  std::vector<double> z0;  ///< position of each plane along the spine, chart units
   Vec2d origin{0, 0};      ///< of pixel (0, 0), chart units
   double pixel = 0;        ///< chart units
   int nx = 0, ny = 0;
@@ -23,7 +23,7 @@ using SliceImage = std::vector<float>;
 /// `count` planes through the middles of equal slabs of the box that holds all objects in chart space.
 SlicePlanes placeSlices(const std::vector<openvdb::BBoxd>& chartBoxes, int count);
 
-/// Samples every slice of one object, one slice a task.
+/// Samples the signed distance on every slice of one object.
 std::vector<SliceImage> sampleSlices(const DistanceField& field, const Chart& chart,
                                      const SlicePlanes& planes);
 

@@ -7,7 +7,7 @@
 namespace slicemorph {
 
 Vec3d rotationVector(const Mat3d& m) {
-  // Through the quaternion's largest component: exact up to turns of 180 degrees.
+  // By way of the quaternion, from its largest component: accurate up to turns of 180 degrees.
   const double t[4] = {1 + m(0, 0) + m(1, 1) + m(2, 2), 1 + m(0, 0) - m(1, 1) - m(2, 2),
                        1 - m(0, 0) + m(1, 1) - m(2, 2), 1 - m(0, 0) - m(1, 1) + m(2, 2)};
   int k = 0;
@@ -43,14 +43,14 @@ Mat3d rotationFromVector(const Vec3d& v) {
 
 namespace {
 
-/// A step along a spine of constant turn rate: `turn` is rate times length.
+/// A step along a spine of constant turn rate; the exponential series up to the fourth order.
 struct Step {
-  Vec3d turn;
+  Vec3d turn;  ///< rate times length, radians
   Vec3d turned(const Vec3d& v) const {
     const Vec3d a = turn.cross(v), b = turn.cross(a), c = turn.cross(b), d = turn.cross(c);
     return v + a + b / 2.0 + c / 6.0 + d / 24.0;
   }
-  /// Where a unit step along the first axis ends: the mean of its directions.
+  /// End of a unit step along the first axis: the mean of its directions.
   Vec3d end() const {
     const Vec3d v(1, 0, 0), a = turn.cross(v), b = turn.cross(a), c = turn.cross(b), d = turn.cross(c);
     return v + a / 2.0 + b / 6.0 + c / 24.0 + d / 120.0;
@@ -66,7 +66,7 @@ struct Step {
 struct Bend::Table {
   double half = 1, spacing = 1;
   std::vector<Vec3d> rate;
-  std::vector<Bend::Place> place;  ///< its rate: the mean up to the next station
+  std::vector<Bend::Point> station;  ///< `rate`: mean up to the next station
   Vec3d middle{0, 0, 0};
 };
 
@@ -75,25 +75,25 @@ Bend::Bend(double half, std::vector<Vec3d> rates) {
   table->half = half;
   table->spacing = 2 * half / (kStations - 1);
   table->rate = std::move(rates);
-  table->place.resize(kStations);
+  table->station.resize(kStations);
   constexpr int kMiddle = (kStations - 1) / 2;
   const double h = table->spacing;
   const auto mean = [&](int i) { return 0.5 * (table->rate[i] + table->rate[i + 1]); };
-  table->place[kMiddle] = {Vec3d(0.0), Mat3d::identity(), Vec3d(0.0)};
+  table->station[kMiddle] = {Vec3d(0.0), Mat3d::identity(), Vec3d(0.0)};
   for (int i = kMiddle; i + 1 < kStations; ++i) {
-    Place& p = table->place[i];
+    Point& p = table->station[i];
     p.rate = mean(i);
-    table->place[i + 1] = {p.point + p.frame * (h * Step{h * p.rate}.end()),
-                           p.frame * rotationFromVector(h * p.rate), Vec3d(0.0)};
+    table->station[i + 1] = {p.point + p.frame * (h * Step{h * p.rate}.end()),
+                             p.frame * rotationFromVector(h * p.rate), Vec3d(0.0)};
   }
   for (int i = kMiddle; i > 0; --i) {
-    const Place& p = table->place[i];
+    const Point& p = table->station[i];
     const Vec3d rate = mean(i - 1);
-    table->place[i - 1] = {p.point - p.frame * (h * Step{-h * rate}.end()),
-                           p.frame * rotationFromVector(-h * rate), rate};
+    table->station[i - 1] = {p.point - p.frame * (h * Step{-h * rate}.end()),
+                             p.frame * rotationFromVector(-h * rate), rate};
   }
   for (int i = 0; i < kStations; ++i)
-    table->middle += table->place[i].point * ((i == 0 || i == kStations - 1 ? 0.5 : 1) / (kStations - 1));
+    table->middle += table->station[i].point * ((i == 0 || i == kStations - 1 ? 0.5 : 1) / (kStations - 1));
   table_ = std::move(table);
 }
 
@@ -103,15 +103,15 @@ std::vector<Vec3d> Bend::rates() const {
 }
 Vec3d Bend::middle() const { return table_ ? table_->middle : Vec3d(0.0); }
 
-Bend::Place Bend::at(double z0) const {
+Bend::Point Bend::at(double z0) const {
   if (!table_) return {Vec3d(z0, 0, 0), Mat3d::identity(), Vec3d(0.0)};
   const double x = (z0 + table_->half) / table_->spacing;
   if (!(x > 0) || x >= kStations - 1) {
-    const Place& end = x > 0 ? table_->place.back() : table_->place.front();
+    const Point& end = x > 0 ? table_->station.back() : table_->station.front();
     const double beyond = x > 0 ? z0 - table_->half : z0 + table_->half;
     return {end.point + end.frame * Vec3d(beyond, 0, 0), end.frame, Vec3d(0.0)};
   }
-  const Place& from = table_->place[size_t(x)];
+  const Point& from = table_->station[size_t(x)];
   const double length = (x - std::floor(x)) * table_->spacing;
   const Step step{length * from.rate};
   return {from.point + from.frame * (length * step.end()), from.frame * step.matrix(), from.rate};
@@ -121,15 +121,15 @@ double Bend::nearest(const Vec3d& point) const {
   int best = 0;
   double least = std::numeric_limits<double>::max();
   for (int i = 0; i < kStations; ++i) {
-    const double d = (table_->place[i].point - point).lengthSqr();
+    const double d = (table_->station[i].point - point).lengthSqr();
     if (d < least) least = d, best = i;
   }
-  return stationPlace(best);
+  return stationZ0(best);
 }
 
 Vec3d Chart::toWorld(const Vec3d& z) const {
   if (bend.straight()) return center + axes * (scale * z);
-  const Bend::Place p = bend.at(z[0]);
+  const Bend::Point p = bend.at(z[0]);
   return center + axes * (scale[0] * p.point + p.frame * Vec3d(0, scale[1] * z[1], scale[2] * z[2]));
 }
 
@@ -141,10 +141,10 @@ Vec3d Chart::toChart(const Vec3d& world) const {
   const double longest = 4 * bend.half() / (Bend::kStations - 1);
   Vec3d local;
   for (int i = 0; i < 12; ++i) {
-    const Bend::Place place = bend.at(z0);
-    local = place.frame.transpose() * (q - place.point);
+    const Bend::Point on = bend.at(z0);
+    local = on.frame.transpose() * (q - on.point);
     if (std::abs(local[0]) < 1e-10) break;
-    const double spread = 1 + place.rate[1] * local[2] - place.rate[2] * local[1];
+    const double spread = 1 + on.rate[1] * local[2] - on.rate[2] * local[1];
     const double step = local[0] / std::max(spread, 0.3);
     z0 += std::min(std::max(step, -longest), longest);
   }
@@ -159,7 +159,7 @@ double Chart::spread(const Vec3d& z) const {
 
 Vec3d Chart::normalToChart(const Vec3d& z, const Vec3d& n) const {
   if (bend.straight()) return (scale * (axes.transpose() * n)).unit();
-  const Bend::Place p = bend.at(z[0]);
+  const Bend::Point p = bend.at(z[0]);
   const Vec3d local = p.frame.transpose() * (axes.transpose() * n);
   const Vec3d along = Vec3d(scale[0], 0, 0) + p.rate.cross(Vec3d(0, scale[1] * z[1], scale[2] * z[2]));
   return Vec3d(local.dot(along), scale[1] * local[1], scale[2] * local[2]).unit();
@@ -191,7 +191,7 @@ Chart blendCharts(const std::vector<Chart>& charts, const Weights& weights) {
     result.axes = result.axes * rotationFromVector(step);
     if (step.length() < 1e-14) break;
   }
-  // Weights below 0 might lead to a size of nothing.
+  // Negative weights could make the scale zero or negative.
   for (int axis = 0; axis < 3; ++axis) {
     double least = 1e300;
     for (const Chart& c : charts) least = std::min(least, c.scale[axis]);

@@ -19,43 +19,54 @@ namespace {
 
 using Complex = std::complex<double>;
 
+// Unless noted the figures are chosen by hand; tests/engine/spine/bend_test.cpp compares fitted spines with
+// closed forms, and Curved.RoundAndStoutShapesStayStraight guards what has no axis.
+
+/// Slices along the axis; as in the method's prototype.
 constexpr int kSections = 65;
-/// Of the penalty on third differences: waves shorter than a quarter of the axis are not followed.
+/// Least stiffness of the penalty on third differences, and the stiffness for the first guess: variations
+/// shorter than about a quarter of the axis are smoothed out.
 constexpr double kSmooth = 30, kSmoothStart = 100;
-/// Share of the axis, at each end, along which it grows stiffer towards the end.
+/// Share of the axis, at each end, along which the stiffness grows towards the end.
 constexpr double kEnd = 0.25;
-/// How short the waves of the axis may be away from its ends, against those at the ends.
+/// Wavelength that the axis may follow away from its ends, relative to that at the ends.
 constexpr double kWaveInside = 0.5;
-/// Bends of less than this, in radians over half the axis, tell no direction of their own.
+/// Bends of less than this, in radians over half the axis, have no reliable direction.
 constexpr double kLeastBend = 0.3;
-/// An object shorter than this many times its width has no clear axis.
+/// Least ratio of an axis' length to the root of the mean slice area.
 constexpr double kSlender = 1.8;
-/// How many times as far an object must spread along its axis as across it, by standard deviation.
+/// Least ratio of the object's standard deviations along and across the axis.
 constexpr double kLong = 1.2;
-/// Where slices come closer together than this the chart is of no use; how much of the object may lie there.
+/// Spread of the slices (Chart::spread) below which a chart is unusable, as in the method's prototype; and
+/// the largest share of the object where that may be so.
 constexpr double kLeastSpread = 0.4, kMostCrossed = 0.01;
-/// What the axis follows, in widths of its slices: how far from its end a slice is trusted wholly, and how
-/// short a wave at an end may be. It begins stiff and grows supple, so that it neither folds nor curls on its
-/// way; once it rests its ends are followed closer.
+/// How closely the axis follows the centroids, in widths of its slices. It begins stiff and is made more
+/// flexible from round to round, so that it neither folds nor curls; once it has converged its ends are
+/// followed more closely. `cap`: distance from the axis' end from which a slice is fully trusted; `wave`:
+/// shortest wavelength at an end.
 struct Grip {
   double cap, wave;
 };
 constexpr Grip kEarly{0.8, 0.35}, kLate{0.3, 0.25};
+/// The first round's wavelength, and its factor from round to round.
 constexpr double kFirstWave = 1.5, kSuppler = 0.7;
+/// Most rounds with kEarly and with kLate.
 constexpr int kRounds = 9, kLateRounds = 8;
-/// An axis that moves by less than this from round to round, in widths, rests; one that moves by more than
-/// the second with its ends followed closer has not found them.
+/// An axis that moves by less than kRest from round to round, in roots of the mean slice area, has converged;
+/// if the last round with kLate still moves it by more than kRestless, the result of kEarly is kept.
 constexpr double kRest = 0.002, kRestless = 0.02;
+/// Largest relative error of the volume that the chart's slices count; the method's prototype had 0.02.
 constexpr double kVolumeTolerance = 0.03;
 
-/// Trust in a slice by its distance to the axis' end: near an end it may be cut askew by the end cap. `cap`:
-/// in widths of the slice, where trust begins to fade.
+/// Trust in a slice by its distance to the axis' end, world units: near the end it may cut the end cap askew.
+/// `cap`: in widths of the slice, below which trust fades.
 double awayFromEnd(double distance, double area, double cap) {
   const double clear = std::min(distance / std::max(cap * std::sqrt(std::max(area, 0.0)), 1e-300), 1.0);
   return clear * clear * clear * clear;
 }
 
-/// Evenly spaced points of least third differences near the given ones, each as near as its weight tells.
+/// Evenly spaced points that minimise the weighted squared distances to the given ones and
+/// the third differences.
 std::vector<Vec3d> smoothed(const std::vector<Vec3d>& points, const std::vector<double>& weights) {
   const int n = int(points.size());
   Eigen::MatrixXd a = Eigen::MatrixXd::Zero(n, n), b(n, 3);
@@ -73,7 +84,8 @@ std::vector<Vec3d> smoothed(const std::vector<Vec3d>& points, const std::vector<
   return result;
 }
 
-/// `count` points evenly spaced along a smooth line through the given ones (Catmull-Rom).
+/// `count` points evenly spaced along a cubic Hermite spline through the given ones, its slopes
+/// by finite differences.
 std::vector<Vec3d> evenly(const std::vector<Vec3d>& line, int count) {
   const int n = int(line.size());
   std::vector<double> at{0};
@@ -98,7 +110,7 @@ std::vector<Vec3d> evenly(const std::vector<Vec3d>& line, int count) {
   return result;
 }
 
-/// Turns and moves a chart whose spine has the right shape so that it lies best over evenly spaced points.
+/// Rotates and moves a chart so that its spine fits evenly spaced points in least squares (small rotations).
 void layOver(Chart& chart, const std::vector<Vec3d>& points) {
   const int n = int(points.size());
   const auto weight = [&](int i) { return (i == 0 || i == n - 1 ? 0.5 : 1) / (n - 1); };
@@ -121,14 +133,14 @@ void layOver(Chart& chart, const std::vector<Vec3d>& points) {
   chart.center = mean - chart.axes * (chart.scale[0] * chart.bend.middle());
 }
 
-/// Frames along evenly spaced points that do not spin (double reflection [WJZL08]), as a chart with
-/// slices in world units.
+/// A chart whose spine passes through the points, with rotation-minimising frames (double reflection
+/// [WJZL08]); z0 in [-1, 1], slices in world units.
 Chart chartThrough(const std::vector<Vec3d>& points) {
   const int n = Bend::kStations;
   const std::vector<Vec3d> p = evenly(points, n);
   std::vector<Vec3d> tangent(n), side(n);
   for (int i = 1; i + 1 < n; ++i) tangent[i] = (p[i + 1] - p[i - 1]).unit();
-  // A chord of an even bend lies midway between the directions at its ends.
+  // In an arc of constant curvature the chord lies midway between the tangents at its ends.
   const auto mirrored = [](const Vec3d& t, const Vec3d& chord) {
     return 2 * t.dot(chord) / chord.lengthSqr() * chord - t;
   };
@@ -169,16 +181,18 @@ Chart chartThrough(const std::vector<Vec3d>& points) {
   return chart;
 }
 
+/// A first guess of the axis: centroids of the nodes binned by the difference of their geodesic distances to
+/// the object's two ends. Empty where less than 97 % of the inside is connected.
 std::vector<Vec3d> geodesicStart(const InsideNodes& nodes) {
-  const Geodesics ways(nodes);
+  const Geodesics geodesics(nodes);
   size_t middle = 0;
   Vec3d mean(0.0);
   for (const Vec3d& p : nodes.position) mean += p / double(nodes.position.size());
   for (size_t i = 0; i < nodes.position.size(); ++i)
     if ((nodes.position[i] - mean).lengthSqr() < (nodes.position[middle] - mean).lengthSqr()) middle = i;
-  const Geodesics::Ways waysFromA = ways.from(ways.from(middle).farthest());
-  const std::vector<double>& fromA = waysFromA.length;
-  const std::vector<double> fromB = ways.from(waysFromA.farthest()).length;
+  const Geodesics::Distances distancesFromA = geodesics.from(geodesics.from(middle).farthest());
+  const std::vector<double>& fromA = distancesFromA.length;
+  const std::vector<double> fromB = geodesics.from(distancesFromA.farthest()).length;
   size_t reached = 0;
   double most = 0;
   for (double d : fromA)
@@ -192,8 +206,8 @@ std::vector<Vec3d> geodesicStart(const InsideNodes& nodes) {
     const int bin = std::min(std::max(int(std::lround(u)), 0), kSections - 1);
     sum[bin] += nodes.share[i] * nodes.position[i], weight[bin] += nodes.share[i];
   }
-  // Ways that start at a tip spread from it like rings: near the tips they tell nothing of the axis.
-  constexpr double kTip = 1.2;
+  // Near the tips geodesic distances form spheres about the tip and do not show the axis.
+  constexpr double kTip = 1.2;  // by hand, see awayFromEnd
   const double length = most / (kSections - 1);
   for (int i = 0; i < kSections; ++i) {
     if (weight[i] > 0)
@@ -213,8 +227,8 @@ std::vector<Vec3d> inChart(const Chart& chart, const InsideNodes& nodes) {
   return z;
 }
 
-/// From where to where along the chart's spine the object reaches. Each node's ball is inside, so it is
-/// followed along the spine to the ball's end.
+/// Extent (low, high) of the object along the chart's spine, z0. The ball about a node with its depth as
+/// radius is inside, so the extent includes the balls.
 std::pair<double, double> extentOf(const Chart& chart, const InsideNodes& nodes,
                                    const std::vector<Vec3d>& z) {
   double low = 1e300, high = -1e300;
@@ -227,7 +241,7 @@ std::pair<double, double> extentOf(const Chart& chart, const InsideNodes& nodes,
     if (nodes.depth[i] >= 0) low = std::min(low, z[i][0]), high = std::max(high, z[i][0]);
   }
   for (size_t i = 0; i < z.size(); ++i) {
-    // Where slices stand closer than this the object is no chart's.
+    // Bound on the ball's extent: charts with less spread are rejected anyway.
     const double most = std::abs(nodes.depth[i]) / (kLeastSpread * chart.scale[0]);
     if (z[i][0] + most > high) high = std::max(high, ballEnd(i, 1));
     if (z[i][0] - most < low) low = std::min(low, ballEnd(i, -1));
@@ -235,13 +249,13 @@ std::pair<double, double> extentOf(const Chart& chart, const InsideNodes& nodes,
   return {low, high};
 }
 
-/// A chart's own slices, evenly from tip to tip.
+/// A chart's slices, evenly spaced from tip to tip.
 struct Sections {
-  double low = 0, high = 0;   ///< z0 of the first and the last one
-  std::vector<Complex> away;  ///< from the spine to the slice's centroid, e1 + i e2, world units
-  std::vector<double> trust, width;
+  double low = 0, high = 0;          ///< z0 of the first and the last one
+  std::vector<Complex> away;         ///< from the spine to the slice's centroid, e1 + i e2, world units
+  std::vector<double> trust, width;  ///< weight of the centroid; root of the largest area nearby, world units
 
-  double place(int i) const { return low + (high - low) * i / (kSections - 1); }
+  double z0(int i) const { return low + (high - low) * i / (kSections - 1); }
 };
 
 Sections sectionsOf(const Chart& chart, const InsideNodes& nodes, double cap) {
@@ -261,12 +275,12 @@ Sections sectionsOf(const Chart& chart, const InsideNodes& nodes, double cap) {
     }
   }
   area.front() *= 2, area.back() *= 2, moment.front() *= 2, moment.back() *= 2;
-  // From volume per section to that of the slices.
+  // Converts volume per section to area.
   const double unit = nodes.spacing * nodes.spacing * nodes.spacing / (spacing * chart.scale[0]);
   for (int i = 0; i < kSections; ++i) {
     result.away.push_back(area[i] > 0 ? moment[i] / area[i] : 0);
-    // Slices where the object ends or narrows suddenly, and those at an end cap, which are cut askew as long
-    // as the axis is not right, are trusted least.
+    // Slices where the object ends or narrows suddenly are trusted least, and so are those at an end cap,
+    // which are askew as long as the axis is not right.
     double least = 1e300, most = 0;
     for (int j = std::max(i - 4, 0); j <= std::min(i + 4, kSections - 1); ++j)
       least = std::min(least, area[j]), most = std::max(most, area[j]);
@@ -278,12 +292,12 @@ Sections sectionsOf(const Chart& chart, const InsideNodes& nodes, double cap) {
   return result;
 }
 
-/// Bend of a chart's spine at its sections as a complex number, e1 + i e2, per world unit.
+/// Curvature of a chart's spine at its sections as a complex number, e1 + i e2, per world unit.
 std::vector<Complex> bendAt(const Chart& chart, const Sections& sections) {
   const std::vector<Vec3d> rates = chart.bend.rates();
   std::vector<Complex> bend;
   for (int i = 0; i < kSections; ++i) {
-    const double u = (sections.place(i) + 1) / 2 * (Bend::kStations - 1);
+    const double u = (sections.z0(i) + 1) / 2 * (Bend::kStations - 1);
     const int j = std::min(std::max(int(u), 0), Bend::kStations - 2);
     const double f = std::min(std::max(u - j, 0.0), 1.0);
     const Vec3d rate = (1 - f) * rates[size_t(j)] + f * rates[size_t(j) + 1];
@@ -292,7 +306,7 @@ std::vector<Complex> bendAt(const Chart& chart, const Sections& sections) {
   return bend;
 }
 
-/// Turning of the bend's direction about the spine near section i, radians per section.
+/// Torsion: turning of the bend's direction about the spine near section i, radians per section.
 double windingAt(int i, const std::vector<Complex>& bend, const std::vector<double>& trust,
                  double leastBend) {
   constexpr int kWindow = 12;
@@ -304,9 +318,9 @@ double windingAt(int i, const std::vector<Complex>& bend, const std::vector<doub
   return turning / all;
 }
 
-/// The axis through the centroids of the chart's own slices, each as near as its trust tells, that bends as
-/// evenly as can be. Even is a screw's motion at a constant rate, for a bar may end in the midst of a bend or
-/// a winding: d bend = i winding bend, in frames that do not spin. `wave`: see Grip.
+/// The axis through the centroids of the chart's slices, weighted by trust, that bends as evenly as possible.
+/// Evenly means as a helix, of constant curvature and torsion (d bend = i winding bend in rotation-minimising
+/// frames), since a bar may end in the middle of a bend or a winding. `wave`: see Grip.
 std::vector<Vec3d> throughCentroids(const Chart& chart, const Sections& sections, double wave) {
   const int n = kSections;
   const double spacing = (sections.high - sections.low) / (n - 1) * chart.scale[0];
@@ -318,7 +332,7 @@ std::vector<Vec3d> throughCentroids(const Chart& chart, const Sections& sections
     a(i, i) = trust + 1e-9, b[i] = trust * sections.away[size_t(i)];
   }
   for (int i = 0; i + 3 < n; ++i) {
-    // A wave of w sections is stiff by its sixth power, as the penalty is on third differences.
+    // The penalty on third differences suppresses waves of w sections if it is of the order w^6.
     const double waves = wave * sections.width[size_t(i < n / 2 ? i : i + 3)] / spacing;
     const double inside = std::max(std::pow(kWaveInside * waves, 6), kSmooth);
     const double end = std::max(1 - std::min(i, n - 4 - i) / (kEnd * n), 0.0);
@@ -334,12 +348,12 @@ std::vector<Vec3d> throughCentroids(const Chart& chart, const Sections& sections
   }
   const Eigen::VectorXcd x = a.ldlt().solve(b);
   std::vector<Vec3d> points;
-  for (int i = 0; i < n; ++i) points.push_back(chart.toWorld({sections.place(i), x[i].real(), x[i].imag()}));
+  for (int i = 0; i < n; ++i) points.push_back(chart.toWorld({sections.z0(i), x[i].real(), x[i].imag()}));
   return points;
 }
 
-/// Whether the object spreads clearly more along the spine than across it: a cube's diagonal or a ring's
-/// diameter is no axis.
+/// Whether the object extends clearly further along the spine than across it, unlike along a cube's diagonal
+/// or a ring's diameter.
 bool isLong(const Chart& chart, const InsideNodes& nodes, const std::vector<Vec3d>& z) {
   double all = 0, along = 0, first = 0, second = 0, mixed = 0;
   Vec3d mean(0.0);
@@ -354,7 +368,7 @@ bool isLong(const Chart& chart, const InsideNodes& nodes, const std::vector<Vec3
   return along > kLong * kLong * across;
 }
 
-/// How far a spine has moved from another one, at most, world units.
+/// Largest distance between two spines at equal z0, world units.
 double movedBetween(const Chart& a, const Chart& b) {
   double most = 0;
   for (int i = -8; i <= 8; ++i) {
@@ -364,7 +378,8 @@ double movedBetween(const Chart& a, const Chart& b) {
   return most;
 }
 
-/// Volume that the chart's slices count: once everywhere, if the chart is sound.
+/// Volume of the object as integrated in chart space, world units cubed: equals the true one if the slices
+/// cover the object exactly once. `inside`: chart coordinates of the nodes inside.
 double countedVolume(const DistanceField& field, const Chart& chart, const std::vector<Vec3d>& inside) {
   openvdb::BBoxd box;
   for (const Vec3d& z : inside) box.expand(z);
@@ -389,7 +404,7 @@ double countedVolume(const DistanceField& field, const Chart& chart, const std::
   return std::accumulate(sums.begin(), sums.end(), 0.0) * unit;
 }
 
-/// How far the spine lies from the line between its ends.
+/// Largest distance of the spine from the line between its ends, world units.
 double distanceFromChord(const Chart& chart) {
   const Vec3d a = chart.toWorld({-1, 0, 0}), chord = chart.toWorld({1, 0, 0}) - a;
   double most = 0;
@@ -417,7 +432,7 @@ std::vector<Vec3d> straightStart(const InsideNodes& nodes) {
   return {mean + low * axis, mean + high * axis};
 }
 
-/// The axis from a first guess; nothing where it is no sound chart of the object.
+/// Fits the axis from a first guess; nothing where it gives no valid chart of the object.
 std::optional<Chart> settled(const DistanceField& field, const InsideNodes& nodes,
                              const std::vector<Vec3d>& start) {
   if (start.empty()) return std::nullopt;
@@ -460,7 +475,7 @@ std::optional<Chart> settled(const DistanceField& field, const InsideNodes& node
 std::optional<FittedSpine> fitSpine(const DistanceField& field) {
   const InsideNodes nodes = InsideNodes(field);
   std::optional<Chart> best;
-  // Of two sound axes the shorter: the other one curls up at an end.
+  // Of two valid axes take the shorter: the longer one may curl up at an end.
   for (const std::vector<Vec3d>& start : {straightStart(nodes), geodesicStart(nodes)}) {
     const std::optional<Chart> chart = settled(field, nodes, start);
     if (chart && (!best || chart->scale[0] < best->scale[0])) best = chart;

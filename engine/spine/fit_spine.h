@@ -7,17 +7,17 @@
 
 namespace slicemorph {
 
-/// Chart about an object's own curved axis: z0 in [-1, 1] from tip to tip, scale[0] half the axis' length,
-/// frames that do not spin. `bow`: how far the axis lies from its chord, in radii of the object.
+/// Chart about an object's own curved axis.
 struct FittedSpine {
-  Chart chart;
-  double bow = 0;
+  Chart chart;  ///< z0 in [-1, 1] from tip to tip, scale[0] half the axis' length, rotation-minimising frames
+  double bow = 0;  ///< largest distance of the axis from its chord, in radii of the object
 };
 
-/// The axis through the area centroids of the slices perpendicular to itself: started from the geodesic
-/// distances to the object's two ends, then sliced again until it rests. Nothing where the object has no such
-/// axis: where it hardly spreads more along than across, where its slices would cross inside it, or miss or
-/// count twice more than 3 % of its volume.
+/// Finds the axis through the area centroids of the slices perpendicular to itself: starting from the
+/// longest principal axis and from geodesic distances between the object's two ends, slices and refits
+/// until it converges. Nothing where the object has no such axis: where it hardly extends further along
+/// it than across, where slices would cross inside it, or where they would miss or count twice more
+/// than 3 % of its volume.
 std::optional<FittedSpine> fitSpine(const DistanceField& field);
 
 }  // namespace slicemorph

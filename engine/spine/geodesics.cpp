@@ -9,6 +9,7 @@ namespace slicemorph {
 
 namespace {
 
+/// Bounds the time of the shortest-path searches. Chosen by hand.
 constexpr size_t kMostNodes = 40000;
 
 }  // namespace
@@ -55,23 +56,24 @@ Geodesics::Geodesics(const InsideNodes& nodes) : neighbours_(nodes.position.size
     }
 }
 
-Geodesics::Ways Geodesics::from(size_t start) const {
-  Ways ways{std::vector<double>(neighbours_.size(), std::numeric_limits<double>::infinity())};
+Geodesics::Distances Geodesics::from(size_t start) const {
+  Distances distances{std::vector<double>(neighbours_.size(), std::numeric_limits<double>::infinity())};
   using Entry = std::pair<double, size_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> queue;
-  ways.length[start] = 0;
+  distances.length[start] = 0;
   queue.push({0, start});
   while (!queue.empty()) {
     const auto [d, i] = queue.top();
     queue.pop();
-    if (d > ways.length[i]) continue;
+    if (d > distances.length[i]) continue;
     for (const Neighbour& n : neighbours_[i])
-      if (d + n.distance < ways.length[n.node]) queue.push({ways.length[n.node] = d + n.distance, n.node});
+      if (d + n.distance < distances.length[n.node])
+        queue.push({distances.length[n.node] = d + n.distance, n.node});
   }
-  return ways;
+  return distances;
 }
 
-size_t Geodesics::Ways::farthest() const {
+size_t Geodesics::Distances::farthest() const {
   size_t best = 0;
   double most = -1;
   for (size_t i = 0; i < length.size(); ++i)

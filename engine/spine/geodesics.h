@@ -4,12 +4,12 @@
 
 namespace slicemorph {
 
-/// The inside of an object as some 40,000 points of a coarse grid at most.
+/// The inside of an object as at most 40,000 points of a coarse regular grid.
 struct InsideNodes {
   explicit InsideNodes(const DistanceField& field);
 
   std::vector<Vec3d> position;     ///< world
-  std::vector<double> share;       ///< of each one's cell, that is inside
+  std::vector<double> share;       ///< of each point's cell that is inside, 0 to 1
   std::vector<double> depth;       ///< distance to the surface; below zero just outside
   std::vector<openvdb::Coord> at;  ///< in the coarse grid
   double spacing = 0;              ///< world units
@@ -17,17 +17,17 @@ struct InsideNodes {
   double volume() const;
 };
 
-/// Shortest ways through the inside, from node to neighbouring node.
+/// Shortest paths through the inside, along steps between the 26 neighbours of each node (Dijkstra).
 class Geodesics {
  public:
   explicit Geodesics(const InsideNodes& nodes);
 
-  struct Ways {
-    std::vector<double> length;  ///< infinite where there is no way
-    /// The farthest node that can be reached.
+  struct Distances {
+    std::vector<double> length;  ///< per node, world units; infinite where there is no path
+    /// The farthest node that is reachable.
     size_t farthest() const;
   };
-  Ways from(size_t start) const;
+  Distances from(size_t start) const;
 
   struct Neighbour {
     size_t node;

@@ -10,22 +10,24 @@ namespace slicemorph {
 
 namespace {
 
-/// Of the longest way: how far a branch must run out beyond where it joins another.
+// Chosen by hand; tests/engine/spine/limbs_test.cpp counts the limbs of known shapes.
+
+/// Least length of a branch beyond where it joins another, as a share of the longest path.
 constexpr double kProminent = 0.12;
-/// A branch is at least this many times longer than wide.
+/// Least ratio of a branch's length to its width.
 constexpr double kLongerThanWide = 1.2;
-/// And thinner than the body: its width is less than this share of the body's greatest depth, doubled. What
-/// is as thick is the body's own end.
+/// Largest ratio of a branch's width to the body's greatest thickness (twice its depth): what is as thick as
+/// the body is the body's own end.
 constexpr double kThin = 0.9;
 
-/// Nodes that hang together beyond some distance from the body, grown from a tip inwards.
+/// A connected set of nodes beyond some distance from the body, grown from a tip inwards.
 struct Branch {
   size_t tip;
   std::vector<size_t> nodes;
-  bool ended = false;  ///< has joined another branch already
+  bool ended = false;  ///< has met another branch already
 };
 
-/// The middle line of a branch's nodes from distance `root` outwards.
+/// The limb of a branch's nodes from the distance `root` outwards.
 Limb limbOf(const InsideNodes& nodes, const std::vector<double>& distance, const Branch& branch,
             double root) {
   constexpr int n = Limb::kSections;
@@ -61,9 +63,9 @@ double widthOf(const Limb& limb) {
 std::vector<Limb> findLimbs(const DistanceField& field) {
   const InsideNodes nodes(field);
   if (nodes.position.empty()) return {};
-  const Geodesics ways(nodes);
+  const Geodesics geodesics(nodes);
   const size_t body = size_t(std::max_element(nodes.depth.begin(), nodes.depth.end()) - nodes.depth.begin());
-  const std::vector<double> distance = ways.from(body).length;
+  const std::vector<double> distance = geodesics.from(body).length;
   std::vector<size_t> order;
   for (size_t i = 0; i < distance.size(); ++i)
     if (std::isfinite(distance[i])) order.push_back(i);
@@ -73,7 +75,7 @@ std::vector<Limb> findLimbs(const DistanceField& field) {
   if (order.empty()) return {};
   const double longest = distance[order[0]];
 
-  // From the tips inwards: what hangs together is one branch until it meets another.
+  // Visit nodes from the tips inwards: connected nodes are one branch until it meets another.
   std::vector<Branch> branches;
   std::vector<int> branchOf(distance.size(), -1);
   std::vector<Limb> limbs;
@@ -86,15 +88,15 @@ std::vector<Limb> findLimbs(const DistanceField& field) {
   };
   for (size_t i : order) {
     int mine = -1;
-    for (const Geodesics::Neighbour& n : ways.neighbours(i)) {
+    for (const Geodesics::Neighbour& n : geodesics.neighbours(i)) {
       int other = branchOf[n.node];
       if (other < 0 || other == mine) continue;
       if (mine < 0) {
         mine = other;
         continue;
       }
-      // Two branches meet. Both end here, if both are branches at all; the lesser one's nodes join the
-      // other's.
+      // Two branches meet. If the shorter one is long enough, both end here; in any case its
+      // nodes join the other's.
       Branch* a = &branches[size_t(mine)];
       Branch* b = &branches[size_t(other)];
       if (distance[a->tip] < distance[b->tip]) std::swap(a, b), std::swap(mine, other);

@@ -50,20 +50,21 @@ TEST(ContourPaths, EndsAreThePolygonsThemselves) {
   }
 }
 
-/// A polygon that turns and travels keeps its shape: it lies where the straight mean of its points turns it, about the
-/// straight way of its middle. That mean itself would shrink.
+/// A polygon that rotates and moves keeps its shape: it is rotated as the linear mean of its points is, about
+/// a centroid that moves in a straight line. The linear mean itself would shrink.
 TEST(ContourPaths, IntrinsicPathsKeepShapes) {
   const double angle = 1.9;
-  const Vec2d way(3, -1);
+  const Vec2d shift(3, -1);
   Vec2d middle(0.0);
   for (const Vec2d& p : bean()) middle += p / double(kCorners);
   const auto about = [&](double a, const Vec2d& to) {
     return placed(placed(bean(), 0, -middle), a, middle + to);
   };
   for (double t : {0.25, 0.5, 0.9}) {
-    // Of (1 - t) + t e^(i angle); half way it is half the angle.
+    // The argument of (1 - t) + t e^(i angle); at t = 1/2 half the angle.
     const double turned = std::atan2(t * std::sin(angle), 1 - t + t * std::cos(angle));
-    EXPECT_LE(farthest(intrinsicBlend({bean(), about(angle, way)}, {1 - t, t}), about(turned, t * way)), 1e-9)
+    EXPECT_LE(farthest(intrinsicBlend({bean(), about(angle, shift)}, {1 - t, t}), about(turned, t * shift)),
+              1e-9)
         << t;
   }
 }
@@ -80,8 +81,8 @@ double turnAt(const Polygon& p, size_t i) {
   return std::atan2(before[0] * after[1] - before[1] * after[0], before.dot(after));
 }
 
-/// It is closed by changing lengths alone: at every corner, the last ones too, it turns by the mean of the polygons'
-/// turns.
+/// Polygons are closed by changing lengths only: the turning angle at every corner, the last ones included,
+/// is the mean of the polygons' angles.
 TEST(ContourPaths, IntrinsicBlendsAreClosedByTheirLengths) {
   const Polygon square{{0, 0}, {2, 0}, {2, 2}, {0, 2}}, kite{{0, 0}, {2, 0}, {1.2, 2}, {0.5, 1.5}};
   for (double t : {0.3, 0.5, 0.8}) {
@@ -92,7 +93,7 @@ TEST(ContourPaths, IntrinsicBlendsAreClosedByTheirLengths) {
   }
 }
 
-/// Lengths change by no more than the ease that closing takes. Here: a square and a triangle of four points.
+/// Lengths change by no more than closing requires. Here: a square and a triangle of four points.
 TEST(ContourPaths, IntrinsicBlendsKeepTheirLengths) {
   const Polygon square{{0, 0}, {2, 0}, {2, 2}, {0, 2}}, triangle{{0, 0}, {2, 0}, {1, 2}, {0.5, 1}};
   const Polygon half = intrinsicBlend({square, triangle}, {0.5, 0.5});
@@ -105,8 +106,8 @@ TEST(ContourPaths, IntrinsicBlendsKeepTheirLengths) {
   }
 }
 
-/// Points leave each polygon at right angles to it: the way's beginning has no part along the chord of a point's
-/// neighbours.
+/// Points leave each polygon at right angles: the path's initial direction has no component along the chord
+/// between a point's neighbours.
 TEST(ContourPaths, HermitePathsLeaveAtRightAngles) {
   const std::vector<Polygon> polygons{bean(), placed(bean(), 0.7, {1.5, 0.4}, 1.3)};
   constexpr double kStep = 1e-6;
@@ -118,15 +119,15 @@ TEST(ContourPaths, HermitePathsLeaveAtRightAngles) {
       const Vec2d along = own[(i + 1) % kCorners] - own[(i + kCorners - 1) % kCorners];
       const Vec2d speed = (moved[i] - own[i]) / kStep;
       EXPECT_NEAR(speed.dot(along) / along.length(), 0, 1e-4) << i;
-      // Across it goes as fast as the straight way.
+      // Across the chord it is as fast as the linear path.
       const Vec2d across = spun(along / along.length(), M_PI / 2);
       EXPECT_NEAR(speed.dot(across), (polygons[size_t(1 - end)][i] - own[i]).dot(across), 1e-4) << i;
     }
   }
 }
 
-/// A rod that is turned about its spine one way on one object and the other way on the other: half way the
-/// straight mean of its points is thinner by the cosine of the angle, and the offsets put that back.
+/// A rod turned about its spine in opposite directions on the two objects: half way, the linear mean of its
+/// points is thinner by the cosine of the angle, and the offsets restore that.
 TEST(ContourPaths, OffsetsUndoTheShrinking) {
   const double angle = M_PI / 4, radius = 0.5;
   const Fields fields(2,
@@ -134,7 +135,7 @@ TEST(ContourPaths, OffsetsUndoTheShrinking) {
                                       openvdb::BBoxd(Vec3d(-1.4, -0.6, -0.6), Vec3d(1.4, 0.6, 0.6)), 0.05));
   const std::vector<Chart> charts(2, shapes::straightChart());
   const Lattice lattice = Lattice::over({Vec3d(-1.8, -1, -1), Vec3d(1.8, 1, 1)}, 0.1);
-  // The middle space has the mean of the turned places.
+  // The middle space has the mean of the turned positions.
   const double shrunk = std::cos(angle);
   Displacements map{lattice, std::vector<VectorField>(2, VectorField(lattice.count()))};
   for (int z = 0; z < lattice.size[2]; ++z)
@@ -154,7 +155,7 @@ TEST(ContourPaths, OffsetsUndoTheShrinking) {
     const Vec2d out(std::cos(i * M_PI / 6), std::sin(i * M_PI / 6));
     const Vec3d s(0, shrunk * radius * out[0], shrunk * radius * out[1]);
     const Vec3d wanted = (1 / shrunk - 1) * Vec3d(0, s[1], s[2]);
-    // Fitted, and so smoothed: a tenth of the way is left open.
+    // The offsets are fitted and so smoothed: a tenth may be missing.
     EXPECT_LE((sampleField(lattice, offsets, s) - wanted).length(), 0.1 * wanted.length()) << i;
   }
 }

@@ -65,7 +65,7 @@ TEST(LocalWeights, SharesFollowTheDistanceToTheRim) {
       return double(shares.at(r, fields[shares.region(r).object]->relative(world)));
     };
     EXPECT_NEAR(at(0, p), shareAt((p - Vec3d(0.5, 0, 0)).length() - 0.4, 0.2), 1e-5) << p;
-    // To the box: beyond it the way to its nearest point, inside that to its nearest face.
+    // Distance to the box: outside to its nearest point, inside to its nearest face.
     const Vec3d q = p + Vec3d(3, 0, 0);
     Vec3d out(0.0);
     double in = -1e30;
@@ -79,13 +79,13 @@ TEST(LocalWeights, SharesFollowTheDistanceToTheRim) {
   }
 }
 
-/// A stretch from the object's beginning to its end has no rim at all.
+/// A region from one end of the spine to the other has no boundary.
 TEST(LocalWeights, AWholeSpineIsEverywhere) {
   const RegionShares shares = sharesOf({stretch(0, 0, 1, {0, 1, 0})});
   for (double x : {-5.0, -1.0, 0.0, 1.0, 5.0}) EXPECT_EQ(shares.at(0, openvdb::Vec3s(float(x), 0, 0)), 1.f);
 }
 
-/// Regions go along with an object that has moved since they were drawn: looked up where it was.
+/// Regions move along with an object that has moved since they were defined.
 TEST(LocalWeights, RegionsMoveWithTheirObject) {
   const std::vector<Chart> drawn = straightCharts();
   std::vector<Chart> now = drawn;
@@ -107,8 +107,8 @@ TEST(LocalWeights, ARegionHoldsWhatItsObjectHas) {
   for (size_t r = 0; r < 5; ++r) EXPECT_EQ(shares.holdsAnything(r, *fields[0]), wanted[r]) << r;
 }
 
-/// Whatever regions say: weights sum to 1 at every place, a region's own stand well inside it, and where two
-/// overlap the later one's.
+/// Weights sum to 1 at every position; well inside a region its own weights hold, and where two overlap
+/// those of the later one.
 TEST(LocalWeights, WeightsSumToOneEverywhere) {
   const Fields fields = threeBalls();
   const Weights whole{0.5, 0.3, 0.2}, first{0, 1, 0}, second{0.1, 0.1, 0.8};
@@ -118,10 +118,10 @@ TEST(LocalWeights, WeightsSumToOneEverywhere) {
   std::mt19937 random(2);
   std::uniform_real_distribution<float> uniform(-1.2f, 1.2f);
   for (int i = 0; i < 300; ++i) {
-    const std::vector<openvdb::Vec3s> places(3, {uniform(random), uniform(random), uniform(random)});
+    const std::vector<openvdb::Vec3s> positions(3, {uniform(random), uniform(random), uniform(random)});
     Weights w(3), blended(3);
-    local.find(places.data(), w.data());
-    const float share[2] = {shares.at(0, places[0]), shares.at(1, places[0])};
+    local.find(positions.data(), w.data());
+    const float share[2] = {shares.at(0, positions[0]), shares.at(1, positions[0])};
     local.blend(share, blended.data());
     double sum = 0;
     for (size_t k = 0; k < 3; ++k) {

@@ -1,5 +1,5 @@
-// The lattice that moves: at the objects it is theirs, between them where straight ways lead, and what is found
-// in it is exact for affine maps.
+// The moving lattice: at the objects' weights it is the objects', between them nodes move on straight paths,
+// and interpolation in it is exact for affine maps.
 #include "engine/blend/moving_lattice.h"
 #include "tests/support/fields.h"
 #include "tests/support/with_threads.h"
@@ -16,8 +16,8 @@ using Transform = openvdb::math::Transform;
 
 constexpr double kVoxel = 0.05;
 
-/// Two balls that are the same in the middle space but for a smooth displacement, and charts that place, turn and
-/// size them.
+/// Two balls that are equal in the middle space but for a smooth displacement, with charts of different
+/// positions, rotations and scales.
 struct Pair {
   Fields fields;
   std::vector<Chart> charts;
@@ -66,8 +66,8 @@ TEST(MovingLattice, AtAnObjectItIsTheObjects) {
   }
 }
 
-/// Where the displacements sum to nothing points go straight on in chart space; sizes and places are linear, the
-/// turn is the share of the angle.
+/// Where the displacements sum to zero, paths in chart space are straight; scales and positions are linear,
+/// and the rotation angle is proportional to the weight.
 TEST(MovingLattice, BetweenObjectsPointsGoStraightOn) {
   const Pair pair = ballsApart(0.1);
   const MovingLattice lattice(pair.map, pair.fields, pair.charts);
@@ -82,13 +82,13 @@ TEST(MovingLattice, BetweenObjectsPointsGoStraightOn) {
   }
 }
 
-/// Without a displacement the map from an in-between to an object is rigid but for its size.
+/// Without displacements the map from an in-between to an object is a similarity.
 Vec3d placeOn(size_t object, double t, const Vec3d& p) {
   const Vec3d s = rotationFromVector({0, 0, -0.6 * t}) * (p - t * Vec3d(4, 1, 0)) / (1 + 0.5 * t);
   return object == 0 ? s : Vec3d(4, 1, 0) + 1.5 * (rotationFromVector({0, 0, 0.6}) * s);
 }
 
-/// Within the lattice by its tetrahedra, beyond it by the charts.
+/// Nodes inside the lattice are mapped by its tetrahedra, those beyond it by the charts.
 TEST(MovingLattice, NodesOfABoxLieWhereTheMapLeads) {
   const Pair pair = ballsApart(0);
   const MovingLattice lattice(pair.map, pair.fields, pair.charts);
@@ -117,8 +117,8 @@ TEST(MovingLattice, NodesOfABoxLieWhereTheMapLeads) {
   }
 }
 
-/// Piecewise linear and its own inverse: from a node of the grid to an object, back through the lattice to the
-/// in-between, there it is again.
+/// The map and its inverse agree: a node carried to an object and back through the lattice to the
+/// in-between returns to itself.
 TEST(MovingLattice, NodesAreFoundBackThroughTheMap) {
   const Pair pair = ballsApart(0.12);
   const MovingLattice lattice(pair.map, pair.fields, pair.charts);
@@ -143,7 +143,7 @@ TEST(MovingLattice, NodesAreFoundBackThroughTheMap) {
     EXPECT_LE((back[i] - here[i]).length(), 0.002 * 1.5) << here[i];
 }
 
-/// All nodes within the band around the in-between's surface are known, and no fold is seen.
+/// All nodes within the band around the in-between's surface are known, and no fold is counted.
 TEST(MovingLattice, NodesCoverTheBand) {
   const Pair pair = ballsApart(0);
   const MovingLattice lattice(pair.map, pair.fields, pair.charts);
@@ -165,7 +165,7 @@ TEST(MovingLattice, NodesCoverTheBand) {
   EXPECT_GT(seen, 100u);
 }
 
-/// A map that is turned inside out near the surface is seen as folded.
+/// A map that turns space inside out near the surface is counted as folded.
 TEST(MovingLattice, FoldsAreCounted) {
   Pair pair = ballsApart(0);
   for (size_t i = 0; i < pair.map.lattice.count(); ++i) {
@@ -178,8 +178,8 @@ TEST(MovingLattice, FoldsAreCounted) {
   EXPECT_GT(lattice.nodesNearSurface(lattice.poseAt({0.5, 0.5}), *voxels(0.06), 4).foldShare, 0.1);
 }
 
-/// The velocity of what is at a place while t grows by one a unit of time: d/dt of place(t) for a rigid motion
-/// that grows.
+/// The velocity at a position while t grows by one per unit of time: d/dt of position(t) for a
+/// rigid motion with growth.
 TEST(MovingLattice, VelocitiesAreTheMotions) {
   const Pair pair = ballsApart(0);
   const MovingLattice lattice(pair.map, pair.fields, pair.charts);
@@ -202,7 +202,7 @@ TEST(MovingLattice, VelocitiesAreTheMotions) {
       }
 }
 
-/// Rates of nothing move nothing.
+/// Rates of zero give velocities of zero.
 TEST(MovingLattice, WhatDoesNotChangeHasNoVelocity) {
   const Pair pair = ballsApart(0.1);
   const MovingLattice lattice(pair.map, pair.fields, pair.charts);
@@ -227,11 +227,11 @@ TEST(MovingLattice, BoxesHoldWhatIsCarriedIntoThem) {
   }
   for (const Vec3d& p : lattice.carryPoints(points, lattice.poseOf(0), pose))
     EXPECT_TRUE(box.isInside(transform->worldToIndex(p))) << p;
-  // And not much more: its sides are those of the part, wider by cells and by its turning.
+  // And not much more: its sides are those of the part, wider by a few cells and by the rotation.
   EXPECT_LT(box.extents().length() * 0.06, 2.5 * part.extents().length());
 }
 
-/// A region that is another object's makes that part's size the other's; the rest stays.
+/// A region with all weight on the other object gives that part the other's size; the rest keeps its own.
 TEST(MovingLattice, RegionsHaveTheirOwnSize) {
   Pair pair = ballsApart(0);
   pair.charts[1] = shapes::straightChart({0, 0, 0}, 1.5);
@@ -261,7 +261,7 @@ TEST(MovingLattice, RegionsHaveTheirOwnSize) {
   }
   EXPECT_GT(left, 0);
   EXPECT_GT(right, 0);
-  // The object itself stays what it is, whatever regions say.
+  // The pose of the object itself ignores regions.
   EXPECT_LE((lattice.poseOf(0).world[3] - nodeOf(pair, 3)).length(), 1e-6);
 }
 

@@ -63,7 +63,7 @@ TEST(NodeStretch, AffineMapsTurnAndStretchAlikeEverywhere) {
       EXPECT_NEAR(local.volume, world.det(), 1e-4);
       EXPECT_LE((eigenOf(Mat3d(local.rotation)) - polarFactor(world)).norm(), 1e-4);
     }
-  // A node that is not known is left out: its neighbours' differences are to one side.
+  // Next to an unknown node the differences are one-sided.
   const size_t unknown = nodes.index(0, 3, 4);
   nodes.known[unknown] = 0;
   nodes.at[2 * unknown + 1] = openvdb::Vec3s(1e6f);

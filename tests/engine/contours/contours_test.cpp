@@ -1,4 +1,4 @@
-// Contours of images with known ones, and of random images against flood fill and winding numbers.
+// Contours of images with a known answer, and of random images against flood fill and winding numbers.
 #include "engine/contours/contours.h"
 
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ Contour rectangle(const Vec2d& low, const Vec2d& high, bool hole = false) {
   return polygon(std::move(p), hole ? -area : area);
 }
 
-/// How often a polygon turns round a point counter-clockwise, by its angles.
+/// Winding number of a polygon about a point, counter-clockwise, by summing angles.
 int windingOf(const Contour& c, const Vec2d& p) {
   double angle = 0;
   for (size_t i = 0; i < c.points.size(); ++i) {
@@ -64,8 +64,8 @@ TEST(Contours, ACircleHasItsAreaAndLength) {
       traceContours(imageOf(planes, [&](const Vec2d& p) { return (p - middle).length() - r; }), planes);
   ASSERT_EQ(contours.size(), 1u);
   const Contour& c = contours[0];
-  // A distance bends by at most 1 / (r - h) along an edge: its crossing is off by at most e = h^2 / 8 (r - h);
-  // chords of at most sqrt 2 pixels lie up to s = h^2 / 4 r inside.
+  // A distance bends by at most 1 / (r - h) along an edge: its crossing is off by at most e = h^2 / 8 (r -
+  // h); chords of at most sqrt 2 pixels lie up to s = h^2 / 4 r inside.
   const double e = h * h / 8 / (r - h), s = h * h / 4 / r;
   for (const Vec2d& p : c.points) EXPECT_NEAR((p - middle).length(), r, 1.5 * e);
   EXPECT_GT(c.area, 0);
@@ -75,7 +75,8 @@ TEST(Contours, ACircleHasItsAreaAndLength) {
   EXPECT_EQ(c.parent, -1);
 }
 
-/// A disc in the hole of a ring: outer contours counter-clockwise, holes clockwise, each knows the one around.
+/// A disc in the hole of a ring: outer contours counter-clockwise, holes clockwise, each with
+/// the right parent.
 TEST(Contours, RingsAreNested) {
   const SlicePlanes planes = planesOf(90, 90, 0.03, {-1.3, -1.3});
   const auto contours = traceContours(imageOf(planes,
@@ -204,7 +205,7 @@ TEST(Contours, AgreeWithFloodFillAndWindingNumbers) {
   }
 }
 
-/// The parent is the smallest contour around, and holes and outer contours take turns.
+/// The parent is the smallest contour around, and holes and outer contours alternate.
 TEST(Contours, ParentsAreTheSmallestAround) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     const auto contours = traceContours(RandomImage(seed).image, RandomImage(seed).planes);
@@ -241,8 +242,8 @@ TEST(Contours, MomentsAreThoseOfRectangles) {
   EXPECT_NEAR(m.yy, spread(1, 1), 1e-12);
 }
 
-/// A leaning triangle, whose covariance is 1/18 of sum v v^T - sum over pairs: with the corners about the mean,
-/// 1/12 of sum v v^T.
+/// A slanted triangle, whose covariance is 1/18 of sum v v^T - sum over pairs: with the corners about the
+/// mean, 1/12 of sum v v^T.
 TEST(Contours, MomentsAreThoseOfATriangle) {
   const Vec2d v[3] = {{0.3, -1}, {2, 0.5}, {-1, 1.7}};
   const Vec2d a = v[1] - v[0], b = v[2] - v[0], mean = (v[0] + v[1] + v[2]) / 3.0;

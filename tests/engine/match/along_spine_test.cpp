@@ -1,4 +1,4 @@
-// Rods with a bead each, the beads in different places: which slices belong together is known.
+// Rods with a bead each, the beads in different positions: which slices belong together is known.
 #include "engine/match/along_spine.h"
 #include "tests/support/fields.h"
 
@@ -23,7 +23,7 @@ Distance beaded(double bead) {
   return shapes::joined({rod, shapes::placed(ball, Mat3d::identity(), {bead, 0, 0})});
 }
 
-/// What was found, and where slices lie without it.
+/// The matched positions, and the equal ones without matching.
 struct Matched {
   AlongSpine found;
   std::vector<double> equal;
@@ -41,44 +41,45 @@ Matched matched(const std::vector<Distance>& objects) {
   return {matchAlongSpine(fields, charts, planes), planes.z0};
 }
 
-void expectRising(const std::vector<double>& places) {
-  for (size_t i = 1; i < places.size(); ++i) EXPECT_GT(places[i], places[i - 1]);
+void expectRising(const std::vector<double>& positions) {
+  for (size_t i = 1; i < positions.size(); ++i) EXPECT_GT(positions[i], positions[i - 1]);
 }
 
-/// Beads half a unit apart: half way their slices lie in the middle, and the first object's lie as far before
-/// it as the second's behind.
+/// Beads half a unit apart: their slices meet in the middle, the first object's as far before it as the
+/// second's behind it.
 TEST(AlongSpine, BeadsMeetHalfWay) {
   const double first = -0.25, second = 0.25;
   const auto [found, z0] = matched({beaded(first), beaded(second)});
   EXPECT_LT(found.before, 0.75);
   EXPECT_GT(found.after, found.before + 0.1);
   for (size_t i = 0; i < z0.size(); ++i) {
-    EXPECT_NEAR(found.place[0][i] + found.place[1][i], 2 * z0[i], 0.1 * kSlab) << i;
+    EXPECT_NEAR(found.position[0][i] + found.position[1][i], 2 * z0[i], 0.1 * kSlab) << i;
     if (std::abs(z0[i]) < 0.2 - 1.5 * kSlab) {
-      EXPECT_NEAR(found.place[0][i], z0[i] + first, kSlab) << i;
-      EXPECT_NEAR(found.place[1][i], z0[i] + second, kSlab) << i;
+      EXPECT_NEAR(found.position[0][i], z0[i] + first, kSlab) << i;
+      EXPECT_NEAR(found.position[1][i], z0[i] + second, kSlab) << i;
     }
   }
-  expectRising(found.place[0]);
-  expectRising(found.place[1]);
+  expectRising(found.position[0]);
+  expectRising(found.position[1]);
 }
 
 TEST(AlongSpine, TheOtherWayRoundIsTheSame) {
   const AlongSpine ab = matched({beaded(-0.2), beaded(0.15)}).found,
                    ba = matched({beaded(0.15), beaded(-0.2)}).found;
-  for (size_t i = 0; i < ab.place[0].size(); ++i) {
-    EXPECT_NEAR(ab.place[0][i], ba.place[1][i], kSlab) << i;
-    EXPECT_NEAR(ab.place[1][i], ba.place[0][i], kSlab) << i;
+  for (size_t i = 0; i < ab.position[0].size(); ++i) {
+    EXPECT_NEAR(ab.position[0][i], ba.position[1][i], kSlab) << i;
+    EXPECT_NEAR(ab.position[1][i], ba.position[0][i], kSlab) << i;
   }
 }
 
 TEST(AlongSpine, LikeObjectsStayInPlace) {
   const auto [found, z0] = matched({beaded(0.1), beaded(0.1), beaded(0.1)});
-  for (const std::vector<double>& place : found.place) EXPECT_EQ(place, z0);
+  for (const std::vector<double>& position : found.position) EXPECT_EQ(position, z0);
   EXPECT_NEAR(found.before, 1, 1e-6);
 }
 
-/// A plate on its edge has no slices like those of a plate that lies, whatever is shifted.
+/// The slices of a plate on its edge overlap little with those of a plate lying flat, however
+/// they are shifted.
 TEST(AlongSpine, UnlikeSlicesStayInPlace) {
   const auto plate = [](bool lies, double bead) {
     const Distance flat = lies ? shapes::box({1, 0.6, 0.06}, 0.02) : shapes::box({1, 0.06, 0.6}, 0.02);
@@ -87,15 +88,16 @@ TEST(AlongSpine, UnlikeSlicesStayInPlace) {
   };
   const auto [found, z0] = matched({plate(true, -0.25), plate(false, 0.25)});
   EXPECT_LT(found.after, 0.35);
-  for (const std::vector<double>& place : found.place) EXPECT_EQ(place, z0);
+  for (const std::vector<double>& position : found.position) EXPECT_EQ(position, z0);
 }
 
-/// A bead further away than half the length is out of reach: nothing moves by more than a sixth of it.
+/// Beads further apart than half the length are not matched: no slice moves by more than a
+/// sixth of the length.
 TEST(AlongSpine, NothingMovesFurtherThanASixth) {
   const auto [found, z0] = matched({beaded(-0.7), beaded(0.7)});
-  for (const std::vector<double>& place : found.place)
-    for (size_t i = 0; i < place.size(); ++i)
-      EXPECT_LE(std::abs(place[i] - z0[i]), 2.0 / 6 + 0.1 * kSlab) << i;
+  for (const std::vector<double>& position : found.position)
+    for (size_t i = 0; i < position.size(); ++i)
+      EXPECT_LE(std::abs(position[i] - z0[i]), 2.0 / 6 + 0.1 * kSlab) << i;
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ TEST(Assignment, IsTheBestOfAllPermutations) {
       }
 }
 
-/// Pairs that must not be are given prices beyond all others.
+/// Forbidden pairs have a cost beyond all others.
 TEST(Assignment, AvoidsForbiddenPairs) {
   EXPECT_EQ(assign({{1, 1e6}, {0, 5}}), (std::vector<int>{0, 1}));
   EXPECT_EQ(assign({{1e6, 2, 1e6}, {1e6, 1, 3}}), (std::vector<int>{1, 2}));

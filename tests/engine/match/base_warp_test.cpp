@@ -73,8 +73,8 @@ TEST(BaseWarp, RootsAreThoseOfTheEllipses) {
   }
 }
 
-/// Both ellipses go onto that of the mean root, the phase measured where their roots lead: points with the same
-/// root^-1 (p - mean) meet.
+/// Both ellipses go onto that of the mean root, the phase measured where their roots lead: points with the
+/// same root^-1 (p - mean) meet.
 TEST(BaseWarp, ContoursMeetInTheMiddle) {
   const BaseWarp base = warpOf(stacksOf({kFirst, kSecond}));
   const SliceAffine m = meanOf(kFirst.root(), kSecond.root());
@@ -88,7 +88,7 @@ TEST(BaseWarp, ContoursMeetInTheMiddle) {
   }
 }
 
-/// Values go over between two sections of an object as the Gaussian of width four slices says.
+/// Between two parts of an object the values change as its convolution with a Gaussian of four slices.
 TEST(BaseWarp, IsSmoothedOverFourSlices) {
   std::vector<ContourStack> stacks = stacksOf({kFirst, kFirst});
   Ellipse moved = kFirst;
@@ -125,10 +125,10 @@ TEST(BaseWarp, StretchesAreBounded) {
 /// Inside the box every object has a lattice's node where its root carries it, the sum over the objects taken
 /// away; from there to the rim it fades linearly to nothing.
 TEST(BaseWarp, DisplacementsAreTheAffineMaps) {
-  std::vector<std::vector<double>> place(2, planes().z0);
-  for (double& z : place[0]) z += 0.03 * (1.2 + z);
-  for (double& z : place[1]) z -= 0.03 * (1.2 + z);
-  const BaseWarp base = makeBaseWarp(stacksOf({kFirst, kSecond}), planes(), place);
+  std::vector<std::vector<double>> position(2, planes().z0);
+  for (double& z : position[0]) z += 0.03 * (1.2 + z);
+  for (double& z : position[1]) z -= 0.03 * (1.2 + z);
+  const BaseWarp base = makeBaseWarp(stacksOf({kFirst, kSecond}), planes(), position);
   const openvdb::BBoxd box(Vec3d(-1.2, -1, -1), Vec3d(1.1, 1, 1));
   const double margin = 0.4;
   const Lattice lattice = Lattice::over({box.min() - Vec3d(margin), box.max() + Vec3d(margin)}, 0.1);

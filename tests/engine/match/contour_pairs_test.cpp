@@ -30,10 +30,10 @@ BaseWarp warpOf(const std::vector<double>& scales, size_t slices = 1) {
   base.middle.assign(slices, SliceAffine{});
   for (double s : scales) {
     base.objects.emplace_back(slices, SliceAffine{{0, 0}, s, 0, s});
-    base.place.push_back(base.z0);
+    base.position.push_back(base.z0);
   }
-  for (size_t k = 0; k < base.place.size(); ++k)
-    for (double& z : base.place[k]) z += 0.01 * double(k);
+  for (size_t k = 0; k < base.position.size(); ++k)
+    for (double& z : base.position[k]) z += 0.01 * double(k);
   return base;
 }
 
@@ -58,8 +58,8 @@ double costOf(const Contour& a, const Contour& b) {
 
 using Matches = std::vector<std::pair<size_t, size_t>>;
 
-/// The cheapest of all ways to give every contour of the smaller set one of the larger, without the pairs that
-/// overlap by less than 0.4.
+/// The cheapest of all ways to give every contour of the smaller set one of the larger, without the pairs
+/// that overlap by less than 0.4.
 Matches bestMatches(const std::vector<Contour>& a, const std::vector<Contour>& b) {
   if (a.size() > b.size()) {
     Matches m = bestMatches(b, a);
@@ -86,13 +86,13 @@ constexpr double kScan = 2.0 / 64;
 
 TEST(ContourPairs, AreTheCheapestOfAllAssignments) {
   std::mt19937 random(4);
-  std::uniform_real_distribution<> place(-0.5, 0.5), size(0.3, 0.7);
+  std::uniform_real_distribution<> position(-0.5, 0.5), size(0.3, 0.7);
   size_t pairs = 0, refused = 0;
   for (int repeat = 0; repeat < 60; ++repeat) {
     std::vector<Contour> slice[2];
     for (auto& contours : slice)
       for (size_t i = 0, n = 1 + random() % 4; i < n; ++i)
-        contours.push_back(circle({place(random), place(random)}, size(random), random() % 4 == 0));
+        contours.push_back(circle({position(random), position(random)}, size(random), random() % 4 == 0));
     // Where an overlap is too near to the bound the scan lines cannot tell.
     bool clear = true;
     for (const Contour& a : slice[0])
@@ -159,10 +159,10 @@ TEST(ContourPairs, PointsAreJoinedAtTheBestStart) {
   for (int i = 0; i < kSamples; ++i) {
     const Correspondence& c = points[size_t(i)];
     const Vec2d p = wanted[size_t(i)];
-    EXPECT_LE((c.at[0] - Vec3d(base.place[0][0], p[0], p[1])).length(), 1e-9) << i;
-    EXPECT_LE((c.at[1] - Vec3d(base.place[1][0], 0.5 * p[0], 0.5 * p[1])).length(), 1e-9) << i;
+    EXPECT_LE((c.at[0] - Vec3d(base.position[0][0], p[0], p[1])).length(), 1e-9) << i;
+    EXPECT_LE((c.at[1] - Vec3d(base.position[1][0], 0.5 * p[0], 0.5 * p[1])).length(), 1e-9) << i;
     // One that has no part in it follows the base warp.
-    EXPECT_LE((c.at[2] - Vec3d(base.place[2][0], 2 * p[0], 2 * p[1])).length(), 1e-9) << i;
+    EXPECT_LE((c.at[2] - Vec3d(base.position[2][0], 2 * p[0], 2 * p[1])).length(), 1e-9) << i;
     EXPECT_LE((c.middle - (c.at[0] + c.at[1] + c.at[2]) / 3.0).length(), 1e-12) << i;
   }
 }

@@ -1,4 +1,5 @@
-// How an artist's points, lines and disks become correspondences; what they do to a morph: engine/features_test.
+// How an artist's points, lines and disks become correspondences; what they do to a morph:
+// engine/features_test.
 #include "engine/match/features.h"
 #include "tests/support/fields.h"
 
@@ -38,7 +39,7 @@ TEST(FeaturePoints, PointsAreMarksInTheirCharts) {
   EXPECT_LE((placed.marks[0].middle - 0.5 * (own + other)).length(), 1e-12);
 }
 
-/// A disk's centre, a place on either side at half its radius, and eight on its rim, at right angles to its
+/// A disk's centre, a point on either side at half its radius, and eight on its rim, at right angles to its
 /// normal and none of them spun against the other object's.
 TEST(FeaturePoints, DisksAreAStarOfMarks) {
   Feature disk{"ring", Feature::Kind::kDisk, {{{0.5, 0, 0}}, {{0, 0.6, 0}}}};
@@ -67,7 +68,7 @@ Feature line(const std::string& name, const std::vector<Vec3d>& a, const std::ve
   return {name, Feature::Kind::kLine, {a, b}};
 }
 
-/// Lines that go on in each other on both objects are one, in whatever order they are named, and reach from
+/// Lines that join end to end on both objects become one, in whatever order they are given, starting at
 /// the end that moves less.
 TEST(FeaturePoints, LinesThatFollowAreOne) {
   const std::vector<Chart> charts(2, shapes::straightChart({0, 0, 0}, kScale));
@@ -84,12 +85,12 @@ TEST(FeaturePoints, LinesThatFollowAreOne) {
     }
     EXPECT_EQ(placed.lines.size(), 5 * placed.limbs[0][0].chart.size());
   }
-  // Said from the foot to the hip, it still swings about the hip.
+  // Given from the foot to the hip, it still starts at the hip.
   const FeaturePoints back = placeFeatures({line("leg", {foot[0], hip}, {foot[1], hip})}, twoBalls(), charts);
   EXPECT_LE(back.limbs[1][0].chart.front().length(), 1e-9);
 }
 
-/// As thick as its way to the surface: on the axis of a ball of radius 1, one less the distance from the middle.
+/// The radius is the depth: for a line through a ball of radius 1, one minus the distance from the centre.
 TEST(FeaturePoints, LinesAreAsThickAsTheyAreDeep) {
   const std::vector<Chart> charts(2, shapes::straightChart({0, 0, 0}, kScale));
   const std::vector<Vec3d> along{{0.1, 0, 0}, {0.7, 0, 0}};
@@ -100,11 +101,11 @@ TEST(FeaturePoints, LinesAreAsThickAsTheyAreDeep) {
 
 TEST(FeaturePoints, PlacesAlongALine) {
   const std::vector<Vec3d> bent{{0, 0, 0}, {3, 0, 0}, {3, 1, 0}};
-  EXPECT_LE((placeAlong(bent, 0) - bent[0]).length(), 1e-12);
-  EXPECT_LE((placeAlong(bent, 0.5) - Vec3d(2, 0, 0)).length(), 1e-9);
-  EXPECT_LE((placeAlong(bent, 0.875) - Vec3d(3, 0.5, 0)).length(), 1e-9);
-  EXPECT_LE((placeAlong(bent, 1) - bent[2]).length(), 1e-12);
-  EXPECT_EQ(placeAlong({{7, 8, 9}}, 0.3), Vec3d(7, 8, 9));
+  EXPECT_LE((pointAlong(bent, 0) - bent[0]).length(), 1e-12);
+  EXPECT_LE((pointAlong(bent, 0.5) - Vec3d(2, 0, 0)).length(), 1e-9);
+  EXPECT_LE((pointAlong(bent, 0.875) - Vec3d(3, 0.5, 0)).length(), 1e-9);
+  EXPECT_LE((pointAlong(bent, 1) - bent[2]).length(), 1e-12);
+  EXPECT_EQ(pointAlong({{7, 8, 9}}, 0.3), Vec3d(7, 8, 9));
 }
 
 PlacedLimb straightLimb(double y) {
@@ -118,7 +119,7 @@ TEST(FeaturePoints, ALimbAlongALineIsPrescribed) {
   EXPECT_TRUE(isPrescribedBy(straightLimb(0), {straightLimb(2), straightLimb(0.14)}));
   EXPECT_FALSE(isPrescribedBy(straightLimb(0), {straightLimb(0.16)}));
   EXPECT_FALSE(isPrescribedBy(straightLimb(0), {}));
-  // Near its root alone all limbs of a body meet.
+  // Closeness near the root alone does not count, as all limbs of a body meet there.
   PlacedLimb root = straightLimb(0);
   root.chart.resize(4);
   EXPECT_FALSE(isPrescribedBy(straightLimb(0), {root}));
@@ -146,14 +147,14 @@ Displacements constantMap(const Vec3d& first, const Vec3d& second) {
 
 TEST(FeaturePoints, WhatAMapMeetsIsNoContradiction) {
   const std::vector<Chart> charts(2, shapes::straightChart({0, 0, 0}, kScale));
-  const Vec3d way(0.25, 0, 0);
-  const Displacements map = constantMap(way / kScale, -way / kScale);
-  EXPECT_TRUE(contradictions({point("nose", way, -way)}, charts, map, 2).empty());
+  const Vec3d shift(0.25, 0, 0);
+  const Displacements map = constantMap(shift / kScale, -shift / kScale);
+  EXPECT_TRUE(contradictions({point("nose", shift, -shift)}, charts, map, 2).empty());
   EXPECT_TRUE(contradictions({}, charts, map, 2).empty());
 }
 
-/// Missed by half the way on either side of the middle, in world units; and two that are to change places
-/// against each other are named together.
+/// A feature is missed by half the distance on either side of the middle, in world units; two features that
+/// would have to swap are named together.
 TEST(FeaturePoints, WhatAMapMissesIsAWarning) {
   const std::vector<Chart> charts(2, shapes::straightChart({0, 0, 0}, kScale));
   const Displacements still = constantMap(Vec3d(0.0), Vec3d(0.0));

@@ -17,7 +17,7 @@ Displacements nothing(size_t objects) {
   return {kFine, std::vector<VectorField>(objects, VectorField(kFine.count(), openvdb::Vec3s(0.f)))};
 }
 
-/// A little ball of points about a place.
+/// A small ball of points around a position.
 std::vector<Vec3d> ball(const Vec3d& middle) {
   std::vector<Vec3d> points{middle};
   for (int a = 0; a < 3; ++a)
@@ -42,8 +42,8 @@ double farthestFrom(const Displacements& map, const std::vector<Correspondence>&
   return most;
 }
 
-/// It ends where all points are within a tenth of the fitted spacing; the steps were found on the coarse lattice
-/// and are read off the fine one between its nodes.
+/// It ends where all points are within a tenth of the fitted spacing; the steps were found on the coarse
+/// lattice and are read off the fine one between its nodes.
 constexpr double kArrived = 0.1 * kSpacing + 0.1 * kSpacing;
 
 void expectInvertible(const Displacements& map, const std::vector<Correspondence>& points) {
@@ -67,15 +67,15 @@ TEST(Flow, NothingToDoIsNothingDone) {
 }
 
 TEST(Flow, APushArrives) {
-  const Vec3d way(0.5, 0.2, 0);
+  const Vec3d shift(0.5, 0.2, 0);
   std::vector<Correspondence> points;
-  for (const Vec3d& p : ball({0, 0, 0})) points.push_back({{p + way, p - way}, p});
+  for (const Vec3d& p : ball({0, 0, 0})) points.push_back({{p + shift, p - shift}, p});
   const Displacements map = flowed(nothing(2), points, {}, kSpacing, kFine);
   EXPECT_LE(farthestFrom(map, points), kArrived);
   expectInvertible(map, points);
 }
 
-/// Two balls go round each other by a quarter turn, one object this way and the other that.
+/// Two balls turn around each other by a quarter turn, in opposite directions on the two objects.
 TEST(Flow, BallsTurnRoundEachOther) {
   const double angle = M_PI / 4;
   std::vector<Correspondence> points;
@@ -86,7 +86,7 @@ TEST(Flow, BallsTurnRoundEachOther) {
   expectInvertible(map, points);
 }
 
-/// What is to keep its place lets others pass.
+/// Points that must stay fixed do, while others pass them.
 TEST(Flow, StillPointsStay) {
   std::vector<Correspondence> points;
   for (const Vec3d& p : ball({0, 0, 0})) points.push_back({{p + Vec3d(0.4, 0, 0), p - Vec3d(0.4, 0, 0)}, p});
@@ -101,12 +101,12 @@ TEST(Flow, StillPointsStay) {
 
 /// On top of a map that has carried everything aside already: the flow comes first, then the map.
 TEST(Flow, GoesOnFromAMap) {
-  const Vec3d aside(0, 0, 0.3), way(0.3, 0, 0);
+  const Vec3d aside(0, 0, 0.3), shift(0.3, 0, 0);
   Displacements start = nothing(2);
   for (openvdb::Vec3s& v : start.of[0]) v = openvdb::Vec3s(aside);
   for (openvdb::Vec3s& v : start.of[1]) v = -openvdb::Vec3s(aside);
   std::vector<Correspondence> points;
-  for (const Vec3d& p : ball({0, 0, 0})) points.push_back({{p + aside + way, p - aside - way}, p});
+  for (const Vec3d& p : ball({0, 0, 0})) points.push_back({{p + aside + shift, p - aside - shift}, p});
   EXPECT_LE(farthestFrom(flowed(start, points, {}, kSpacing, kFine), points), kArrived);
 }
 

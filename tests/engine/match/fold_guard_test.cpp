@@ -1,4 +1,4 @@
-// Volumes of tetrahedra by determinants, and maps that fold in known places.
+// Volumes of tetrahedra by determinants, and maps that fold at known positions.
 #include "engine/match/fold_guard.h"
 
 #include "engine/numerics/tetrahedra.h"
@@ -116,8 +116,9 @@ TEST(FoldGuard, MapsWithoutFoldsStayAsTheyAre) {
 /// Where an in-between of two objects has its nodes.
 Weights pathAt(double t) { return pathWeights({1 - t, t}); }
 
-/// One node drawn past its neighbour folds the map to its object; afterwards neither that nor the other, nor
-/// those half way from the middle to them, squeeze anything below the bound, and what is far away is untouched.
+/// One node drawn past its neighbour folds the map to its object; afterwards neither that nor the
+/// other, nor those half way from the middle to them, squeeze anything below the bound, and what is
+/// far away is untouched.
 TEST(FoldGuard, AKnownFoldIsSmoothedAway) {
   for (double floor : {0.05, 0.12, 0.3}) {
     Displacements map = zeroMap(2);

@@ -1,4 +1,4 @@
-// Limbs as lines with radii: how they are paired, where stubs lie, and that what swings keeps its length.
+// Limbs as lines with radii: how they are paired, where stubs lie, and that swinging limbs keep their length.
 #include "engine/match/limb_groups.h"
 #include "tests/support/fields.h"
 
@@ -13,7 +13,8 @@ namespace {
 
 constexpr int kPoints = 13, kAround = 5;
 
-/// From a root on: evenly spaced points in a direction that turns by `bend` radians from piece to piece about z.
+/// From a root on: evenly spaced points in a direction that turns by `bend` radians from
+/// piece to piece about z.
 PlacedLimb limbOf(const Vec3d& root, double angle, double length, double bend = 0, double radius = 0.1) {
   PlacedLimb limb;
   Vec3d p = root;
@@ -58,8 +59,8 @@ TEST(LimbGroups, LimbsBendHalfAsMuch) {
   for (int i = 0; i < kPoints; ++i) EXPECT_LE((line[size_t(i)] - wanted[size_t(i)]).length(), 1e-9) << i;
 }
 
-/// Four points around each of the line's, across it and at the limb's radius: on the objects their own, in the
-/// middle the mean.
+/// Four points around each of the line's, across it and at the limb's radius: on the objects their own, in
+/// the middle the mean.
 TEST(LimbGroups, PointsLieAroundTheLine) {
   const std::vector<PlacedLimb> limbs{limbOf({0, 0, 0}, 0.2, 1, 0.05, 0.1),
                                       limbOf({0, 0, 1}, 1.1, 2, -0.1, 0.3)};
@@ -105,8 +106,8 @@ TEST(LimbGroups, PartnersAreTheNearest) {
   }
 }
 
-/// What only one object has is a stub in the other one: wholly below its surface, where the limb leaves it, and
-/// short.
+/// A limb that only one object has is a stub in the other one: short, and wholly below the surface where the
+/// limb would leave it.
 TEST(LimbGroups, ALimbWithoutPartnerIsAStub) {
   const PlacedLimb limb = limbOf({1, 0, 0}, 0, 1);
   const Fields fields = spheres();

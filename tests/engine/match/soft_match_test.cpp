@@ -64,8 +64,8 @@ Vec3d meanOf(const std::vector<double>& row, const OrientedPoints& to) {
   return sum / total;
 }
 
-/// A blur as wide as the clouds, so that the plan is found within the rounds there are: the errors of its second
-/// mode shrink by at least a third in each of 25.
+/// A blur as wide as the clouds, so that the plan is found within the rounds there are: the errors of its
+/// second mode shrink by at least a third in each of 25.
 TEST(SoftMatch, AgreesWithADenseSinkhorn) {
   const double blur = 1;
   const OrientedPoints a = cloud(14, 1), b = cloud(11, 2, {0.4, 0.2, 0});
@@ -127,8 +127,8 @@ TEST(SoftMatch, MassIsKept) {
   EXPECT_GT(sent, 0.5);
 }
 
-/// The nearest point of both would be the first, and each alone would go there; together the second goes on to the
-/// one that is left, but for the mass that the first keeps at home.
+/// Both points have the same nearest point, to which each alone would go; together the second goes to the
+/// other one, except for the mass that the first does not transport.
 TEST(SoftMatch, NoTwoPointsShareAPartner) {
   const Vec3d n(0, 0, 1);
   const double blur = 0.4;

@@ -1,4 +1,5 @@
-// The matching's steps one by one, on spheres in one common chart, whose overlaps and closest points are known.
+// The matching's steps one by one, on spheres in one common chart, whose overlaps and closest
+// points are known.
 #include "engine/match/closest_points.h"
 #include "engine/match/finish_map.h"
 #include "engine/match/map_overlap.h"
@@ -47,8 +48,9 @@ Displacements none(const MatchObjects& objects) {
   return displacements(objects, [](size_t, const Vec3d&) { return Vec3d(0.0); });
 }
 
-/// The ramp over one cell that softens the overlap makes a sphere's volume larger by (spacing / 2 radius)^2,
-/// here 0.4 % and less; coarse distances are off by a few hundredths of their cells, here 0.2 % of the volume.
+/// The ramp over one cell that softens the overlap makes a sphere's volume larger by (spacing / 2
+/// radius)^2, here 0.4 % and less; coarse distances are off by a few hundredths of their cells,
+/// here 0.2 % of the volume.
 constexpr double kOverlapTolerance = 0.006;
 
 TEST(Stages, OverlapOfSpheresInSpheresIsThatOfTheirVolumes) {
@@ -158,7 +160,7 @@ TEST(Stages, ThinnedSamplesKeepTheWholeMass) {
               all.points.position.end());
 }
 
-/// The objects have moved on: nodes keep what they have, and those that are new take it from the outermost.
+/// The objects have moved: nodes keep their values, and new nodes take those of the outermost ones.
 TEST(Stages, AContinuedMapKeepsItsNodes) {
   const MatchObjects before = spheres({{{0, 0, 0}, 1}, {{0, 0, 0}, 0.8}});
   const Displacements map =

@@ -31,7 +31,7 @@ struct Case {
   Vec3d sectionTo{0, 0, 0};      ///< of its far end, where it tapers
   double mean = 0.1, max = 1;    ///< what is asked for; a known miss has its own limits
 
-  /// The strongest of their kinds, which stand for the others when they are turned and moved as well.
+  /// The strongest cases, which represent the others in the tests that also turn and move the bar.
   bool hard() const {
     return std::set<std::string>{"bend180", "twist150", "both", "S", "helix", "horn"}.count(name);
   }
@@ -42,7 +42,7 @@ double radians(double degrees) { return degrees * kPi / 180; }
 /// Bending about z and twisting by these angles from end to end.
 Curl by(double bend, double twist = 0) { return Curl(Vec3d(radians(twist) / 2, 0, radians(bend) / 2)); }
 
-/// `keyed`: narrower towards one end and towards one side, so that no turn but one lays it on itself.
+/// `keyed`: narrower towards one end and towards one side, so that the bar has no symmetry.
 Mesh bar(const Case& c, bool keyed) {
   const Vec3d half(c.half, c.section[1], c.section[2]);
   Mesh mesh = surfaceOf(*shapes::levelSet(shapes::box(half, 0.03), shapes::cube({0, 0, 0}, 1.1), 2.0 / 256));
@@ -79,8 +79,7 @@ Vec3d centroid(const Mesh& mesh) {
   return sum / volume;
 }
 
-/// Area centroid of the plane section through a point, as far as it lies within `reach` of it: each
-/// triangle's piece of the outline counts for itself.
+/// Area centroid of the plane section through a point, using only the outline within `reach` of it.
 Vec3d sectionCentroid(const Mesh& mesh, const Vec3d& point, const Vec3d& normal, double reach) {
   double area = 0;
   Vec3d sum(0.0);
@@ -100,11 +99,11 @@ Vec3d sectionCentroid(const Mesh& mesh, const Vec3d& point, const Vec3d& normal,
   return point + sum / area;
 }
 
-/// Length of a bar's own axis, from its surface alone: the line through the centroids of sections, cut near
-/// where they ought to lie and as they ought to lie (`truth`: places along the bar), then on from both ends
-/// as it last bent, out through the caps, where the level set turns positive. A bar stretched, shortened,
-/// kinked or curled does not come out right, nor does one whose bend is another one's, as long as sections
-/// still meet it.
+/// Length of a bar's own axis, measured from its surface: the line through the centroids of sections, cut
+/// at about the expected positions and directions (`truth`: expected points along the bar), then
+/// extrapolated with the last curvature through both end caps to where the level set becomes positive. The
+/// length is wrong for a bar that is stretched, shortened, kinked, curled or bent differently, as long as
+/// the sections still meet it.
 template <typename Place>
 double axisLength(const FloatGrid& grid, const Mesh& mesh, const Place& truth, double half, double reach) {
   constexpr int kSections = 19;
@@ -117,7 +116,7 @@ double axisLength(const FloatGrid& grid, const Mesh& mesh, const Place& truth, d
   const openvdb::tools::GridSampler<FloatGrid, openvdb::tools::BoxSampler> distance(grid);
   double length = 0;
   for (size_t i = 0; i + 1 < axis.size(); ++i) {
-    // An arc of the same turn is longer than its chord.
+    // An arc is longer than its chord.
     const Vec3d before = axis[i] - axis[i ? i - 1 : 0], chord = axis[i + 1] - axis[i];
     const double turn = i ? std::acos(std::min(before.unit().dot(chord.unit()), 1.0)) : 0;
     length += chord.length() * (1 + turn * turn / 24);
@@ -133,8 +132,8 @@ double axisLength(const FloatGrid& grid, const Mesh& mesh, const Place& truth, d
 
 class Bends : public testing::TestWithParam<Case> {};
 
-/// Every in-between against the bar bent by its share; the second object also turned (rotation vector) and
-/// moved.
+/// Every in-between against the bar bent by its share; the second object also turned
+/// (rotation vector) and moved.
 void expectBends(const Case& c, bool keyed, const Vec3d& turn, const Vec3d& offset) {
   const Mesh straight = bar(c, keyed);
   const Mesh a = shapes::bent(straight, c.from);
@@ -154,9 +153,11 @@ void expectBends(const Case& c, bool keyed, const Vec3d& turn, const Vec3d& offs
     const double h = frame->voxelSize()[0], linear = (1 - t) * volumeA + t * volumeB;
     const double volume = measureMesh(mesh).volume;
     const Curl curl = c.from.mixed(c.to, t);
-    const auto place = [&](double s) { return rotationFromVector(t * turn) * curl.place({s, 0, 0}) + shift; };
+    const auto position = [&](double s) {
+      return rotationFromVector(t * turn) * curl.place({s, 0, 0}) + shift;
+    };
     const double reach = 1.5 * std::hypot(1.35 * c.section[1], c.section[2]);
-    const double length = axisLength(*frame, mesh, place, c.half, reach) / (2 * c.half);
+    const double length = axisLength(*frame, mesh, position, c.half, reach) / (2 * c.half);
     std::printf("  %s t %.2f: mean %.3f, max %.3f voxels, volume %.4f, length %.4f\n", c.name.c_str(), t,
                 d.mean / h, d.max / h, volume / linear, length);
     EXPECT_LE(d.mean / h, c.mean) << "t " << t;
@@ -175,7 +176,7 @@ TEST_P(Bends, HalfWayIsBentByHalf) {
 TEST_P(Bends, AlsoWhenTurnedAndMoved) {
   Case c = GetParam();
   if (!allTests() && !c.hard()) GTEST_SKIP() << "covered in place; SLICEMORPH_ALL_TESTS=1 runs it";
-  // A known miss of the 0.1 voxel asked for: the axis through the keyed sections' centroids winds about the
+  // Known to miss the required 0.1 voxel: the axis through the keyed sections' centroids winds about the
   // bar's own, so that slices lean by a degree.
   if (c.name == "helix") c.mean = 0.12;
   expectBends(c, true, Vec3d(1, 2, 3).unit() * radians(100), {0.7, -1.3, 0.4});
@@ -195,7 +196,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"horn", by(0), by(200), 1, {0, 0.22, 0.16}, {0, 0.05, 0.04}}),
     [](const auto& info) { return info.param.name; });
 
-/// Bent charts, limbs and all: a plan of its own for every thread count.
+/// Bent charts, limbs and all: the plan is made anew for every thread count.
 TEST(Curved, ThreadsDoNotChangeAValue) {
   if (!allTests()) GTEST_SKIP() << "limbs_test compares threads, too; SLICEMORPH_ALL_TESTS=1 runs it";
   const Case c{"bend120", by(0), by(120)};
@@ -210,8 +211,8 @@ TEST(Curved, ThreadsDoNotChangeAValue) {
     });
 }
 
-/// Shapes without a clear axis get no curved spine: the result is the straight one's, so no measure can be
-/// worse.
+/// Shapes without a clear axis get no curved spine: the result is the straight one's, so no
+/// measure can be worse.
 TEST(Curved, RoundAndStoutShapesStayStraight) {
   const double h = 2.0 / kResolution;
   const auto grid = [&](const shapes::Distance& d) {

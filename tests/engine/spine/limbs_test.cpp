@@ -77,7 +77,8 @@ TEST(Limbs, QuadrupedWalksOnFourLegs) {
   }
 }
 
-/// A leg that only one object has grows out of the body: its foot comes down steadily, and it is never apart.
+/// A leg that only one object has grows out of the body: its foot moves down steadily, and it
+/// never comes off.
 TEST(Limbs, ALegGrowsOutOfTheBody) {
   const Object three = object(quadruped({0, 0, 0, 0}, 3)), four = object(quadruped({0, 0, 0, 0}));
   const MorphPlan plan({three, four});
@@ -97,7 +98,8 @@ TEST(Limbs, ALegGrowsOutOfTheBody) {
     std::printf("  t %.3f: pieces %d, genus %d, leg %.3f of its length\n", t, m.pieces, m.genus, length);
     EXPECT_EQ(m.pieces, 1) << "t " << t;
     EXPECT_EQ(m.genus, 0) << "t " << t;
-    // Its root lies below the surface: it shows a little later than at once, and then grows evenly.
+    // The stub lies below the surface, so the leg appears a little after the first frame, and
+    // then grows evenly.
     EXPECT_NEAR(length, t, 0.2) << "t " << t;
     EXPECT_GE(length, before - h) << "t " << t;
     before = length;
@@ -109,10 +111,10 @@ Object alongX(const Distance& distance) {
                                     2.4 / 128)};
 }
 
-/// A head meets a head though the necks differ six times in length: half way both body and head are what they
-/// were, and the neck has the mean length. A matching at equal places grows the head out of the neck: 4.6
-/// voxels off, 0.63 in the mean. What is allowed is the rounding where the neck's ends are stretched least
-/// and most within one slice's thickness (1.4 voxels) on either side.
+/// Heads correspond although one neck is six times as long as the other: half way both body and head keep
+/// their shapes, and the neck has the mean length. Matching slices at equal positions grows the head out of
+/// the neck: an error of 4.6 voxels, 0.63 in the mean. The tolerance is the rounding where the neck's ends
+/// are stretched least and most within one slice's thickness (1.4 voxels) on either side.
 TEST(Limbs, AHeadMeetsAHeadOnANeckOfAnotherLength) {
   const auto necked = [](double neck) {
     return joined({capsule({-1, 0, 0}, {-0.4, 0, 0}, 0.3), capsule({-0.4, 0, 0}, {neck, 0, 0}, 0.09),
@@ -136,8 +138,8 @@ TEST(Limbs, AHeadMeetsAHeadOnANeckOfAnotherLength) {
   EXPECT_LE(d.max / h, 2.8);
 }
 
-/// One branch becomes several, or several more: nothing tears off and no handle closes; near the tips there
-/// are as many as the richer end has, once they are told apart, and no more.
+/// One branch becomes several, or several become more: nothing tears off and no handle appears; near the tips
+/// there are as many branches as at the end with more of them, once they can be distinguished, and no more.
 TEST(Limbs, OneBranchBecomesSeveral) {
   const auto fork = [](int prongs) {
     std::vector<Distance> parts{capsule({-1, 0, 0}, {0, 0, 0}, 0.25)};
@@ -161,10 +163,10 @@ TEST(Limbs, OneBranchBecomesSeveral) {
       std::printf("  %d to %d, t %.3f: pieces %d, genus %d, prongs %d, volume %.3f\n", from, to, t, m.pieces,
                   m.genus, prongs, volume);
       EXPECT_EQ(m.pieces, 1) << "t " << t;
-      // A known miss: between three prongs slits open in the middle before they reach the tips.
+      // Known limit: between three prongs slits open in the middle before they reach the tips.
       EXPECT_LE(m.genus, to - from > 1 ? to - from : 0) << "t " << t;
       EXPECT_GE(prongs, t < 0.5 ? from : to) << "t " << t;
-      // Another: one that becomes two draws back between them instead of splitting.
+      // Known limit: one branch that becomes two retracts between them instead of splitting.
       EXPECT_LE(prongs, to == 2 ? from + to : to) << "t " << t;
       EXPECT_GE(volume, 0.95) << "t " << t;
     }
