@@ -16,15 +16,15 @@ ImageNodes imageNodes(const ImageLattice& on, const Carrying& carrying, double s
 
 /// Places of one object's material along rows of the in-between's voxels, linear between the nodes; world
 /// units relative to the anchor of the object's field.
-class PlaceRow {
+class PositionRow {
  public:
   /// `nodes` must outlive this.
-  PlaceRow(const ImageNodes& nodes, size_t shape);
+  PositionRow(const ImageNodes& nodes, size_t shape);
 
   /// Goes to the row of voxels (first .. last, j, k).
   void begin(int first, int last, int j, int k);
 
-  /// From voxel i of the row on, as long as one step leads from place to place.
+  /// From voxel i of the row on, as long as one step leads from position to position.
   struct Stretch {
     openvdb::Vec3s at, step;
     int length;
@@ -38,12 +38,12 @@ class PlaceRow {
 };
 
 /// Places relative to an anchor as voxels of an image.
-class PlaceToVoxel {
+class PositionToVoxel {
  public:
-  PlaceToVoxel(const ImageLattice& lattice, const Vec3d& anchor);
-  openvdb::Vec3s operator()(const openvdb::Vec3s& place) const;
-  /// A way instead of a place.
-  openvdb::Vec3s way(const openvdb::Vec3s& way) const { return openvdb::Vec3s(turn_ * Vec3d(way)); }
+  PositionToVoxel(const ImageLattice& lattice, const Vec3d& anchor);
+  openvdb::Vec3s operator()(const openvdb::Vec3s& position) const;
+  /// A way instead of a position.
+  openvdb::Vec3s vector(const openvdb::Vec3s& world) const { return openvdb::Vec3s(turn_ * Vec3d(world)); }
 
  private:
   Mat3d turn_;

@@ -4,7 +4,7 @@
 
 namespace slicemorph {
 
-/// Finds places of like depth in images near the surfaces of the in-between and of their objects.
+/// Finds positions of like depth in images near the surfaces of the in-between and of their objects.
 class MatchDepths {
  public:
   /// Both must outlive this.
@@ -15,24 +15,24 @@ class MatchDepths {
     return !near_.empty() && near_[nodes_.map.index(node[0], node[1], node[2])];
   }
 
-  struct Place {
+  struct Position {
     openvdb::Vec3s at;   ///< world units, relative to the anchor of the image's field
     float distance = 0;  ///< there, of its object
   };
-  /// One place per image, with their distances.
-  void measure(std::vector<Place>& places) const;
+  /// One position per image, with their distances.
+  void measure(std::vector<Position>& positions) const;
 
-  /// Whether a surface may pass near the straight lines between two measured places.
-  bool near(const std::vector<Place>& first, const std::vector<Place>& last) const;
+  /// Whether a surface may pass near the straight lines between two measured positions.
+  bool near(const std::vector<Position>& first, const std::vector<Position>& last) const;
 
-  /// Moves measured places of one voxel to such of like depth. Returns the in-between's distance there, world
+  /// Moves measured positions of one voxel to such of like depth. Returns the in-between's distance there, world
   /// units.
-  float match(std::vector<Place>& places) const;
+  float match(std::vector<Position>& positions) const;
 
  private:
   /// Voxels around the surface in which depths are matched.
   static constexpr double kReach = 3;
-  openvdb::Vec3s moved(size_t image, const Place& place, float level) const;
+  openvdb::Vec3s moved(size_t image, const Position& position, float level) const;
   void findCells();
 
   const std::vector<CarriedImage>& images_;

@@ -103,8 +103,8 @@ GridBase::ConstPtr Pullback::carry(const std::vector<GridBase::ConstPtr>& grids,
   checkCount(grids.size(), "grids", p.weights.size());
   const auto first = std::find_if(grids.begin(), grids.end(), [](const auto& grid) { return bool(grid); });
   if (first == grids.end()) throw InputError("none of the objects has a grid to carry");
-  const GridBase& like = **first;
-  if (!canCarry(like)) throw InputError("values of the type " + like.valueType() + " cannot be carried");
+  const GridBase& prototype = **first;
+  if (!canCarry(prototype)) throw InputError("values of the type " + prototype.valueType() + " cannot be carried");
   std::vector<CarriedGrid> carried;
   const size_t heaviest = size_t(std::max_element(p.weights.begin(), p.weights.end()) - p.weights.begin());
   bool half = true;
@@ -112,18 +112,18 @@ GridBase::ConstPtr Pullback::carry(const std::vector<GridBase::ConstPtr>& grids,
     if (!grids[k]) continue;
     half = half && grids[k]->saveFloatAsHalf();
     if (p.alone == k && options.voxelSize == 0) return grids[k];
-    if (!p.counts(k) || !(isBlended(like) || k == heaviest)) continue;
+    if (!p.counts(k) || !(isBlended(prototype) || k == heaviest)) continue;
     const size_t shape = p.shapeOf[k];
     carried.push_back({grids[k], shape, p.anchors[shape], p.weights[k], k});
   }
-  const GridBase::Ptr result = warped(carried, like, options);
-  for (auto meta = like.beginMeta(); meta != like.endMeta(); ++meta)
+  const GridBase::Ptr result = warped(carried, prototype, options);
+  for (auto meta = prototype.beginMeta(); meta != prototype.endMeta(); ++meta)
     if (meta->first.compare(0, 5, "file_") != 0) result->insertMeta(meta->first, *meta->second);
   result->setSaveFloatAsHalf(half);
   return result;
 }
 
-GridBase::Ptr Pullback::warped(const std::vector<CarriedGrid>& carried, const GridBase& like,
+GridBase::Ptr Pullback::warped(const std::vector<CarriedGrid>& carried, const GridBase& prototype,
                                const PullbackOptions& options) {
   if (!carried.empty()) {
     const Transform::Ptr transform = options.voxelSize > 0
@@ -134,8 +134,8 @@ GridBase::Ptr Pullback::warped(const std::vector<CarriedGrid>& carried, const Gr
       return warpGrids(carried, impl_->nodesFor(box, *transform), impl_->local(), *transform,
                        options.conserve);
   }
-  GridBase::Ptr empty = like.copyGridWithNewTree();
-  empty->setTransform(like.transform().copy());
+  GridBase::Ptr empty = prototype.copyGridWithNewTree();
+  empty->setTransform(prototype.transform().copy());
   return empty;
 }
 

@@ -23,7 +23,7 @@ class Rebuilder {
         voxel_(transform.voxelSize()[0]),
         step_(nodes.step),
         steepest_(blend.weights.vary() ? kSteepestWhereVarying : kSteepest),
-        places_(nodes),
+        positions_(nodes),
         blend_(blend),
         used_(blend.weights.used()) {
     for (size_t k : used_) {
@@ -49,7 +49,7 @@ class Rebuilder {
     std::vector<float> factors;      ///< per used object
   };
 
-  /// What the distances of the used objects count at a place, `at` on every object.
+  /// What the distances of the used objects count at a index, `at` on every object.
   const float* factorsAt(const openvdb::Vec3s* at, Local& local) const {
     if (!blend_.weights.vary()) return factor_.data();
     local.weights.resize(blend_.sizes.size()), local.factors.resize(used_.size());
@@ -61,12 +61,12 @@ class Rebuilder {
     return local.factors.data();
   }
 
-  /// The same half way between two voxels of a cell; per used object, `places` of its voxels.
-  const float* factorsOf(const std::vector<std::vector<openvdb::Vec3s>>& places, size_t a, size_t b,
+  /// The same half way between two voxels of a cell; per used object, `positions` of its voxels.
+  const float* factorsOf(const std::vector<std::vector<openvdb::Vec3s>>& positions, size_t a, size_t b,
                          Local& local) const {
     if (!blend_.weights.vary()) return factor_.data();
     local.at.resize(blend_.sizes.size());
-    for (size_t n = 0; n < used_.size(); ++n) local.at[used_[n]] = (places[n][a] + places[n][b]) * 0.5f;
+    for (size_t n = 0; n < used_.size(); ++n) local.at[used_[n]] = (positions[n][a] + positions[n][b]) * 0.5f;
     return factorsAt(local.at.data(), local);
   }
 
@@ -99,23 +99,23 @@ class Rebuilder {
   }
 
   void fillLeaf(const openvdb::Coord& origin, float* values) const {
-    std::vector<std::vector<openvdb::Vec3s>> places(
+    std::vector<std::vector<openvdb::Vec3s>> positions(
         used_.size(), std::vector<openvdb::Vec3s>(size_t(step_) * step_ * step_));
     for (int z = 0; z < kLeaf; z += step_)
       for (int y = 0; y < kLeaf; y += step_)
         for (int x = 0; x < kLeaf; x += step_) {
           const int i = (origin[0] + x) / step_, j = (origin[1] + y) / step_, k = (origin[2] + z) / step_;
-          if (cellActive(i, j, k)) fillCell(i, j, k, places, values + (x * kLeaf + y) * kLeaf + z);
+          if (cellActive(i, j, k)) fillCell(i, j, k, positions, values + (x * kLeaf + y) * kLeaf + z);
         }
   }
 
   /// `values`: of the cell's first voxel, in OpenVDB's leaf order (x slowest). Voxels go by blocks of 2 x 2 x
   /// 2, and only those blocks are sampled whose middle is near enough to the surface to hold a voxel of the
   /// band.
-  void fillCell(int i, int j, int k, std::vector<std::vector<openvdb::Vec3s>>& places, float* values) const {
+  void fillCell(int i, int j, int k, std::vector<std::vector<openvdb::Vec3s>>& positions, float* values) const {
     for (size_t n = 0; n < used_.size(); ++n) {
-      if (places_.torn(i, j, k, 2, used_[n])) return blendNodes(i, j, k, values);
-      places_.find(i, j, k, used_[n], places[n]);
+      if (positions_.torn(i, j, k, 2, used_[n])) return blendNodes(i, j, k, values);
+      positions_.find(i, j, k, used_[n], positions[n]);
     }
     Local local;
     const float far = float((kHalfWidth + 1 + steepest_ * 0.5 * std::sqrt(3.0)) * voxel_);
@@ -124,19 +124,19 @@ class Rebuilder {
         for (int z = 0; z < step_; z += 2) {
           const size_t first = (size_t(x) * step_ + y) * step_ + z;
           const size_t last = first + (size_t(step_) + 1) * step_ + 1;
-          const float* factors = factorsOf(places, first, last, local);
+          const float* factors = factorsOf(positions, first, last, local);
           float middle = 0;
           for (size_t n = 0; n < used_.size(); ++n)
-            middle += factors[n] * samplers_[n].coarse((places[n][first] + places[n][last]) * 0.5f);
+            middle += factors[n] * samplers_[n].coarse((positions[n][first] + positions[n][last]) * 0.5f);
           const bool near = std::abs(middle) < far;
           for (int v = 0; v < 8; ++v) {
             const int dx = v >> 2, dy = v >> 1 & 1, dz = v & 1;
             float f = middle;
             if (near) {
               f = 0;
-              const size_t place = first + (size_t(dx) * step_ + dy) * step_ + dz;
-              const float* own = factorsOf(places, place, place, local);
-              for (size_t n = 0; n < used_.size(); ++n) f += own[n] * samplers_[n](places[n][place]);
+              const size_t index = first + (size_t(dx) * step_ + dy) * step_ + dz;
+              const float* own = factorsOf(positions, index, index, local);
+              for (size_t n = 0; n < used_.size(); ++n) f += own[n] * samplers_[n](positions[n][index]);
             }
             values[((x + dx) * kLeaf + y + dy) * kLeaf + z + dz] = f;
           }
@@ -161,7 +161,7 @@ class Rebuilder {
   double voxel_;
   int step_;
   double steepest_;
-  NodePlaces places_;
+  NodePlaces positions_;
   const DistanceBlend& blend_;
   std::vector<size_t> used_;   ///< objects that count somewhere
   std::vector<float> factor_;  ///< of each of these, where weights do not vary

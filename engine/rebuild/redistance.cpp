@@ -63,7 +63,7 @@ float slope(float before, float here, float after) {
   return 0;
 }
 
-/// Trilinear value at a place in the block; unknown where a corner is.
+/// Trilinear value at a position in the block; unknown where a corner is.
 float interpolate(const Block& block, const openvdb::Vec3s& p) {
   int base[3];
   float w[3];

@@ -31,7 +31,7 @@ class SparseValues {
 };
 
 /// Makes a level set of a function that is about a distance near its zero set, up to a factor that may change
-/// from place to place: two Newton steps along the gradient to the zero set. Signs, and so the topology, are
+/// from position to position: two Newton steps along the gradient to the zero set. Signs, and so the topology, are
 /// kept.
 FloatGrid::Ptr redistance(const SparseValues& values, const openvdb::math::Transform& transform);
 

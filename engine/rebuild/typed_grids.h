@@ -57,13 +57,13 @@ class NumberGrids {
 template <typename Real>
 std::unique_ptr<NumberGrids<Real>> numberGrids(const std::vector<openvdb::GridBase::ConstPtr>& grids);
 
-/// Finds, for one leaf, the index-space places of one cell's voxels after another on the only grid: calls
-/// `cell(places, first)` with the place of each voxel (x slowest) and the first voxel's coordinates.
+/// Finds, for one leaf, the index-space positions of one cell's voxels after another on the only grid: calls
+/// `cell(positions, first)` with the position of each voxel (x slowest) and the first voxel's coordinates.
 using CellVisitor =
-    std::function<void(const std::vector<Vec3d>& places, const openvdb::Coord& first, int side)>;
+    std::function<void(const std::vector<Vec3d>& positions, const openvdb::Coord& first, int side)>;
 using LeafVisitor = std::function<void(const openvdb::Coord& origin, const CellVisitor& cell)>;
 
-/// A grid of the nearest voxels' values at places that are found leaf by leaf. Null where its type is not one of those.
+/// A grid of the nearest voxels' values at positions that are found leaf by leaf. Null where its type is not one of those.
 openvdb::GridBase::Ptr nearestValues(const openvdb::GridBase& grid, const std::vector<openvdb::Coord>& leaves,
                                      const LeafVisitor& visit);
 /// Null where its type is not one of those whose nearest values are taken.

@@ -39,8 +39,8 @@ class ToIndex {
     const auto matrix = transform.baseMap()->getAffineMap()->getMat4().inverse().getMat3();
     matrix_ = matrix.transpose();  // OpenVDB multiplies rows from the left
   }
-  Vec3d operator()(const Vec3d& place) const {
-    return linear_ ? matrix_ * place + offset_ : transform_->worldToIndex(place + anchor_);
+  Vec3d operator()(const Vec3d& position) const {
+    return linear_ ? matrix_ * position + offset_ : transform_->worldToIndex(position + anchor_);
   }
 
  private:
@@ -63,7 +63,7 @@ Mat3d worldPerVoxel(const Transform& transform) {
   return result;
 }
 
-/// Colours and places do not turn with what they lie on; velocities, normals and all else do.
+/// Colours and positions do not turn with what they lie on; velocities, normals and all else do.
 bool turns(const GridBase& grid) {
   static const std::set<std::string> still{"emission", "rest", "uv", "uvw"};
   const bool keeps = isColorName(grid.getName()) || still.count(grid.getName());
@@ -97,13 +97,13 @@ bool cellActive(const NodeMap& nodes, const std::vector<Source>& sources, int i,
 }
 
 /// A leaf's voxels between the nodes of one cell.
-struct CellPlaces {
+struct CellPositions {
   std::vector<openvdb::Vec3s> world;  ///< relative to the anchor of the object
   std::vector<Vec3d> index;           ///< of the object's grid
   openvdb::BBoxd box;                 ///< of these
 
-  void find(const NodePlaces& places, const openvdb::Coord& node, const Source& source) {
-    places.find(node[0], node[1], node[2], source.shape, world);
+  void find(const NodePlaces& positions, const openvdb::Coord& node, const Source& source) {
+    positions.find(node[0], node[1], node[2], source.shape, world);
     index.resize(world.size());
     box = openvdb::BBoxd();
     for (size_t v = 0; v < world.size(); ++v) box.expand(index[v] = source.toIndex(Vec3d(world[v])));
@@ -137,7 +137,7 @@ class Blender {
       : numbers_(std::move(numbers)),
         channels_(numbers_->channels()),
         nodes_(nodes),
-        places_(nodes),
+        positions_(nodes),
         weights_(weights),
         vary_(weights.vary()),
         prototype_(*grids.front().grid),
@@ -188,20 +188,20 @@ class Blender {
   /// What one thread works with.
   struct Scratch {
     explicit Scratch(const Blender& blender) : sum(blender.cellSize()), on(sum.size()) {
-      places.world.resize(sum.size());
+      positions.world.resize(sum.size());
       for (size_t s = 0; s < blender.sources_.size(); ++s) readers.push_back(blender.numbers_->reader(s));
       leaf.values.resize(kLeafVoxels * size_t(blender.channels_));
       leaf.states.resize(kLeafVoxels);
     }
     std::vector<std::unique_ptr<typename Numbers::Reader>> readers;
-    CellPlaces places;
+    CellPositions positions;
     LocalBlock<Real> block;
     LeafValues<Real> leaf;
     std::vector<Channels> sum;
     std::vector<char> on;
     std::vector<double> mass;      ///< of colours: per voxel, the weights that are in the sum
     std::vector<Weights> weights;  ///< per voxel, where they vary
-    std::vector<std::vector<openvdb::Vec3s>> regionPlaces;  ///< per shape
+    std::vector<std::vector<openvdb::Vec3s>> regionPositions;  ///< per shape
   };
 
   size_t cellSize() const { return size_t(nodes_.step) * size_t(nodes_.step) * size_t(nodes_.step); }
@@ -209,16 +209,16 @@ class Blender {
   /// The objects' weights at a cell's voxels.
   void findWeights(const openvdb::Coord& node, Scratch& scratch) const {
     if (!vary_) return;
-    scratch.regionPlaces.resize(nodes_.objects);
+    scratch.regionPositions.resize(nodes_.objects);
     const std::vector<size_t> shapes = weights_.regionObjects();
     for (size_t shape : shapes) {
-      scratch.regionPlaces[shape].resize(cellSize());
-      places_.find(node[0], node[1], node[2], shape, scratch.regionPlaces[shape]);
+      scratch.regionPositions[shape].resize(cellSize());
+      positions_.find(node[0], node[1], node[2], shape, scratch.regionPositions[shape]);
     }
     std::vector<openvdb::Vec3s> at(nodes_.objects, openvdb::Vec3s(0.f));
     scratch.weights.assign(cellSize(), Weights(weights_.whole().size()));
     for (size_t v = 0; v < scratch.weights.size(); ++v) {
-      for (size_t shape : shapes) at[shape] = scratch.regionPlaces[shape][v];
+      for (size_t shape : shapes) at[shape] = scratch.regionPositions[shape][v];
       weights_.find(at.data(), scratch.weights[v].data());
     }
   }
@@ -275,13 +275,13 @@ class Blender {
   /// Adds what is active, by its weight.
   void addColors(size_t s, const openvdb::Coord& node, Scratch& scratch) const {
     const Source& source = sources_[s];
-    scratch.places.find(places_, node, source);
-    if (scratch.places.torn()) return;
-    scratch.readers[s]->fill(scratch.block, scratch.places.box);
+    scratch.positions.find(positions_, node, source);
+    if (scratch.positions.torn()) return;
+    scratch.readers[s]->fill(scratch.block, scratch.positions.box);
     if (!scratch.block.anyActive()) return;
     for (size_t v = 0; v < scratch.sum.size(); ++v) {
       Real value[3];
-      const double share = double(scratch.block.linearAmongActive(scratch.places.index[v], value));
+      const double share = double(scratch.block.linearAmongActive(scratch.positions.index[v], value));
       const double weight = weightOf(source, scratch, v) * share;
       if (!(weight > 0)) continue;
       for (int c = 0; c < 3; ++c) scratch.sum[v][size_t(c)] += Real(value[c] * weight);
@@ -298,27 +298,27 @@ class Blender {
 
   void addCell(size_t s, const openvdb::Coord& node, Scratch& scratch) const {
     const Source& source = sources_[s];
-    scratch.places.find(places_, node, source);
-    if (scratch.places.torn()) return;
-    openvdb::BBoxd box = scratch.places.box;
+    scratch.positions.find(positions_, node, source);
+    if (scratch.positions.torn()) return;
+    openvdb::BBoxd box = scratch.positions.box;
     if (staggered_) box.min() -= Vec3d(kStaggeredReach + 0.5), box.max() += Vec3d(kStaggeredReach + 0.5);
     scratch.readers[s]->fill(scratch.block, box);
     if (!scratch.block.anyActive() && zeroOutside_[s]) return;
     if (scratch.block.uniform() && !source.stretch && !vary_) {
-      const Channels value = weighted(sampled(scratch.block, scratch.places.index[0]), source.weight);
+      const Channels value = weighted(sampled(scratch.block, scratch.positions.index[0]), source.weight);
       for (Channels& sum : scratch.sum) add(value, sum);
       std::fill(scratch.on.begin(), scratch.on.end(), 1);
       return;
     }
     for (size_t v = 0; v < scratch.sum.size(); ++v) {
-      const bool on = scratch.block.active(scratch.places.index[v]);
+      const bool on = scratch.block.active(scratch.positions.index[v]);
       scratch.on[v] |= on;
       if (on || !zeroOutside_[s]) add(value(source, node, scratch, v), scratch.sum[v]);
     }
   }
 
   Channels value(const Source& source, const openvdb::Coord& node, const Scratch& scratch, size_t v) const {
-    const Vec3d& at = scratch.places.index[v];
+    const Vec3d& at = scratch.positions.index[v];
     const double weight = weightOf(source, scratch, v);
     if (!source.stretch) return weighted(sampled(scratch.block, at), weight);
     const int step = nodes_.step, n = int(v);
@@ -337,10 +337,10 @@ class Blender {
     for (int axis = 0; axis < 3; ++axis) {
       const Vec3d toFace(worldPerVoxel_(0, axis), worldPerVoxel_(1, axis), worldPerVoxel_(2, axis));
       Vec3d face =
-          source.toIndex(Vec3d(scratch.places.world[v]) - 0.5 * size * (Mat3d(local.rotation) * toFace));
+          source.toIndex(Vec3d(scratch.positions.world[v]) - 0.5 * size * (Mat3d(local.rotation) * toFace));
       for (int c = 0; c < 3; ++c)
-        face[c] = std::clamp(face[c], scratch.places.box.min()[c] - kStaggeredReach,
-                             scratch.places.box.max()[c] + kStaggeredReach);
+        face[c] = std::clamp(face[c], scratch.positions.box.min()[c] - kStaggeredReach,
+                             scratch.positions.box.max()[c] + kStaggeredReach);
       Channels whole{};
       for (int c = 0; c < 3; ++c) {
         Vec3d own = face;
@@ -376,7 +376,7 @@ class Blender {
   std::unique_ptr<Numbers> numbers_;
   int channels_;
   const NodeMap& nodes_;
-  NodePlaces places_;
+  NodePlaces positions_;
   const LocalWeights& weights_;
   bool vary_;
   const GridBase& prototype_;
@@ -397,20 +397,20 @@ GridBase::Ptr nearestInBetween(const CarriedGrid& carried, const NodeMap& nodes)
   const std::vector<Source> sources{{carried.shape, carried.object, carried.weight,
                                      ToIndex(carried.grid->transform(), carried.anchor), std::move(*blocks),
                                      nullptr}};
-  const NodePlaces nodePlaces(nodes);
+  const NodePlaces nodePositions(nodes);
   const int step = nodes.step;
   const std::vector<openvdb::Coord> origins =
       leavesWith(nodes, [&](int i, int j, int k) { return cellActive(nodes, sources, i, j, k); });
   return nearestValues(*carried.grid, origins, [&](const openvdb::Coord& origin, const CellVisitor& cell) {
-    CellPlaces places;
-    places.world.resize(size_t(step) * size_t(step) * size_t(step));
+    CellPositions positions;
+    positions.world.resize(size_t(step) * size_t(step) * size_t(step));
     for (int x = 0; x < kLeaf; x += step)
       for (int y = 0; y < kLeaf; y += step)
         for (int z = 0; z < kLeaf; z += step) {
           const openvdb::Coord node((origin[0] + x) / step, (origin[1] + y) / step, (origin[2] + z) / step);
           if (!cellActive(nodes, sources, node[0], node[1], node[2])) continue;
-          places.find(nodePlaces, node, sources[0]);
-          if (!places.torn()) cell(places.index, {x, y, z}, step);
+          positions.find(nodePositions, node, sources[0]);
+          if (!positions.torn()) cell(positions.index, {x, y, z}, step);
         }
   });
 }

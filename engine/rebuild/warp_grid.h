@@ -42,9 +42,9 @@ NodeMap carryingNodes(const openvdb::CoordBBox& box, const Carrying& carrying,
 
 /// In-between of the grids: sum_k w_k g_k(M_k(p)), trilinear, leaf by leaf and only where some grid is
 /// active; what is missing to a sum of weights of 1 is background. Of the first grid's type and class.
-/// Vectors turn with the map's rotation unless they are colours or places; staggered ones are taken face by
+/// Vectors turn with the map's rotation unless they are colours or positions; staggered ones are taken face by
 /// face. Colours, by their name, are blended by their weights among what is active, and so is what lies
-/// between voxels. `weights`: of the objects at each place. `conserve`: densities, whose total is the
+/// between voxels. `weights`: of the objects at each position. `conserve`: densities, whose total is the
 /// weighted sum of theirs, thinned where the map widens. Throws InputError for grids of different types, and
 /// for more than one of a type that is not blended.
 openvdb::GridBase::Ptr warpGrids(const std::vector<CarriedGrid>& grids, const NodeMap& nodes,

@@ -46,10 +46,10 @@ void storeRow(const std::vector<double>& row, size_t first, ImageValues& values)
 class AnyImage {
  public:
   virtual ~AnyImage() = default;
-  /// Adds the weighted values at count places (voxels) that lie `step` apart.
+  /// Adds the weighted values at count positions (voxels) that lie `step` apart.
   virtual void addLine(const Vec3s& first, const Vec3s& step, int count, double weight,
                        double* sum) const = 0;
-  virtual double at(const Vec3s& place) const = 0;
+  virtual double at(const Vec3s& position) const = 0;
 };
 
 template <typename T>
@@ -59,7 +59,7 @@ class TypedImage : public AnyImage {
   void addLine(const Vec3s& first, const Vec3s& step, int count, double weight, double* sum) const override {
     sampler_.addLine(first, step, count, weight, sum);
   }
-  double at(const Vec3s& place) const override { return double(sampler_(place)); }
+  double at(const Vec3s& position) const override { return double(sampler_(position)); }
 
  private:
   ImageSampler<T> sampler_;
@@ -133,8 +133,8 @@ class KeptSurface {
 
 Image warpImages(const std::vector<CarriedImage>& images, const ImageNodes& nodes, const ImageLattice& on) {
   std::vector<std::unique_ptr<AnyImage>> values;
-  std::vector<PlaceToVoxel> toVoxel;
-  std::vector<PlaceRow> rows;
+  std::vector<PositionToVoxel> toVoxel;
+  std::vector<PositionRow> rows;
   std::vector<const Image*> all;
   for (const CarriedImage& c : images) {
     values.push_back(anyImage(*c.image));
@@ -147,13 +147,13 @@ Image warpImages(const std::vector<CarriedImage>& images, const ImageNodes& node
   const KeptSurface kept(images, on);
   tbb::parallel_for(tbb::blocked_range<int>(0, on.size[2]), [&](const tbb::blocked_range<int>& slices) {
     std::vector<double> sum(size_t(on.size[0]));
-    std::vector<PlaceRow> row = rows;
-    std::vector<PlaceRow::Stretch> stretch(images.size());
-    std::vector<MatchDepths::Place> first(images.size()), last = first, place = first;
+    std::vector<PositionRow> row = rows;
+    std::vector<PositionRow::Stretch> stretch(images.size());
+    std::vector<MatchDepths::Position> first(images.size()), last = first, position = first;
     for (int k = slices.begin(); k < slices.end(); ++k)
       for (int j = 0; j < on.size[1]; ++j) {
         std::fill(sum.begin(), sum.end(), 0.0);
-        for (PlaceRow& r : row) r.begin(0, on.size[0] - 1, j, k);
+        for (PositionRow& r : row) r.begin(0, on.size[0] - 1, j, k);
         bool measured = false;  // the last end, which is the next stretch's first
         for (int i = 0, count; i < on.size[0]; i += count) {
           for (size_t c = 0; c < images.size(); ++c) stretch[c] = row[c].from(i);
@@ -173,16 +173,16 @@ Image warpImages(const std::vector<CarriedImage>& images, const ImageNodes& node
           measured = near;
           near = near && matchDepths.near(first, last);
           for (size_t c = 0; c < images.size() && !near; ++c)
-            values[c]->addLine(toVoxel[c](stretch[c].at), toVoxel[c].way(stretch[c].step), count,
+            values[c]->addLine(toVoxel[c](stretch[c].at), toVoxel[c].vector(stretch[c].step), count,
                                images[c].weight, &sum[size_t(i)]);
           for (int n = 0; n < count && near; ++n) {
             for (size_t c = 0; c < images.size(); ++c)
-              place[c].at = stretch[c].at + stretch[c].step * float(n);
-            matchDepths.measure(place);
-            const float distance = matchDepths.match(place);
+              position[c].at = stretch[c].at + stretch[c].step * float(n);
+            matchDepths.measure(position);
+            const float distance = matchDepths.match(position);
             double& value = sum[size_t(i + n)];
             for (size_t c = 0; c < images.size(); ++c)
-              value += images[c].weight * values[c]->at(toVoxel[c](place[c].at));
+              value += images[c].weight * values[c]->at(toVoxel[c](position[c].at));
             value = kept.at(value, distance);
           }
         }

@@ -13,7 +13,7 @@ struct CarriedImage {
   size_t shape = 0;       ///< which object of the node map it rides with
   Vec3d anchor{0, 0, 0};  ///< of that object's field
   double weight = 0;
-  const DistanceField* field = nullptr;  ///< of the object; null: places alone are matched, not depths
+  const DistanceField* field = nullptr;  ///< of the object; null: positions alone are matched, not depths
   double size = 1;                       ///< of the in-between against the object
   /// The value at its surface; where all are known the in-between's surface has their blend.
   std::optional<double> iso = std::nullopt;

@@ -17,7 +17,7 @@ ImageValues labelValues(std::int64_t most, size_t count) {
 }
 
 /// Box of an image's voxels around all that a box of the in-between's voxels lies on.
-openvdb::CoordBBox boxOf(const ImageNodes& nodes, size_t shape, const PlaceToVoxel& toVoxel,
+openvdb::CoordBBox boxOf(const ImageNodes& nodes, size_t shape, const PositionToVoxel& toVoxel,
                          const openvdb::CoordBBox& box) {
   const openvdb::Vec3i& s = nodes.step;
   Vec3s low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
@@ -66,7 +66,7 @@ SharedLabels sharedLabels(const std::vector<CarriedLabels>& labels) {
 class BlockLabeller {
  public:
   BlockLabeller(const std::vector<CarriedLabels>& labels, const SharedLabels& shared,
-                const std::vector<PlaceToVoxel>& toVoxel, const ImageNodes& nodes)
+                const std::vector<PositionToVoxel>& toVoxel, const ImageNodes& nodes)
       : labels_(labels), shared_(shared), toVoxel_(toVoxel), nodes_(nodes) {
     for (const CarriedLabels& c : labels) rows_.emplace_back(nodes, c.shape);
   }
@@ -79,7 +79,7 @@ class BlockLabeller {
     const openvdb::Coord first = block.min(), last = block.max();
     for (int k = first[2]; k <= last[2]; ++k)
       for (int j = first[1]; j <= last[1]; ++j) {
-        for (PlaceRow& row : rows_) row.begin(first[0], last[0], j, k);
+        for (PositionRow& row : rows_) row.begin(first[0], last[0], j, k);
         for (int i = first[0]; i <= last[0]; ++i)
           if (const int best = bestAt(i); best >= 0) write(openvdb::Coord(i, j, k), size_t(best));
       }
@@ -130,9 +130,9 @@ class BlockLabeller {
 
   const std::vector<CarriedLabels>& labels_;
   const SharedLabels& shared_;
-  const std::vector<PlaceToVoxel>& toVoxel_;
+  const std::vector<PositionToVoxel>& toVoxel_;
   const ImageNodes& nodes_;
-  std::vector<PlaceRow> rows_;  ///< per object
+  std::vector<PositionRow> rows_;  ///< per object
   std::vector<int> near_, candidates_;
   std::vector<float> blended_;  ///< per candidate
 };
@@ -141,7 +141,7 @@ class BlockLabeller {
 
 Image warpLabels(const std::vector<CarriedLabels>& labels, const ImageNodes& nodes, const ImageLattice& on) {
   const SharedLabels shared = sharedLabels(labels);
-  std::vector<PlaceToVoxel> toVoxel;
+  std::vector<PositionToVoxel> toVoxel;
   for (const CarriedLabels& c : labels) toVoxel.emplace_back(c.labels->lattice(), c.anchor);
   Image result{on, labelValues(shared.all.empty() ? 0 : shared.all.back(), on.count())};
   const auto write = [&](const openvdb::Coord& voxel, size_t label) {

@@ -122,7 +122,7 @@ class Pullback {
 
  private:
   void fillVelocities(openvdb::Vec3SGrid& grid, const Weights& rate) const;
-  openvdb::GridBase::Ptr warped(const std::vector<CarriedGrid>& grids, const openvdb::GridBase& like,
+  openvdb::GridBase::Ptr warped(const std::vector<CarriedGrid>& grids, const openvdb::GridBase& prototype,
                                 const PullbackOptions& options);
   std::unique_ptr<Impl> impl_;
 };

@@ -32,10 +32,10 @@ TEST(ActiveBlocks, AgreeWithLookingAtAllVoxels) {
   grid->tree().addTile(1, {24, 24, 24}, 1.f, true);
   grid->tree().setValueOff({-100, 0, 0}, 3.f);  // a leaf with nothing active
   const ActiveBlocks blocks(grid->tree());
-  std::uniform_real_distribution<> place(-60, 60), side(0, 24);
+  std::uniform_real_distribution<> position(-60, 60), side(0, 24);
   int met = 0;
   for (int n = 0; n < 400; ++n) {
-    const Vec3d low(place(random), place(random), place(random));
+    const Vec3d low(position(random), position(random), position(random));
     const openvdb::BBoxd box(low, low + Vec3d(side(random), side(random), side(random)));
     EXPECT_EQ(blocks.meets(box), meetsAny(*grid, box)) << low;
     met += blocks.meets(box);

@@ -108,7 +108,7 @@ TEST(Carry, APuffTurns) {
   std::printf("  turned: off by %.4f at most, total %.4f, peak %.4f\n", std::min(off, offOther),
               f.total / start.total, f.peak / start.peak);
   // A quarter turn may go either way round: these puffs look the same after half a turn. Off by a tenth of a
-  // voxel at the steepest place is 0.1 * 0.2 / 0.6 * 0.61 = 0.02; the interpolation of a peak of width 3
+  // voxel at the steepest position is 0.1 * 0.2 / 0.6 * 0.61 = 0.02; the interpolation of a peak of width 3
   // voxels adds 1/8 / 3^2.
   EXPECT_LE(std::min(off, offOther), 0.035);
   EXPECT_NEAR(f.total / start.total, 1, 0.02);

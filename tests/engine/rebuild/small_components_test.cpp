@@ -47,11 +47,11 @@ FloatGrid::Ptr balls(const std::vector<std::pair<Vec3d, double>>& list) {
 
 TEST(SmallComponents, PiecesAreThoseOfFloodFill) {
   std::mt19937 random(3);
-  std::uniform_real_distribution<> place(-2.2, 2.2), size(0.3, 0.9);
+  std::uniform_real_distribution<> position(-2.2, 2.2), size(0.3, 0.9);
   for (int repeat = 0; repeat < 8; ++repeat) {
     std::vector<std::pair<Vec3d, double>> list;
     for (int n = 0; n < 12; ++n)
-      list.push_back({{place(random), place(random), place(random)}, size(random)});
+      list.push_back({{position(random), position(random), position(random)}, size(random)});
     const FloatGrid::Ptr grid = balls(list);
     EXPECT_EQ(countPieces(*grid), int(partsOf(*grid).size())) << repeat;
   }

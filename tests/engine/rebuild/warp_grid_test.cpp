@@ -17,7 +17,7 @@ using Transform = openvdb::math::Transform;
 constexpr double kVoxel = 0.1;
 const openvdb::CoordBBox kBox({-20, -20, -20}, {20, 20, 20});
 
-/// Object k's place of a world point p is m[k] p + offset[k].
+/// Object k's position of a world point p is m[k] p + offset[k].
 NodeMap affineNodes(const std::vector<Mat3d>& m, const std::vector<Vec3d>& offset) {
   NodeMap nodes;
   nodes.step = 4, nodes.objects = m.size();
@@ -169,8 +169,8 @@ TEST(WarpGrid, AStillObjectKeepsItsBox) {
   EXPECT_TRUE(boxOf({carried(FloatGrid::create(), 0, 1)}, still, a->transform()).empty());
   const NodeMap nodes = carryingNodes(box, still, a->transform(), 4);
   for (int i : {-1, 0, 1, 2}) {
-    const Vec3d place = Vec3d(nodes.at[nodes.index(i, 1, 2)]) + still.anchor;
-    EXPECT_LE((place - kVoxel * 4 * Vec3d(i, 1, 2)).length(), 1e-6);
+    const Vec3d position = Vec3d(nodes.at[nodes.index(i, 1, 2)]) + still.anchor;
+    EXPECT_LE((position - kVoxel * 4 * Vec3d(i, 1, 2)).length(), 1e-6);
   }
 }
 

@@ -1,4 +1,4 @@
-// Dense images carried by places that are known: linear ones are found exactly.
+// Dense images carried by positions that are known: linear ones are found exactly.
 #include "engine/rebuild/warp_image.h"
 #include "tests/support/fields.h"
 
@@ -25,14 +25,14 @@ Image imageOf(const ImageLattice& lattice, const std::function<double(const Vec3
   return {lattice, values};
 }
 
-/// Nodes of two objects whose places are those of the in-between, shifted.
+/// Nodes of two objects whose positions are those of the in-between, shifted.
 ImageNodes shiftedNodes(const ImageLattice& on, const std::vector<Vec3d>& shifts) {
   Carrying still;
   ImageNodes nodes = imageNodes(on, still, 3 * on.spacing()[0]);
-  const std::vector<openvdb::Vec3s> places = nodes.map.at;
+  const std::vector<openvdb::Vec3s> positions = nodes.map.at;
   nodes.map.objects = shifts.size();
   nodes.map.at.clear();
-  for (const openvdb::Vec3s& p : places)
+  for (const openvdb::Vec3s& p : positions)
     for (const Vec3d& s : shifts) nodes.map.at.push_back(p + openvdb::Vec3s(s));
   return nodes;
 }

@@ -1,4 +1,4 @@
-// Label maps carried by places that are known.
+// Label maps carried by positions that are known.
 #include "engine/rebuild/warp_labels.h"
 
 #include <gtest/gtest.h>
@@ -24,10 +24,10 @@ Image labelled(const ImageLattice& lattice, const std::function<int(const Vec3d&
 
 ImageNodes shiftedNodes(const ImageLattice& on, const std::vector<Vec3d>& shifts) {
   ImageNodes nodes = imageNodes(on, Carrying(), 4);
-  const std::vector<openvdb::Vec3s> places = nodes.map.at;
+  const std::vector<openvdb::Vec3s> positions = nodes.map.at;
   nodes.map.objects = shifts.size();
   nodes.map.at.clear();
-  for (const openvdb::Vec3s& p : places)
+  for (const openvdb::Vec3s& p : positions)
     for (const Vec3d& s : shifts) nodes.map.at.push_back(p + openvdb::Vec3s(s));
   return nodes;
 }
