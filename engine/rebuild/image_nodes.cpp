@@ -51,6 +51,8 @@ PositionToVoxel::PositionToVoxel(const ImageLattice& lattice, const Vec3d& ancho
   offset_ = voxel(anchor);
 }
 
-Vec3s PositionToVoxel::operator()(const Vec3s& position) const { return Vec3s(turn_ * Vec3d(position) + offset_); }
+Vec3s PositionToVoxel::operator()(const Vec3s& position) const {
+  return Vec3s(turn_ * Vec3d(position) + offset_);
+}
 
 }  // namespace slicemorph

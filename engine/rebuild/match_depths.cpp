@@ -25,7 +25,8 @@ void MatchDepths::measure(std::vector<Position>& positions) const {
   for (size_t c = 0; c < images_.size(); ++c) positions[c].distance = samplers_[c](positions[c].at);
 }
 
-/// No position of a line is further from both its ends than half of it.
+/// A point of a segment is at most half the segment's length away from the nearer end, and distances change
+/// by at most 1 per unit, which bounds how near the surface can be.
 bool MatchDepths::near(const std::vector<Position>& first, const std::vector<Position>& last) const {
   const bool inside = first[0].distance < 0;
   for (size_t c = 0; c < images_.size(); ++c) {
@@ -48,13 +49,16 @@ float MatchDepths::match(std::vector<Position>& positions) const {
     const float wrong = otherSide ? std::min(std::abs(distance) / voxel, 1.f) : 0.f;
     const float share = std::max(fade, wrong);
     if (share > 0)
-      positions[c].at = moved(c, positions[c], distance + share * (blended / float(images_[c].size) - distance));
+      positions[c].at =
+          moved(c, positions[c], distance + share * (blended / float(images_[c].size) - distance));
   }
   return blended;
 }
 
-/// A position moved along the way to the surface to where its distance is `level`; a little way by the gradient
-/// there, a long one by way of the nearest surface point. Where the wall is thinner than that, just inside.
+/// The position moved towards or away from the surface until its distance is `level`. Moves below 1.5 voxels
+/// follow the gradient; longer ones start from the nearest surface point, because the gradient may change on
+/// the way. Where the wall is thinner than `level`, the result is at most half a voxel from the surface, on
+/// the side of `level`.
 Vec3s MatchDepths::moved(size_t c, const Position& position, float level) const {
   const CarriedImage& image = images_[c];
   const DistanceField::Sampler& sampler = samplers_[c];
@@ -68,7 +72,7 @@ Vec3s MatchDepths::moved(size_t c, const Position& position, float level) const 
              : surface + outwards * std::copysign(std::min(0.5f * voxel, std::abs(level)), level);
 }
 
-/// No position of a cell is further from a corner than half its longest diagonal.
+/// As near(first, last): a point of a cell is at most half the longest diagonal away from a corner.
 void MatchDepths::findCells() {
   const NodeMap& map = nodes_.map;
   const openvdb::Coord o = map.origin, n = map.size;

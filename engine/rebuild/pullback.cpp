@@ -21,9 +21,10 @@ namespace {
 using openvdb::GridBase;
 using Transform = openvdb::math::Transform;
 
-/// Node maps that are kept; a file has mostly one transform.
+/// Number of node maps that are kept. The grids of one file mostly share one or two transforms.
 constexpr size_t kKeptMaps = 3;
-/// Voxels around what moves in which velocities are found.
+/// Upper limit, in voxels, of the margin around the active voxels in which velocities are computed. It bounds
+/// the cost where velocities are very high.
 constexpr int kMostReach = 24;
 
 openvdb::Vec3STree::Ptr topologyOf(const GridBase& where) {
@@ -38,7 +39,7 @@ openvdb::Vec3STree::Ptr topologyOf(const GridBase& where) {
   return tree;
 }
 
-/// Throws unless there is one thing of a kind for every object.
+/// Throws unless exactly one item per object was given.
 void checkCount(size_t given, const char* what, size_t objects) {
   if (given != objects)
     throw InputError(std::to_string(given) + " " + what + " were given for " + std::to_string(objects) +
@@ -70,7 +71,8 @@ void checkImages(const std::vector<const Image*>& images) {
   }
 }
 
-/// Rates are off a sum of 0 by no more than this, by rounding; weights are, too.
+/// Allowed rounding error of the sum of rates, relative to 1 + the sum of their magnitudes; the same as for
+/// weights.
 constexpr double kRateTolerance = 1e-6;
 
 void checkRate(const Weights& rate, size_t objects) {
@@ -104,7 +106,8 @@ GridBase::ConstPtr Pullback::carry(const std::vector<GridBase::ConstPtr>& grids,
   const auto first = std::find_if(grids.begin(), grids.end(), [](const auto& grid) { return bool(grid); });
   if (first == grids.end()) throw InputError("none of the objects has a grid to carry");
   const GridBase& prototype = **first;
-  if (!canCarry(prototype)) throw InputError("values of the type " + prototype.valueType() + " cannot be carried");
+  if (!canCarry(prototype))
+    throw InputError("values of the type " + prototype.valueType() + " cannot be carried");
   std::vector<CarriedGrid> carried;
   const size_t heaviest = size_t(std::max_element(p.weights.begin(), p.weights.end()) - p.weights.begin());
   bool half = true;
@@ -184,7 +187,7 @@ openvdb::Vec3SGrid::Ptr Pullback::colors(const FloatGrid& surface,
   for (size_t k = 0; k < colors.size(); ++k) {
     if (!colors[k]) continue;
     const size_t shape = p.shapeOf[k];
-    // Where only objects without colours count, the others lend theirs.
+    // If only objects without colours have weight, the colours of the others are used.
     (p.counts(k) ? carried : uncounted).push_back({colors[k], p.fields[shape].get(), shape, p.weights[k], k});
   }
   if (carried.empty()) {
@@ -215,7 +218,7 @@ openvdb::Vec3SGrid::Ptr Pullback::velocity(const GridBase& where, const Weights&
   return result;
 }
 
-/// At the grid's active voxels, which are no tiles.
+/// At the grid's active voxels; the grid must have no active tiles.
 void Pullback::fillVelocities(openvdb::Vec3SGrid& grid, const Weights& rate) const {
   const Impl& p = *impl_;
   const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();

@@ -12,7 +12,8 @@ namespace slicemorph {
 
 namespace {
 
-/// As kSteepest, where weights go from one object to another that is not like it.
+/// As kSteepest, a bound on the gradient of the blended distance, for weights that vary in space: their own
+/// gradient, times the difference of the objects' distances, adds to it. Allows twice the constant case.
 constexpr double kSteepestWhereVarying = 2.6;
 
 class Rebuilder {
@@ -42,14 +43,14 @@ class Rebuilder {
   }
 
  private:
-  /// What one thread finds where weights vary.
+  /// Buffers of one task, used where weights vary.
   struct Local {
     std::vector<openvdb::Vec3s> at;  ///< per object
     Weights weights;                 ///< per object
     std::vector<float> factors;      ///< per used object
   };
 
-  /// What the distances of the used objects count at a index, `at` on every object.
+  /// Factors of the used objects' distances at a point; `at` holds its position on every object.
   const float* factorsAt(const openvdb::Vec3s* at, Local& local) const {
     if (!blend_.weights.vary()) return factor_.data();
     local.weights.resize(blend_.sizes.size()), local.factors.resize(used_.size());
@@ -61,7 +62,7 @@ class Rebuilder {
     return local.factors.data();
   }
 
-  /// The same half way between two voxels of a cell; per used object, `positions` of its voxels.
+  /// The same half way between voxels a and b of a cell; `positions` per used object and voxel.
   const float* factorsOf(const std::vector<std::vector<openvdb::Vec3s>>& positions, size_t a, size_t b,
                          Local& local) const {
     if (!blend_.weights.vary()) return factor_.data();
@@ -86,7 +87,8 @@ class Rebuilder {
     });
   }
 
-  /// Whether the cell with this first node may hold voxels of the band.
+  /// Whether the cell with this first node may contain voxels of the narrow band. A point of the cell is at
+  /// most half its diagonal away from a node.
   bool cellActive(int i, int j, int k) const {
     if (!nodes_.inside(i, j, k) || !nodes_.inside(i + 1, j + 1, k + 1)) return false;
     float least = std::numeric_limits<float>::max();
@@ -109,10 +111,11 @@ class Rebuilder {
         }
   }
 
-  /// `values`: of the cell's first voxel, in OpenVDB's leaf order (x slowest). Voxels go by blocks of 2 x 2 x
-  /// 2, and only those blocks are sampled whose middle is near enough to the surface to hold a voxel of the
-  /// band.
-  void fillCell(int i, int j, int k, std::vector<std::vector<openvdb::Vec3s>>& positions, float* values) const {
+  /// `values` points to the cell's first voxel within a leaf (x slowest). Voxels are processed in blocks of 2
+  /// x 2 x 2; a block is sampled only if its centre is close enough to the surface for the block to contain a
+  /// voxel of the band. Otherwise its voxels get the centre's value.
+  void fillCell(int i, int j, int k, std::vector<std::vector<openvdb::Vec3s>>& positions,
+                float* values) const {
     for (size_t n = 0; n < used_.size(); ++n) {
       if (positions_.torn(i, j, k, 2, used_[n])) return blendNodes(i, j, k, values);
       positions_.find(i, j, k, used_[n], positions[n]);
@@ -143,7 +146,7 @@ class Rebuilder {
         }
   }
 
-  /// A cell between crossing slices takes its nodes' own distances.
+  /// Where slices cross the map is undefined between nodes, so the nodes' own distances are interpolated.
   void blendNodes(int i, int j, int k, float* values) const {
     for (int x = 0; x < step_; ++x)
       for (int y = 0; y < step_; ++y)
@@ -163,10 +166,10 @@ class Rebuilder {
   double steepest_;
   NodePlaces positions_;
   const DistanceBlend& blend_;
-  std::vector<size_t> used_;   ///< objects that count somewhere
-  std::vector<float> factor_;  ///< of each of these, where weights do not vary
+  std::vector<size_t> used_;   ///< objects with a weight other than 0 somewhere
+  std::vector<float> factor_;  ///< per used object, where weights do not vary
   std::vector<DistanceField::Sampler> samplers_;
-  std::vector<float> distance_;  ///< blended, per node, world units
+  std::vector<float> distance_;  ///< blended distance per node, world units
 };
 
 }  // namespace

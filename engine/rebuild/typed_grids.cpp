@@ -12,7 +12,7 @@ namespace {
 
 using openvdb::GridBase;
 
-/// Adds leaves in their order, so that the tree is the same for any number of threads.
+/// Adds leaves in index order, so that the tree is the same for any number of threads.
 template <typename TreeType>
 void addLeaves(TreeType& tree, std::vector<std::unique_ptr<typename TreeType::LeafNodeType>>& leaves) {
   for (auto& leaf : leaves)

@@ -14,10 +14,11 @@ namespace {
 using openvdb::Vec3s;
 using openvdb::Vec3SGrid;
 
-/// Weights below this count as none.
+/// Weights below this are treated as 0: rounding only, far below a step of an 8-bit colour.
 constexpr double kNothing = 1e-6;
 
-/// One object's colour for a position that the map leads to.
+/// One object's colour for a position (world) to which the map leads: interpolated if all voxels around it
+/// are coloured, else that of the nearest surface point.
 std::optional<Vec3s> surfaceColor(const CarriedColors& source, const ColorSampler& sampler,
                                   const Vec3d& position) {
   constexpr double kWhole = 1 - 1e-4;
@@ -38,7 +39,8 @@ Vec3SGrid::Ptr warpColors(const FloatGrid& surface, const std::vector<CarriedCol
   const int step = nodes.step;
   const std::vector<size_t> regionShapes = weights.regionObjects();
   using Leaf = openvdb::Vec3STree::LeafNodeType;
-  const auto fillCell = [&](Leaf& leaf, const openvdb::Coord& first, std::vector<std::vector<Vec3s>>& positions,
+  const auto fillCell = [&](Leaf& leaf, const openvdb::Coord& first,
+                            std::vector<std::vector<Vec3s>>& positions,
                             const std::vector<ColorSampler>& samplers) {
     bool any = false;
     for (int v = 0; v < step * step * step && !any; ++v)
@@ -70,7 +72,7 @@ Vec3SGrid::Ptr warpColors(const FloatGrid& surface, const std::vector<CarriedCol
         if (weight > kNothing) sum.add(*color, weight);
         unweighted.add(*color, 1);
       }
-      // Where no object that has colours counts, they lend theirs all the same.
+      // If no object with colours has weight here, their unweighted mean is used.
       const std::optional<Vec3s> color = sum.value() ? sum.value() : unweighted.value();
       leaf.setValueOnly(offset, color.value_or(Vec3s(0.f)));
     }

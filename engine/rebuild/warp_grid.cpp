@@ -20,16 +20,18 @@ namespace {
 using openvdb::GridBase;
 using Transform = openvdb::math::Transform;
 
-/// Frames of more voxels than this along their longest side have nodes twice as far apart.
+/// Boxes with a longer side than this, in voxels, get nodes 8 instead of 4 voxels apart, as in nodeStepOf of
+/// in_between.cpp.
 constexpr int kFineNodesUpTo = 400;
 
-/// Voxels of a grid that a cell of the in-between may spread over.
+/// Largest volume, in voxels of an input grid, that the image of one cell of 4^3 or 8^3 voxels may cover:
+/// eight times stretched along every axis, or more. A larger one is taken for a fold and left out.
 constexpr double kMostLocal = 64 * 64 * 64;
-/// Voxels of a grid by which the faces of staggered values lie off, at most: half a voxel stretched six
-/// times.
+/// Largest distance, in voxels of an input grid, between the centre of a staggered voxel and its faces: half
+/// a voxel, stretched six times.
 constexpr double kStaggeredReach = 3;
 
-/// World space, relative to an anchor, to a grid's index space.
+/// World position, relative to an anchor, to a grid's index space.
 class ToIndex {
  public:
   ToIndex(const Transform& transform, const Vec3d& anchor) : transform_(&transform), anchor_(anchor) {
@@ -50,7 +52,7 @@ class ToIndex {
   bool linear_ = false;
 };
 
-/// Columns: world-space steps of an index space's axes.
+/// Jacobian of index to world space; its columns are the world vectors of the index axes.
 Mat3d worldPerVoxel(const Transform& transform) {
   const Vec3d o = transform.indexToWorld(Vec3d(0.0));
   Mat3d result;
@@ -63,23 +65,23 @@ Mat3d worldPerVoxel(const Transform& transform) {
   return result;
 }
 
-/// Colours and positions do not turn with what they lie on; velocities, normals and all else do.
+/// Colours and texture coordinates do not turn with the surface; velocities, normals and everything else do.
 bool turns(const GridBase& grid) {
   static const std::set<std::string> still{"emission", "rest", "uv", "uvw"};
   const bool keeps = isColorName(grid.getName()) || still.count(grid.getName());
   return grid.getVectorType() != openvdb::VEC_INVARIANT || !keeps;
 }
 
-/// How one object's grid is found from an in-between.
+/// One input grid and how to look it up from the in-between.
 struct Source {
   size_t shape, object;
   double weight;
   ToIndex toIndex;
   ActiveBlocks blocks;
-  std::shared_ptr<const NodeStretch> stretch;  ///< where values turn or thin
+  std::shared_ptr<const NodeStretch> stretch;  ///< only where values turn or are conserved
 };
 
-/// Whether any source may have something in the cell with this first node.
+/// Whether any source may have active voxels in the cell with this first node.
 bool cellActive(const NodeMap& nodes, const std::vector<Source>& sources, int i, int j, int k) {
   if (!nodes.inside(i, j, k) || !nodes.inside(i + 1, j + 1, k + 1)) return false;
   for (const Source& s : sources) {
@@ -88,19 +90,19 @@ bool cellActive(const NodeMap& nodes, const std::vector<Source>& sources, int i,
       const size_t node = nodes.index(i + (n & 1), j + (n >> 1 & 1), k + (n >> 2));
       box.expand(s.toIndex(Vec3d(nodes.at[node * nodes.objects + s.shape])));
     }
-    // The splines between the nodes overshoot by at most an eighth of the cell; the samples reach a voxel
-    // out.
+    // Splines between the nodes overshoot by at most an eighth of the cell; interpolation reads one voxel
+    // further.
     const Vec3d slack = box.extents() / 8.0 + Vec3d(1.0);
     if (s.blocks.meets({box.min() - slack, box.max() + slack})) return true;
   }
   return false;
 }
 
-/// A leaf's voxels between the nodes of one cell.
+/// Positions of the voxels of one cell on one object.
 struct CellPositions {
-  std::vector<openvdb::Vec3s> world;  ///< relative to the anchor of the object
-  std::vector<Vec3d> index;           ///< of the object's grid
-  openvdb::BBoxd box;                 ///< of these
+  std::vector<openvdb::Vec3s> world;  ///< world units, relative to the object's anchor
+  std::vector<Vec3d> index;           ///< index space of the object's grid
+  openvdb::BBoxd box;                 ///< bounds of `index`
 
   void find(const NodePlaces& positions, const openvdb::Coord& node, const Source& source) {
     positions.find(node[0], node[1], node[2], source.shape, world);
@@ -108,17 +110,17 @@ struct CellPositions {
     box = openvdb::BBoxd();
     for (size_t v = 0; v < world.size(); ++v) box.expand(index[v] = source.toIndex(Vec3d(world[v])));
   }
-  /// Nodes on both sides of a fold may lie far apart.
+  /// Whether the cell spans a fold: its nodes then lie far apart on the object.
   bool torn() const {
     const Vec3d e = box.extents();
     return !(e[0] * e[1] * e[2] < kMostLocal);
   }
 };
 
-/// Weights of sum 1 but for rounding leave nothing over.
+/// Rounding errors of a sum of weights count as 0.
 double restOf(double rest) { return std::abs(rest) < 1e-12 ? 0 : rest; }
 
-/// A narrow band, whose inside is not active.
+/// Whether the grid is a narrow-band level set, without active tiles inside.
 bool isBand(const GridBase& grid) {
   const auto* scalars = dynamic_cast<const FloatGrid*>(&grid);
   return scalars && grid.getGridClass() == openvdb::GRID_LEVEL_SET && scalars->background() > 0 &&
@@ -185,7 +187,7 @@ class Blender {
  private:
   static constexpr size_t kLeafVoxels = size_t(kLeaf) * kLeaf * kLeaf;
 
-  /// What one thread works with.
+  /// Buffers of one task.
   struct Scratch {
     explicit Scratch(const Blender& blender) : sum(blender.cellSize()), on(sum.size()) {
       positions.world.resize(sum.size());
@@ -199,14 +201,14 @@ class Blender {
     LeafValues<Real> leaf;
     std::vector<Channels> sum;
     std::vector<char> on;
-    std::vector<double> mass;      ///< of colours: per voxel, the weights that are in the sum
+    std::vector<double> mass;      ///< for colours: per voxel, sum of the weights so far
     std::vector<Weights> weights;  ///< per voxel, where they vary
     std::vector<std::vector<openvdb::Vec3s>> regionPositions;  ///< per shape
   };
 
   size_t cellSize() const { return size_t(nodes_.step) * size_t(nodes_.step) * size_t(nodes_.step); }
 
-  /// The objects' weights at a cell's voxels.
+  /// Computes the objects' weights at the voxels of a cell, where they vary.
   void findWeights(const openvdb::Coord& node, Scratch& scratch) const {
     if (!vary_) return;
     scratch.regionPositions.resize(nodes_.objects);
@@ -227,7 +229,7 @@ class Blender {
     return vary_ ? scratch.weights[v][source.object] : source.weight;
   }
 
-  /// What a sum lacks, where the weights of its grids do not sum to 1.
+  /// The first grid's background, weighted by what the grids' weights lack to a sum of 1.
   Channels missingAt(const Scratch& scratch, size_t v) const {
     if (!vary_) return missing_;
     double rest = 1;
@@ -272,7 +274,7 @@ class Blender {
         }
   }
 
-  /// Adds what is active, by its weight.
+  /// Adds the active voxels' colours by their weights.
   void addColors(size_t s, const openvdb::Coord& node, Scratch& scratch) const {
     const Source& source = sources_[s];
     scratch.positions.find(positions_, node, source);
@@ -329,7 +331,7 @@ class Blender {
     return weighted(turned(local, sampled(scratch.block, at)), weight);
   }
 
-  /// Each component lives on the face before the voxel in its direction, in the in-between as in the grid.
+  /// Each component is located on the face before the voxel along its axis, on the in-between as in the grid.
   Channels staggeredValue(const Source& source, const NodeStretch::Local& local, const Scratch& scratch,
                           size_t v, double weight) const {
     Channels result{};
@@ -382,15 +384,15 @@ class Blender {
   const GridBase& prototype_;
   Mat3d worldPerVoxel_;
   bool conserve_, turn_, staggered_;
-  bool smooth_;  ///< splines; jumps of dense level sets to their far values would ring
+  bool smooth_;  ///< splines; not for level sets: dense ones jump to a far value, where a spline would ring
   bool band_, color_;
   std::vector<Source> sources_;
-  std::vector<char> zeroOutside_;  ///< per source: nothing is there where it is not active
+  std::vector<char> zeroOutside_;  ///< per source: inactive voxels contribute nothing
   Channels background_{};
-  Channels missing_{};  ///< of what the weights lack to 1
+  Channels missing_{};  ///< background of weight 1 - sum of weights
 };
 
-/// Values between which there are no others: the nearest voxel's, of the only grid.
+/// For values that cannot be averaged: the nearest voxel of the only grid.
 GridBase::Ptr nearestInBetween(const CarriedGrid& carried, const NodeMap& nodes) {
   std::unique_ptr<ActiveBlocks> blocks = nearestActiveBlocks(*carried.grid);
   if (!blocks) throw InputError("values of the type " + carried.grid->valueType() + " cannot be carried");
@@ -415,7 +417,7 @@ GridBase::Ptr nearestInBetween(const CarriedGrid& carried, const NodeMap& nodes)
   });
 }
 
-/// Whether index spaces of two transforms differ by a shift only.
+/// Whether two index spaces differ by a translation only.
 bool sameAxes(const Transform& a, const Transform& b) {
   if (!a.isLinear() || !b.isLinear()) return false;
   const Mat3d x = worldPerVoxel(a), y = worldPerVoxel(b);
@@ -448,7 +450,7 @@ Transform::Ptr commonTransform(const std::vector<CarriedGrid>& grids) {
     size += g.weight * std::cbrt(std::abs(g.grid->transform().voxelVolume(middle))), weight += g.weight;
   }
   if (same) return grids[0].grid->transform().copy();
-  // Regions may take what counts nowhere else.
+  // A grid may have weight 0 except within regions.
   return Transform::createLinearTransform(
       weight > 0 ? size / weight : std::cbrt(std::abs(grids[0].grid->transform().voxelVolume())));
 }

@@ -14,7 +14,7 @@ namespace {
 
 using openvdb::Vec3s;
 
-/// The number type that holds the values of all images.
+/// Values of the images' common type, or of the smallest type that holds all of them.
 ImageValues commonValues(const std::vector<const Image*>& images, size_t count) {
   bool same = true, whole = true, wide = false, negative = false, large = false;
   for (const Image* image : images) {
@@ -42,11 +42,11 @@ void storeRow(const std::vector<double>& row, size_t first, ImageValues& values)
       values);
 }
 
-/// An image's values, whatever their type.
+/// An image, independent of its number type.
 class AnyImage {
  public:
   virtual ~AnyImage() = default;
-  /// Adds the weighted values at count positions (voxels) that lie `step` apart.
+  /// Adds `weight` times the values at `count` positions (voxel coordinates) that are `step` apart to `sum`.
   virtual void addLine(const Vec3s& first, const Vec3s& step, int count, double weight,
                        double* sum) const = 0;
   virtual double at(const Vec3s& position) const = 0;
@@ -74,15 +74,16 @@ std::unique_ptr<AnyImage> anyImage(const Image& image) {
       image.values);
 }
 
-/// How fast values change across the surface, per world unit: over the edges between voxels that it crosses.
+/// Mean slope of the image across its isosurface, per world unit, from the edges between voxels that cross
+/// it.
 double slopeAt(const Image& image, double iso) {
   return std::visit(
       [&](const auto& values) {
         const ImageLattice& l = image.lattice;
         const Vec3d spacing = l.spacing();
         const size_t next[3] = {1, size_t(l.size[0]), size_t(l.size[0]) * l.size[1]};
-        // Every 30th voxel is enough for a mean. Slice by slice, so that it is the same for any number of
-        // threads.
+        // One in 2 x 3 x 5 voxels is enough for a mean. Summed slice by slice, so that the result is the same
+        // for any number of threads.
         constexpr int kSlices = 5;
         std::vector<std::pair<double, size_t>> slices(size_t(l.size[2] - 1 + kSlices - 1) / kSlices);
         tbb::parallel_for(size_t(0), slices.size(), [&](size_t slice) {
@@ -104,8 +105,8 @@ double slopeAt(const Image& image, double iso) {
       image.values);
 }
 
-/// Keeps an in-between's surface where its shape has it: values inside stay above the blended iso value and
-/// those outside below, by the usual slope within a voxel of the surface.
+/// Keeps the image's isosurface at the surface of the in-between: values inside stay above the blended
+/// isovalue and those outside below it, by the mean slope times the depth, up to a voxel.
 class KeptSurface {
  public:
   KeptSurface(const std::vector<CarriedImage>& images, const ImageLattice& on) {
@@ -154,7 +155,7 @@ Image warpImages(const std::vector<CarriedImage>& images, const ImageNodes& node
       for (int j = 0; j < on.size[1]; ++j) {
         std::fill(sum.begin(), sum.end(), 0.0);
         for (PositionRow& r : row) r.begin(0, on.size[0] - 1, j, k);
-        bool measured = false;  // the last end, which is the next stretch's first
+        bool measured = false;  // `last` holds the end of the previous run, where this one starts
         for (int i = 0, count; i < on.size[0]; i += count) {
           for (size_t c = 0; c < images.size(); ++c) stretch[c] = row[c].from(i);
           count = std::min(stretch[0].length, on.size[0] - i);

@@ -8,7 +8,7 @@
 namespace slicemorph {
 namespace {
 
-/// Oblique, with voxels of three different sides.
+/// Oblique, with a different spacing along each axis.
 ImageLattice oblique() {
   const Mat3d turn = rotationFromVector({0.2, -0.4, 0.7});
   ImageLattice lattice{{23, 11, 8}, {10, -4, 3}};
@@ -17,7 +17,7 @@ ImageLattice oblique() {
   return lattice;
 }
 
-/// As an object that stays where it is.
+/// A map that leaves the object where it is.
 Carrying still(const Vec3d& anchor) {
   Carrying carrying;
   carrying.anchor = anchor;
@@ -45,7 +45,7 @@ TEST(ImageNodes, ARowOfVoxelsLiesWhereItsImageHasIt) {
     }
 }
 
-/// Between nodes that lie anywhere, positions are trilinear.
+/// Nodes at random positions: between them, positions are trilinear.
 TEST(ImageNodes, PlacesAreLinearBetweenNodes) {
   ImageNodes nodes = imageNodes(oblique(), still({0, 0, 0}), 3.2);
   std::mt19937 random(2);

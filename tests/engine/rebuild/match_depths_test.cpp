@@ -1,4 +1,4 @@
-// Two balls of different sizes about one centre: which positions are of like depth is known.
+// Two concentric balls of different radii: the positions of equal depth are known.
 #include "engine/rebuild/match_depths.h"
 #include "tests/support/fields.h"
 
@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kVoxel = 0.05;
 
-/// Balls of radius 1 and 1.2, half of each, that are laid on each other without a displacement.
+/// Balls of radius 1 and 1.2, each of weight 0.5, that the map aligns without displacement.
 class MatchDepthsOfBalls : public testing::Test {
  protected:
   void SetUp() override {
@@ -44,8 +44,8 @@ class MatchDepthsOfBalls : public testing::Test {
   ImageNodes nodes;
 };
 
-/// The in-between is a ball of radius 1.1. On its surface every image is looked up on its own object's surface, in
-/// the same direction.
+/// The in-between is a ball of radius 1.1. On its surface every image is sampled on its own object's surface,
+/// in the same direction.
 TEST_F(MatchDepthsOfBalls, OnTheSurfaceAllAreOnTheirOwn) {
   const MatchDepths depths(images, nodes);
   for (const Vec3d& way : {Vec3d(1, 0, 0), Vec3d(0.6, 0, -0.8), Vec3d(1, 2, 3).unit()}) {
@@ -56,14 +56,14 @@ TEST_F(MatchDepthsOfBalls, OnTheSurfaceAllAreOnTheirOwn) {
     EXPECT_NEAR(depths.match(positions), 0, 0.1 * kVoxel);
     for (size_t k = 0; k < 2; ++k) {
       const Vec3d at = Vec3d(positions[k].at) + images[k].anchor;
-      // By way of the nearest surface point, which is exact to about a voxel along the surface.
+      // The nearest surface point is exact to about a voxel along the surface.
       EXPECT_NEAR(at.length(), k == 0 ? 1 : 1.2, 0.2 * kVoxel) << way;
       EXPECT_LE((at - at.length() * way).length(), 1.5 * kVoxel) << way;
     }
   }
 }
 
-/// Half a voxel inside, every image is half a voxel inside; far from the surface nothing moves.
+/// Half a voxel inside, every image is sampled half a voxel inside; far from the surface nothing moves.
 TEST_F(MatchDepthsOfBalls, DepthsAreThoseOfTheInBetween) {
   const MatchDepths depths(images, nodes);
   auto positions = positionsAt({0, 1.1 - 0.5 * kVoxel, 0});
@@ -80,8 +80,8 @@ TEST_F(MatchDepthsOfBalls, DepthsAreThoseOfTheInBetween) {
   }
 }
 
-/// Further in depths are matched less and less, to nothing at three voxels: half at three quarters of that. The ways
-/// are short there and go by the gradient.
+/// Matching fades with depth and ends at three voxels: at three quarters of that it is half. The moves are
+/// short there and follow the gradient.
 TEST_F(MatchDepthsOfBalls, MatchingFadesWithDepth) {
   const MatchDepths depths(images, nodes);
   const double blended = -0.75 * kHalfWidth * kVoxel;
@@ -91,11 +91,13 @@ TEST_F(MatchDepthsOfBalls, MatchingFadesWithDepth) {
   EXPECT_NEAR(depths.match(positions), blended, 0.1 * kVoxel);
   depths.measure(positions);
   for (size_t k = 0; k < 2; ++k)
-    EXPECT_NEAR(positions[k].distance, before[k].distance + 0.5 * (blended - before[k].distance), 0.15 * kVoxel)
+    EXPECT_NEAR(positions[k].distance, before[k].distance + 0.5 * (blended - before[k].distance),
+                0.15 * kVoxel)
         << k;
 }
 
-/// Between the two surfaces one image shows its inside where the in-between is outside: it is taken outside.
+/// Between the two surfaces one image would show its inside although the in-between is outside; it is sampled
+/// outside.
 TEST_F(MatchDepthsOfBalls, NothingIsSeenFromTheOtherSide) {
   const MatchDepths depths(images, nodes);
   for (double r : {1.03, 1.07, 1.13, 1.17}) {
@@ -107,7 +109,7 @@ TEST_F(MatchDepthsOfBalls, NothingIsSeenFromTheOtherSide) {
   }
 }
 
-/// No cell that a surface passes may be left out.
+/// No cell through which a surface passes may be missed.
 TEST_F(MatchDepthsOfBalls, CellsNearASurfaceAreFound) {
   const MatchDepths depths(images, nodes);
   size_t far = 0;
@@ -134,12 +136,12 @@ TEST_F(MatchDepthsOfBalls, LinesThroughASurfaceAreNearIt) {
   };
   EXPECT_TRUE(near(0.9, 1.05));
   EXPECT_TRUE(near(1.05, 1.3));
-  EXPECT_TRUE(near(0.9, 0.95));  // within reach of three voxels
+  EXPECT_TRUE(near(0.9, 0.95));  // within the reach of three voxels
   EXPECT_FALSE(near(0.3, 0.4));
   EXPECT_FALSE(near(1.6, 1.7));
 }
 
-/// One image alone, and images without an object, have nothing to be matched with.
+/// With one image alone, or images without an object, there is nothing to match.
 TEST_F(MatchDepthsOfBalls, NothingToMatchIsNowhereNear) {
   images[1].field = nullptr;
   EXPECT_FALSE(MatchDepths(images, nodes).near({5, 0, 0}));
