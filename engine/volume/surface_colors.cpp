@@ -150,7 +150,7 @@ ColoredTriangles trianglesOf(const PolygonMesh& polygons, const openvdb::math::T
 }
 
 /// The place of a triangle nearest to a voxel, as weights of its corners.
-struct Place {
+struct TrianglePoint {
   int triangle = -1;
   Vec3d weights;
   double squared = std::numeric_limits<double>::max();  ///< of the distance, voxels
@@ -158,14 +158,14 @@ struct Place {
 
 /// Finds it among the triangles of the voxel and its 26 neighbours: OpenVDB hands them on from voxel to
 /// voxel, and where several faces are near it may have lost the nearest. For one task.
-class NearestPlace {
+class NearestTrianglePoint {
  public:
-  NearestPlace(const Mesh& mesh, const openvdb::Int32Grid& triangles)
+  NearestTrianglePoint(const Mesh& mesh, const openvdb::Int32Grid& triangles)
       : mesh_(mesh), triangles_(triangles.getConstAccessor()) {}
 
-  Place at(const Coord& voxel) {
+  TrianglePoint at(const Coord& voxel) {
     tried_.clear();
-    Place best;
+    TrianglePoint best;
     tryTriangle(triangles_.getValue(voxel), voxel.asVec3d(), best);
     for (auto c = openvdb::CoordBBox(voxel.offsetBy(-1), voxel.offsetBy(1)).begin(); c; ++c)
       tryTriangle(triangles_.getValue(*c), voxel.asVec3d(), best);
@@ -173,17 +173,17 @@ class NearestPlace {
   }
 
  private:
-  void tryTriangle(int triangle, const Vec3d& p, Place& best) {
+  void tryTriangle(int triangle, const Vec3d& p, TrianglePoint& best) {
     if (triangle < 0 || std::find(tried_.begin(), tried_.end(), triangle) != tried_.end()) return;
     tried_.push_back(triangle);
     const Vec3I& t = mesh_.triangles[size_t(triangle)];
     const Vec3d a(mesh_.points[t[0]]), b(mesh_.points[t[1]]), c(mesh_.points[t[2]]);
     if (squaredDistanceToBox(p, a, b, c) > best.squared) return;
-    Place place;
-    place.triangle = triangle;
-    place.squared = (openvdb::math::closestPointOnTriangleToPoint(a, b, c, p, place.weights) - p).lengthSqr();
-    if (place.squared < best.squared || (place.squared == best.squared && triangle < best.triangle))
-      best = place;
+    TrianglePoint point;
+    point.triangle = triangle;
+    point.squared = (openvdb::math::closestPointOnTriangleToPoint(a, b, c, p, point.weights) - p).lengthSqr();
+    if (point.squared < best.squared || (point.squared == best.squared && triangle < best.triangle))
+      best = point;
   }
 
   static double squaredDistanceToBox(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
@@ -205,19 +205,19 @@ class NearestPlace {
 openvdb::Int32Grid::Ptr improved(const openvdb::Int32Grid& triangles, const Mesh& mesh) {
   const openvdb::Int32Grid::Ptr result = triangles.deepCopy();
   openvdb::tree::LeafManager<openvdb::Int32Tree>(result->tree()).foreach ([&](auto& leaf, size_t) {
-    NearestPlace nearest(mesh, triangles);
+    NearestTrianglePoint nearest(mesh, triangles);
     for (auto value = leaf.beginValueOn(); value; ++value)
       value.setValue(nearest.at(value.getCoord()).triangle);
   });
   return result;
 }
 
-Vec3s colorOf(const Place& place, const ColoredTriangles& triangles, const std::vector<Vec3s>& colors) {
-  if (place.triangle < 0) return kNone;
-  const Vec3I& corners = triangles.corners[size_t(place.triangle)];
+Vec3s colorOf(const TrianglePoint& point, const ColoredTriangles& triangles, const std::vector<Vec3s>& colors) {
+  if (point.triangle < 0) return kNone;
+  const Vec3I& corners = triangles.corners[size_t(point.triangle)];
   ColorMean mean;
   for (int k = 0; k < 3; ++k)
-    if (place.weights[k] > 0) mean.add(colors[corners[k]], place.weights[k]);
+    if (point.weights[k] > 0) mean.add(colors[corners[k]], point.weights[k]);
   return mean.value().value_or(colors[corners[0]]);
 }
 
@@ -232,7 +232,7 @@ Vec3SGrid::Ptr colorsAround(const FloatGrid& levelSet, const PolygonMesh& mesh) 
       *nearestTriangles(triangles.mesh, levelSet.transform(), kHalfWidth + kColorMargin), triangles.mesh);
   const Vec3SGrid::Ptr grid = gridOn(levelSet);
   Leaves(grid->tree()).foreach ([&](VectorLeaf& leaf, size_t) {
-    NearestPlace nearest(triangles.mesh, *near);
+    NearestTrianglePoint nearest(triangles.mesh, *near);
     for (auto value = leaf.beginValueOn(); value; ++value)
       value.setValue(colorOf(nearest.at(value.getCoord()), triangles, mesh.colors));
   });
