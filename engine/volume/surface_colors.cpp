@@ -25,18 +25,18 @@ using openvdb::Vec3SGrid;
 using VectorLeaf = openvdb::Vec3STree::LeafNodeType;
 using Leaves = openvdb::tree::LeafManager<openvdb::Vec3STree>;
 
-/// Voxels beyond the level set's band in which triangles are looked for: its distances are not exact ones.
+/// Voxels beyond the level set's band in which triangles are searched, because its distances are not exact.
 constexpr double kColorMargin = 1;
-/// Stands in voxels that have no colour yet.
+/// Marks voxels without a colour yet.
 const Vec3s kNone(std::numeric_limits<float>::quiet_NaN());
 
-/// Finds the nearest of some voxels. A balanced tree: the middle one of each range divides the others along
-/// an axis.
+/// Nearest-neighbour search among voxels. A balanced k-d tree in an array: the middle element of each range
+/// splits it along one axis.
 class VoxelTree {
  public:
   explicit VoxelTree(std::vector<Coord> voxels) : voxels_(std::move(voxels)) { build(0, voxels_.size(), 0); }
 
-  /// Of equally near ones the first in the order of coordinates.
+  /// Ties go to the voxel with the smallest coordinates.
   Coord nearest(const Coord& to) const {
     Nearest best;
     search(to, 0, voxels_.size(), 0, best);
@@ -81,7 +81,7 @@ class VoxelTree {
   std::vector<Coord> voxels_;
 };
 
-/// A grid "Cd" on the active voxels of a level set.
+/// A vec3s grid "Cd" on the active voxels of a level set.
 Vec3SGrid::Ptr gridOn(const FloatGrid& levelSet) {
   const auto tree =
       std::make_shared<openvdb::Vec3STree>(levelSet.tree(), Vec3s(0.f), openvdb::TopologyCopy());
@@ -100,7 +100,7 @@ std::vector<Coord> voxelsWith(const Leaves& leaves, bool color) {
   return voxels;
 }
 
-/// Gives voxels without a colour that of the nearest one with a colour. False where none has one.
+/// Gives voxels without a colour that of the nearest voxel with one. Returns false if there is none.
 bool fillFromNearest(Vec3SGrid& grid) {
   const Leaves leaves(grid.tree());
   const std::vector<Coord> missing = voxelsWith(leaves, false);
@@ -120,13 +120,13 @@ bool fillFromNearest(Vec3SGrid& grid) {
   return true;
 }
 
-/// The faces of a mesh cut into fans of triangles, in index space.
+/// The faces of a mesh as fans of triangles, in index space.
 struct ColoredTriangles {
   Mesh mesh;
-  std::vector<Vec3I> corners;  ///< per triangle, where its colours are among those of the polygons
+  std::vector<Vec3I> corners;  ///< per triangle: indices of its corners among the polygons' corners
 };
 
-/// Faces outside of the box are left out: repair has dropped them, and they might be as large as they like.
+/// Faces outside the box are left out: repair has dropped them, and they may be arbitrarily large.
 ColoredTriangles trianglesOf(const PolygonMesh& polygons, const openvdb::math::Transform& transform,
                              const openvdb::BBoxd& box) {
   ColoredTriangles result;
@@ -149,15 +149,15 @@ ColoredTriangles trianglesOf(const PolygonMesh& polygons, const openvdb::math::T
   return result;
 }
 
-/// The place of a triangle nearest to a voxel, as weights of its corners.
+/// The point of a triangle nearest to a voxel, in barycentric coordinates.
 struct TrianglePoint {
   int triangle = -1;
   Vec3d weights;
   double squared = std::numeric_limits<double>::max();  ///< of the distance, voxels
 };
 
-/// Finds it among the triangles of the voxel and its 26 neighbours: OpenVDB hands them on from voxel to
-/// voxel, and where several faces are near it may have lost the nearest. For one task.
+/// Searches the triangles stored at a voxel and its 26 neighbours: OpenVDB propagates triangles from voxel to
+/// voxel and may lose the nearest one where several are near. Each task needs its own.
 class NearestTrianglePoint {
  public:
   NearestTrianglePoint(const Mesh& mesh, const openvdb::Int32Grid& triangles)
@@ -201,7 +201,7 @@ class NearestTrianglePoint {
   std::vector<int> tried_;
 };
 
-/// Hands triangles on once more.
+/// Propagates the triangles to neighbours once more.
 openvdb::Int32Grid::Ptr improved(const openvdb::Int32Grid& triangles, const Mesh& mesh) {
   const openvdb::Int32Grid::Ptr result = triangles.deepCopy();
   openvdb::tree::LeafManager<openvdb::Int32Tree>(result->tree()).foreach ([&](auto& leaf, size_t) {
@@ -212,7 +212,8 @@ openvdb::Int32Grid::Ptr improved(const openvdb::Int32Grid& triangles, const Mesh
   return result;
 }
 
-Vec3s colorOf(const TrianglePoint& point, const ColoredTriangles& triangles, const std::vector<Vec3s>& colors) {
+Vec3s colorOf(const TrianglePoint& point, const ColoredTriangles& triangles,
+              const std::vector<Vec3s>& colors) {
   if (point.triangle < 0) return kNone;
   const Vec3I& corners = triangles.corners[size_t(point.triangle)];
   ColorMean mean;
