@@ -58,7 +58,7 @@ LabelScore leadAt(const SliceScores& scores, int label, double position) {
 
 }  // namespace
 
-FloatGrid::Ptr labelLevelSet(const SliceScores& scores, int label, const StackPlace& place) {
+FloatGrid::Ptr labelLevelSet(const SliceScores& scores, int label, const StackPlacement& placement) {
   const ScoreStack& stack = scores.stack();
   const FineSteps fine = fineSteps(stack);
   const float band = 3 * std::max(stack.pixel[0], stack.pixel[1]);
@@ -81,8 +81,8 @@ FloatGrid::Ptr labelLevelSet(const SliceScores& scores, int label, const StackPl
   FloatGrid::Ptr grid = FloatGrid::create(band);
   openvdb::tools::copyFromDense(dense, *grid, 0.0f);
   grid->setGridClass(openvdb::GRID_LEVEL_SET);
-  const Vec3d up = fine.step * place.along, corner = place.origin + fine.position(0) * place.along;
-  const auto &x = place.stepX, &y = place.stepY;
+  const Vec3d up = fine.step * placement.along, corner = placement.origin + fine.position(0) * placement.along;
+  const auto &x = placement.stepX, &y = placement.stepY;
   grid->setTransform(openvdb::math::Transform::createLinearTransform(
       openvdb::Mat4d(x[0], x[1], x[2], 0.0, y[0], y[1], y[2], 0.0, up[0], up[1], up[2], 0.0, corner[0],
                      corner[1], corner[2], 1.0)));

@@ -58,10 +58,10 @@ Census takeCensus(const std::vector<T>& values, const SliceLayout& layout, int s
 std::vector<int> rankValues(const std::vector<Census>& slices) {
   std::vector<int> values;
   std::vector<size_t> count;
-  std::unordered_map<int, size_t> place;
+  std::unordered_map<int, size_t> indexOf;
   for (const Census& c : slices)
     for (size_t i = 0; i < c.values.size(); ++i) {
-      const auto found = place.emplace(c.values[i], values.size());
+      const auto found = indexOf.emplace(c.values[i], values.size());
       if (found.second) values.push_back(c.values[i]), count.push_back(0);
       count[found.first->second] += c.count[i];
     }

@@ -183,7 +183,7 @@ class Spread {
     if (edge < 0) return;
     const size_t n = index(i, j);
     if (image_.nearest[n] == edge) return;
-    const float d = float(distanceTo(section_.edges[edge], image_.place(i, j)));
+    const float d = float(distanceTo(section_.edges[edge], image_.position(i, j)));
     if (d < image_.distance[n]) image_.distance[n] = d, image_.nearest[n] = edge;
   }
   /// Takes from row j + `from`, then along the row both ways.
@@ -204,7 +204,7 @@ class Spread {
 void setSigns(const PlaneSection& section, PlaneImage& image) {
   std::vector<double> crossings;
   for (int j = 0; j < image.height; ++j) {
-    const double y = image.place(0, j)[1];
+    const double y = image.position(0, j)[1];
     crossings.clear();
     for (const Edge& e : section.edges)
       if ((e.a[1] > y) != (e.b[1] > y))
@@ -212,7 +212,7 @@ void setSigns(const PlaneSection& section, PlaneImage& image) {
     std::sort(crossings.begin(), crossings.end());
     size_t passed = 0;
     for (int i = 0; i < image.width; ++i) {
-      const double x = image.place(i, j)[0];
+      const double x = image.position(i, j)[0];
       while (passed < crossings.size() && crossings[passed] < x) ++passed;
       if (passed % 2 == 1) image.distance[size_t(j) * image.width + i] *= -1;
     }

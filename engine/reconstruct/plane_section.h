@@ -31,7 +31,7 @@ struct PlaneImage {
   std::vector<float> distance;
   std::vector<int> nearest;  ///< the edge
 
-  Vec2d place(int i, int j) const { return low + pixel * Vec2d(i, j); }
+  Vec2d position(int i, int j) const { return low + pixel * Vec2d(i, j); }
   /// Bilinear; outside the image at least the distance to it. A section without edges is far from everything.
   double at(const Vec2d& p) const;
 };

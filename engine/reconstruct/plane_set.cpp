@@ -89,7 +89,7 @@ void findBridged(PlaneSet& planes) {
       for (size_t j = 0; j < planes.sections.size() && !planes.bridged[2 * i + (side > 0)]; ++j) {
         bool next = j != i;
         for (int corner = 0; corner < 4 && next; ++corner) {
-          const Vec2d q = image.place(corner & 1 ? image.width - 1 : 0, corner & 2 ? image.height - 1 : 0);
+          const Vec2d q = image.position(corner & 1 ? image.width - 1 : 0, corner & 2 ? image.height - 1 : 0);
           const double t = planes.crossing(int(i), int(j), planes.world(int(i), q), side);
           next = t > 0 && t <= most;
         }

@@ -63,7 +63,7 @@ class PlaneData {
         const size_t n = size_t(j) * image.width + i;
         const double d = image.distance[n];
         if (std::abs(d) > reach) continue;
-        const Vec3d p = frame.toWorld(image.place(i, j));
+        const Vec3d p = frame.toWorld(image.position(i, j));
         const double target = std::copysign(bounded(planes_, plane_, p, std::abs(profile[n])), d);
         const double fade = lattice_.spacing / (lattice_.spacing + std::abs(d));
         add(p, target, kPlaneWeight * fade * fade);

@@ -18,13 +18,13 @@ float radiusOf(const LabelRegion& r, const ScoreStack& stack) {
 }
 
 /// Marks the regions of `a` and `b` that meet when a's pixels are carried `way` times the motion.
-void markMeeting(const LabelRegions& a, const LabelRegions& b, const SliceMotion& motion, float way,
+void markMeeting(const LabelRegions& a, const LabelRegions& b, const SliceMotion& motion, float direction,
                  std::vector<char>& meetsA, std::vector<char>& meetsB) {
   for (const RegionRun& run : a.runs)
     for (int x = run.x0; x < run.x1 && !meetsA[size_t(run.region)]; ++x) {
       const SliceMotion::Vector v = motion.at(float(x), float(run.y));
       const int j =
-          b.at(int(std::floor(float(x) + way * v.x + .5f)), int(std::floor(float(run.y) + way * v.y + .5f)));
+          b.at(int(std::floor(float(x) + direction * v.x + .5f)), int(std::floor(float(run.y) + direction * v.y + .5f)));
       if (j >= 0) meetsA[size_t(run.region)] = meetsB[size_t(j)] = 1;
     }
 }

@@ -24,16 +24,16 @@ class SectionSlabs {
   /// Slabs that may hold a place in a sphere.
   void near(const Vec3d& centre, double radius, std::vector<size_t>& slabs) const;
   /// Whether one of these slabs holds a place, and where in it.
-  bool find(const Vec3d& p, const std::vector<size_t>& slabs, BetweenSections& place) const;
+  bool find(const Vec3d& p, const std::vector<size_t>& slabs, BetweenSections& position) const;
 
  private:
   struct Slab {
     Vec3d along;                   ///< unit, from the first plane to the second, evenly on both
     double slope[2];               ///< along * the planes' normals
     double before = 0, after = 0;  ///< how far beyond the planes it goes, world units
-    double halfGap[2] = {0, 0};    ///< half the way through it at an end of the stack, in the middle
+    double halfGap[2] = {0, 0};    ///< half the offset through it at an end of the stack, in the middle
   };
-  bool locate(size_t slab, const Vec3d& p, BetweenSections& place) const;
+  bool locate(size_t slab, const Vec3d& p, BetweenSections& position) const;
 
   const std::vector<SectionPlane>& planes_;
   std::vector<Slab> slabs_;

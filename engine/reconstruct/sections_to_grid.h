@@ -7,7 +7,7 @@ namespace slicemorph {
 /// Slices of one grid, to be put together again.
 struct SlicedGrid {
   /// Without voxels: type, class, name, background, metadata of what is made.
-  openvdb::GridBase::ConstPtr like;
+  openvdb::GridBase::ConstPtr prototype;
   std::vector<SectionValues> slices;  ///< one per plane
 };
 
@@ -28,6 +28,6 @@ openvdb::GridBase::Ptr gridOfSections(const std::vector<SectionPlane>& planes, c
 
 /// The largest voxel size at which slices of this grid make a level set, world units; infinite of other
 /// grids.
-double mostVoxelSize(const openvdb::GridBase& like);
+double mostVoxelSize(const openvdb::GridBase& prototype);
 
 }  // namespace slicemorph

@@ -194,7 +194,7 @@ int contradictions(const ContourSet& set, const ContourSurface& surface) {
     for (int j = 0; j < image.height; ++j)
       for (int i = 0; i < image.width; ++i) {
         const double d = image.distance[size_t(j) * image.width + i];
-        const Vec3d at = surface.grid->worldToIndex(plane.toWorld(image.place(i, j)));
+        const Vec3d at = surface.grid->worldToIndex(plane.toWorld(image.position(i, j)));
         if (std::abs(d) > std::sqrt(3.0) * h)
           count += (openvdb::tools::BoxSampler::sample(values, at) < 0) != (d < 0);
       }
