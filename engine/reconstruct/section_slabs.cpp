@@ -10,9 +10,9 @@
 namespace slicemorph {
 namespace {
 
-/// Two slices that follow each other lean by less than this against each other: the cosine of 75 degrees.
+/// Consecutive slices must have an angle below 75 degrees, whose cosine this is.
 constexpr double kLeastCosine = 0.26;
-/// How far beyond the ends a place between slices lies.
+/// Value of `beyond` for positions between slices.
 constexpr double kInside = -std::numeric_limits<double>::infinity();
 
 Vec3d middleOf(const SectionPlane& plane) {
@@ -24,7 +24,7 @@ Vec3d pixelOf(const SectionPlane& plane, const Vec3d& p) {
   return {d.dot(plane.xAxis), d.dot(plane.yAxis), 0};
 }
 
-/// Squared distance from the image's middle, world units.
+/// Squared distance from the image's centre, world units.
 double offCentre(const SectionPlane& plane, const Vec3d& pixel) {
   const Vec3d d(pixel[0] - 0.5 * (plane.width - 1), pixel[1] - 0.5 * (plane.height - 1), 0);
   return d.lengthSqr() * plane.pixelSize * plane.pixelSize;
@@ -73,7 +73,7 @@ void SectionSlabs::near(const Vec3d& centre, double radius, std::vector<size_t>&
   slabs.clear();
   for (size_t k = 0; k < slabs_.size(); ++k) {
     const Slab& slab = slabs_[k];
-    // Ways along the slab's line to its two planes; a sphere reaches as far as they lean.
+    // Distances to the two planes along the slab's direction; oblique planes extend the sphere's reach.
     const double first = planes_[k].distance(centre) / slab.slope[0];
     const double second = planes_[k + 1].distance(centre) / slab.slope[1];
     if (first >= -slab.before - radius / std::abs(slab.slope[0]) &&
@@ -97,7 +97,7 @@ bool SectionSlabs::find(const Vec3d& p, const std::vector<size_t>& slabs, Betwee
 
 bool SectionSlabs::locate(size_t k, const Vec3d& p, BetweenSections& position) const {
   const Slab& slab = slabs_[k];
-  // How far the place lies behind the first plane and before the second one, along the slab's line.
+  // How far the point is behind the first plane and in front of the second, along the slab's direction.
   const double behind = planes_[k].distance(p) / slab.slope[0];
   const double before = -planes_[k + 1].distance(p) / slab.slope[1];
   const double gap = behind + before;
@@ -108,7 +108,7 @@ bool SectionSlabs::locate(size_t k, const Vec3d& p, BetweenSections& position) c
   position.second = pixelOf(planes_[k + 1], p + before * slab.along);
   if (!holds(planes_[k], position.first) && !holds(planes_[k + 1], position.second)) return false;
   position.beyond = std::max(behind < 0 ? -behind - slab.halfGap[0] : kInside,
-                          before < 0 ? -before - slab.halfGap[1] : kInside);
+                             before < 0 ? -before - slab.halfGap[1] : kInside);
   return true;
 }
 

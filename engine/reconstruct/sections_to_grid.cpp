@@ -22,9 +22,9 @@ namespace {
 using openvdb::Coord;
 using openvdb::GridBase;
 
-constexpr double kMostLeaves = double(1 << 24);
-/// The outermost voxel of a band is half clamped where it was sampled: the share of the band that still holds
-/// distances.
+constexpr double kMostLeaves = double(1 << 24);  // 2^33 voxels
+/// The share of the slices' band that holds true distances: where it was sampled, its outermost voxel is
+/// partly clamped. Two of three voxels.
 constexpr double kTrusted = 2.0 / 3;
 
 bool isLevelSet(const GridBase& prototype) {
@@ -39,13 +39,13 @@ double backgroundOf(const GridBase& prototype) {
   return background;
 }
 
-/// Weights of the values at -1, 0, 1, 2.
+/// Weights of the values at -1, 0, 1, 2 [CR74].
 std::array<float, 4> catmullRom(float t) {
   const float t2 = t * t, t3 = t2 * t;
   return {(-t3 + 2 * t2 - t) / 2, (3 * t3 - 5 * t2 + 2) / 2, (-3 * t3 + 4 * t2 + t) / 2, (t3 - t2) / 2};
 }
 
-/// One component of one slice; beyond its pixels the background.
+/// One component of one slice; the background outside its pixels.
 struct Picture {
   const SectionPlane* plane;
   const float* values;
@@ -62,7 +62,7 @@ struct Picture {
     const float below = at(i, j + 1) + x * (at(i + 1, j + 1) - at(i, j + 1));
     return above + y * (below - above);
   }
-  /// By Catmull-Rom splines: what curves between the pixels keeps its bulge.
+  /// Catmull-Rom spline, which preserves curvature between the pixels.
   float cubic(const Vec3d& p) const {
     const int i = int(std::floor(p[0])), j = int(std::floor(p[1]));
     const std::array<float, 4> across = catmullRom(float(p[0] - i)), down = catmullRom(float(p[1] - j));
@@ -77,7 +77,7 @@ struct Picture {
   float nearest(const Vec3d& p) const { return at(int(std::floor(p[0] + 0.5)), int(std::floor(p[1] + 0.5))); }
 };
 
-/// Whether planes are parallel and as far apart from each other.
+/// Whether the planes are parallel and evenly spaced.
 bool areEven(const std::vector<SectionPlane>& planes) {
   for (size_t n = 1; n < planes.size(); ++n) {
     const double gap = planes[0].distance(planes[1].origin), here = planes[n - 1].distance(planes[n].origin);
@@ -87,7 +87,7 @@ bool areEven(const std::vector<SectionPlane>& planes) {
   return true;
 }
 
-/// The slices of one grid as a function of space.
+/// The slices of one grid as a function in space.
 class Field {
  public:
   Field(const std::vector<SectionPlane>& planes, const SlicedGrid& sliced, const Vec3d& background,
@@ -110,7 +110,7 @@ class Field {
                   b = picture(position.slab + 1, component, background);
     if (distance_) {
       const float first = a.cubic(position.first), second = b.cubic(position.second);
-      // Beyond the ends the distances go on, up to a flat cap in the middle of the next gap.
+      // Beyond the end slices the distances continue, up to a flat cap half a gap away.
       float on = first + float(position.share) * (second - first);
       if (evenly_ && position.slab > 0 && position.slab + 2 < planes_.size() && position.beyond < 0) {
         const float before =
@@ -130,7 +130,7 @@ class Field {
   }
 
  private:
-  /// The pixel that lies nearest to a place.
+  /// Pixel coordinates of a world point's projection onto a plane.
   Vec3d onPlane(size_t n, const Vec3d& world) const {
     const SectionPlane& plane = planes_[n];
     const Vec3d d = (world - plane.origin) / plane.pixelSize;
@@ -149,7 +149,7 @@ class Field {
   SectionSlabs slabs_;
 };
 
-/// Origins of all leaves that a box of the world touches.
+/// Origins of all leaves that a world box touches.
 std::vector<Coord> leavesOf(const openvdb::BBoxd& box, double voxelSize) {
   const Vec3d lo = box.min() / (voxelSize * kLeaf), hi = box.max() / (voxelSize * kLeaf),
               n = hi - lo + Vec3d(1);
@@ -164,7 +164,7 @@ std::vector<Coord> leavesOf(const openvdb::BBoxd& box, double voxelSize) {
   return origins;
 }
 
-/// Calls visit(leaf, slabs near it) in parallel where there are any.
+/// Calls visit(leaf, slabs near it) in parallel, for leaves with slabs near them.
 template <typename Visit>
 void forLeaves(const std::vector<Coord>& origins, const SectionSlabs& slabs, double h, const Visit& visit) {
   tbb::parallel_for(tbb::blocked_range<size_t>(0, origins.size()),
@@ -260,7 +260,8 @@ std::vector<size_t> orderOfSections(const std::vector<SectionPlane>& planes) {
 }
 
 double mostVoxelSize(const GridBase& prototype) {
-  return isLevelSet(prototype) ? backgroundOf(prototype) / kHalfWidth : std::numeric_limits<double>::infinity();
+  return isLevelSet(prototype) ? backgroundOf(prototype) / kHalfWidth
+                               : std::numeric_limits<double>::infinity();
 }
 
 GridBase::Ptr gridOfSections(const std::vector<SectionPlane>& planes, const SlicedGrid& sliced,

@@ -36,7 +36,8 @@ VoxelChoice voxelSizeFor(const ExrSlices& slices, const SlicedGrid& sliced, cons
 
 std::string namesOf(const ExrSlices& slices) {
   std::string names;
-  for (const SlicedGrid& sliced : slices.grids) names += (names.empty() ? "" : ", ") + sliced.prototype->getName();
+  for (const SlicedGrid& sliced : slices.grids)
+    names += (names.empty() ? "" : ", ") + sliced.prototype->getName();
   return names;
 }
 
