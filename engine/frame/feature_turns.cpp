@@ -39,7 +39,7 @@ Eigen::Matrix3d productOf(const std::vector<Vec3d>& b, const std::vector<Vec3d>&
 std::vector<Vec3d> placesOn(const std::vector<Feature>& features, size_t object) {
   std::vector<Vec3d> places;
   for (const Feature& feature : features) {
-    const std::vector<Vec3d>& own = feature.places[object];
+    const std::vector<Vec3d>& own = feature.positions[object];
     // Lines may have other numbers of places on each object; their ends are the same places.
     places.push_back(own.front());
     if (feature.kind == Feature::Kind::kLine) places.push_back(own.back());

@@ -14,7 +14,7 @@ struct Feature {
   Kind kind = Kind::kPoint;
   /// Per object, world: of a point its place; of a line two or more places along it, the same way round on
   /// all objects; of a disk its centre.
-  std::vector<std::vector<Vec3d>> places;
+  std::vector<std::vector<Vec3d>> positions;
   std::vector<Vec3d> normals = {};  ///< of a disk: per object, world, any length but 0
   std::vector<double> radii = {};   ///< of a disk: per object, world units
 };
