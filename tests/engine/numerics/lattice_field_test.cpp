@@ -20,7 +20,7 @@ VectorField sampled(const Lattice& lattice, const std::function<Vec3d(const Vec3
   return field;
 }
 
-/// Points spread over the box of a lattice, `beyond` it on all sides.
+/// Points spread over a lattice's box, extended by `beyond` on all sides.
 std::vector<Vec3d> pointsIn(const Lattice& lattice, int count, double beyond = 0) {
   std::mt19937 random(3);
   const Vec3d extent = lattice.spacing * (lattice.size.asVec3d() - Vec3d(1));
@@ -34,7 +34,7 @@ std::vector<Vec3d> pointsIn(const Lattice& lattice, int count, double beyond = 0
   return points;
 }
 
-/// Trilinear functions, products of one linear function an axis, are met exactly between the nodes.
+/// Trilinear functions (products of one linear function per axis) are reproduced exactly.
 Vec3d trilinear(const Vec3d& p) {
   return {1 + p[0] * p[1] * p[2], 2 - p[0] * p[1] + p[2], p[1] * p[2] - 3 * p[0]};
 }
@@ -74,7 +74,7 @@ TEST(LatticeField, EndsInNothingOrGoesOn) {
   }
 }
 
-/// Catmull-Rom splines meet products of parabolas; near the rim the zeros beyond count.
+/// Catmull-Rom splines reproduce products of parabolas; near the border the zeros beyond it contribute.
 TEST(LatticeField, ResamplesParabolasExactly) {
   const auto f = [](const Vec3d& p) {
     return Vec3d(p[0] * p[0] - p[1], p[1] * p[1] * p[2], 1 + p[2] * p[2] * p[0] * p[0]);
