@@ -10,8 +10,7 @@ struct DistanceBlend {
   std::vector<double> sizes;  ///< per object: mean scale of its chart; each distance is divided by it
   /// Mean scale of the in-between's chart, by which the sum is multiplied. Where weights vary in space the
   /// local weighted mean of `sizes` is used instead.
-  double size =
-      1;  ///< of the in-between's chart, where weights do not vary; else it is the sizes' local mean
+  double size = 1;
 };
 
 /// Level set of the in-between, sum_k w_k F_k(M_k(p)), computed leaf by leaf in the narrow band only: the map

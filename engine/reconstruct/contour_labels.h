@@ -9,7 +9,6 @@ namespace slicemorph {
 enum class SharedVoxel {
   /// The object of smallest volume: for regions that may be nested, such as organs in the body (DICOM RT).
   smallest,
-  ///< (DICOM RT)
   /// The object whose surface is farthest away: for materials that touch and share a wall (CSL).
   deepest
 };
