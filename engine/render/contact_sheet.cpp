@@ -120,9 +120,9 @@ Picture contactSheet(const std::vector<Tile>& tiles, int columns) {
   sheet.rgba.resize(size_t(4) * sheet.width * sheet.height);
   fill(sheet, {0, 0, sheet.width, sheet.height}, 0.02f);
   for (int n = 0; n < count; ++n) {
-    const Window place{n % across * (width + kGap), n / across * (height + kGap), width, height};
-    copyTile(tiles[n].image, place, sheet);
-    drawCaption(sheet, place, tiles[n].caption);
+    const Window window{n % across * (width + kGap), n / across * (height + kGap), width, height};
+    copyTile(tiles[n].image, window, sheet);
+    drawCaption(sheet, window, tiles[n].caption);
   }
   return sheet;
 }

@@ -48,7 +48,7 @@ Film::Film(const RenderOptions& options) : options_(options) {
   picture_.normal.resize(3 * pixels);
 }
 
-openvdb::Vec2d Film::place(int column, int row, int n) const {
+openvdb::Vec2d Film::position(int column, int row, int n) const {
   const openvdb::Vec2d at = samplePosition(n);
   return {2 * (column + at.x()) / options_.width - 1, 1 - 2 * (row + at.y()) / options_.height};
 }
@@ -58,7 +58,7 @@ void Film::set(int column, int row, const Pixel& pixel) {
   Colour colour = pixel.colour;
   float alpha = pixel.cover;
   if (options_.background) {
-    const openvdb::Vec2d middle = place(column, row, 0);
+    const openvdb::Vec2d middle = position(column, row, 0);
     colour += backgroundAt(middle.x(), middle.y()) * (1 - pixel.cover);
     alpha = 1;
   }

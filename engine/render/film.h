@@ -41,7 +41,7 @@ class Film {
  public:
   explicit Film(const RenderOptions& options);
   /// Where the n-th ray of a pixel goes, -1..1 to the right and up.
-  openvdb::Vec2d place(int column, int row, int n) const;
+  openvdb::Vec2d position(int column, int row, int n) const;
   /// Lays the pixel over the background.
   void set(int column, int row, const Pixel& pixel);
   Picture take() { return std::move(picture_); }

@@ -233,8 +233,8 @@ class Part {
   Hit& at(int x, int y) { return hits_[size_t((y - top_ + 1) * kStride + x - left_ + 1)]; }
 
   Hit look(int x, int y, int sample) const {
-    const openvdb::Vec2d place = film_.place(x, y, sample);
-    const ViewRay ray = rays_(place.x(), place.y());
+    const openvdb::Vec2d position = film_.position(x, y, sample);
+    const ViewRay ray = rays_(position.x(), position.y());
     Hit hit;
     hit.there = intersector_.intersectsWS(ray, hit.world);
     if (!hit.there) return hit;

@@ -57,8 +57,8 @@ void visitActive(const FloatGrid& grid, const Visit& visit) {
 }
 
 /// Where there is anything to be met, as voxels of the density.
-BoolGrid::Ptr placesOf(const Fog& fog) {
-  BoolGrid::Ptr places = BoolGrid::create(false);
+BoolGrid::Ptr occupiedVoxels(const Fog& fog) {
+  BoolGrid::Ptr occupied = BoolGrid::create(false);
   for (const FloatGrid::ConstPtr& grid : {fog.density, fog.heat}) {
     if (!grid) continue;
     visitActive(*grid, [&](const openvdb::CoordBBox& box) {
@@ -66,10 +66,10 @@ BoolGrid::Ptr placesOf(const Fog& fog) {
       // Values reach one voxel further.
       openvdb::CoordBBox reached = fog.density->transform().worldToIndexNodeCentered(world);
       reached.expand(1);
-      places->sparseFill(reached, true);
+      occupied->sparseFill(reached, true);
     });
   }
-  return places;
+  return occupied;
 }
 
 /// Mean over the fog itself and its size; heavy sums in the order of the leaves.
@@ -178,7 +178,7 @@ Pixel pixelAt(int column, int row, const Film& film, const Scene& scene, int sam
   Pixel pixel;
   pixel.depth = 0;
   for (int n = 0; n < samples; ++n) {
-    const openvdb::Vec2d at = film.place(column, row, n);
+    const openvdb::Vec2d at = film.position(column, row, n);
     walker.add(scene.rays(at.x(), at.y()), pixel);
   }
   pixel.depth = pixel.cover > 0 ? pixel.depth / pixel.cover : kFarAway;
@@ -224,15 +224,15 @@ FogLook lookOf(const std::vector<FogMeasure>& measures) {
 Picture renderFog(const Fog& fog, const FogLook& look, const Camera& camera, const RenderOptions& options) {
   Film film(options);
   requireFog(fog);
-  const BoolGrid::Ptr places = placesOf(fog);
-  if (places->empty()) {
+  const BoolGrid::Ptr occupied = occupiedVoxels(fog);
+  if (occupied->empty()) {
     for (int row = 0; row < options.height; ++row)
       for (int column = 0; column < options.width; ++column) film.set(column, row, Pixel());
     return film.take();
   }
   const CameraRays rays(camera, double(options.width) / options.height,
-                        fog.density->transform().indexToWorld(places->evalActiveVoxelBoundingBox()));
-  Scene scene{fog, look, rays, FogIntersector(*places, /*dilate=*/0), {}, {}, {}, {}, {}, {}};
+                        fog.density->transform().indexToWorld(occupied->evalActiveVoxelBoundingBox()));
+  Scene scene{fog, look, rays, FogIntersector(*occupied, /*dilate=*/0), {}, {}, {}, {}, {}, {}};
   if (fog.density->activeVoxelCount() > 0) {
     scene.key.emplace(*fog.density, towardsLight(options, rays.basis()), look.extinction);
     scene.sky.emplace(*fog.density, camera.up.unit(), look.extinction);
