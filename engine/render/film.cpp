@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kMostPixels = 16384, kMostSamples = 64;
 
-/// Darker above, lighter below, a little darker in the corners. `x`, `y` in -1..1.
+/// Background: darker at the top, lighter at the bottom, slightly darker in the corners. `x`, `y` in -1..1.
 Colour backgroundAt(double x, double y) {
   const float t = float(0.5 - 0.5 * y);
   const float smooth = t * t * (3 - 2 * t);

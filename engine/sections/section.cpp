@@ -53,11 +53,11 @@ class LinearSampler {
                           from + x + y + z});
     }
     const auto at = [&](int n) {
-      const int place[3] = {in[0] + (n >> 2), in[1] + (n >> 1 & 1), in[2] + (n & 1)};
-      const int leaf = (place[0] >> kLog) << 2 | (place[1] >> kLog) << 1 | place[2] >> kLog;
+      const int voxel[3] = {in[0] + (n >> 2), in[1] + (n >> 1 & 1), in[2] + (n & 1)};
+      const int leaf = (voxel[0] >> kLog) << 2 | (voxel[1] >> kLog) << 1 | voxel[2] >> kLog;
       if ((found_ >> leaf & 1) == 0) find(leaf);
       return values_[leaf] +
-             step_[leaf] * ((place[0] & kMask) * kX + (place[1] & kMask) * kY + (place[2] & kMask) * kZ);
+             step_[leaf] * ((voxel[0] & kMask) * kX + (voxel[1] & kMask) * kY + (voxel[2] & kMask) * kZ);
     };
     return sum(weight, {at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7)});
   }
