@@ -18,8 +18,8 @@ namespace {
 constexpr double kThere = 1e-3, kFar = kHalfWidth - 1;
 constexpr int kMostSteps = 12;  // from at most two voxels away, a voxel per step, with steps to converge
 
-/// A level set's trilinear distance and its gradient, in voxels, at index coordinates. Each task needs its
-/// own.
+/// A level set's trilinear distance and its gradient, in voxels, at index coordinates. Each task
+/// needs its own.
 class Distance {
  public:
   explicit Distance(const FloatGrid& grid)

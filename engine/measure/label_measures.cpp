@@ -14,8 +14,8 @@ constexpr int kSteps[kDirections][3] = {{1, 0, 0},  {0, 1, 0},  {0, 0, 1},  {1, 
                                         {1, 0, 1},  {1, 0, -1}, {0, 1, 1},  {0, 1, -1}, {1, 1, 1},
                                         {1, 1, -1}, {1, -1, 1}, {1, -1, -1}};
 
-/// Area that belongs to one line of each of the 13 directions, times the share of all directions nearest to
-/// it.
+/// Area that belongs to one line of each of the 13 directions, times the share of all directions
+/// nearest to it.
 std::array<double, kDirections> lineAreas(const ImageLattice& lattice) {
   constexpr int kPoints = 40000;  // directions sampled on a hemisphere
   std::array<Vec3d, kDirections> direction;

@@ -13,8 +13,8 @@ using Index = DisjointSets::Index;
 
 Index nextCorner(Index corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
 
-/// Joins half edges of opposite direction: their triangles are in one shell, their corners in one fan about a
-/// point.
+/// Joins half edges of opposite direction: their triangles are in one shell, their corners in one fan
+/// about a point.
 class Shells {
  public:
   explicit Shells(const Mesh& mesh)
@@ -27,8 +27,8 @@ class Shells {
   bool hasOpenEdge(Index triangle) const { return open_[triangle] != 0; }
 
  private:
-  /// Pairs each forward half edge with a backward one; if more than two triangles share the edge, in their
-  /// order.
+  /// Pairs each forward half edge with a backward one; if more than two triangles share the edge,
+  /// in their order.
   void joinEdge(const HalfEdge* begin, const HalfEdge* end) {
     const HalfEdge *forward = begin, *backward = begin;
     const auto seek = [end](const HalfEdge* e, bool direction) {

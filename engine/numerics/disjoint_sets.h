@@ -49,8 +49,8 @@ class OrientedSets {
   /// Whether `i` is opposite to its set's root.
   bool flipped(Index i) { return sets_.find(i) != root(i); }
 
-  /// Joins two sets; returns false, and joins nothing, if that contradicts the known orientations of `a` and
-  /// `b`.
+  /// Joins two sets; returns false, and joins nothing, if that contradicts the known orientations of
+  /// `a` and `b`.
   bool join(Index a, Index b, bool opposite) {
     const Index alike = opposite ? b + count_ : b, unlike = opposite ? b : b + count_;
     if (sets_.find(a) == sets_.find(unlike)) return false;

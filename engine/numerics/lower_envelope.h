@@ -37,8 +37,8 @@ class LowerEnvelope {
     apex_[size_t(top_)] = apex, from_[size_t(top_)] = from, lifted_[size_t(top_)] = lifted;
   }
 
-  /// The apex of the lowest parabola at `x`. From call to call `x` must not decrease. Precondition: not
-  /// empty().
+  /// The apex of the lowest parabola at `x`. From call to call `x` must not decrease.
+  /// Precondition: not empty().
   int nearest(int x) {
     while (current_ < top_ && from_[size_t(current_) + 1] < Real(x)) ++current_;
     return apex_[size_t(current_)];

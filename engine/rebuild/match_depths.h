@@ -11,8 +11,8 @@ class MatchDepths {
   /// Both arguments must outlive this.
   MatchDepths(const std::vector<CarriedImage>& images, const ImageNodes& nodes);
 
-  /// Whether a surface may pass through the cell whose first node is `node`. Depths need no matching
-  /// elsewhere.
+  /// Whether a surface may pass through the cell whose first node is `node`. Depths need
+  /// no matching elsewhere.
   bool near(const openvdb::Coord& node) const {
     return !near_.empty() && near_[nodes_.map.index(node[0], node[1], node[2])];
   }

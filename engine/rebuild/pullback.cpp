@@ -71,8 +71,8 @@ void checkImages(const std::vector<const Image*>& images) {
   }
 }
 
-/// Allowed rounding error of the sum of rates, relative to 1 + the sum of their magnitudes; the same as for
-/// weights.
+/// Allowed rounding error of the sum of rates, relative to 1 + the sum of their magnitudes; the same
+/// as for weights.
 constexpr double kRateTolerance = 1e-6;
 
 void checkRate(const Weights& rate, size_t objects) {

@@ -64,8 +64,8 @@ float slope(float before, float here, float after) {
   return 0;
 }
 
-/// Trilinear value at a position in the block (voxels from the leaf's origin); kUnknown if a corner is
-/// unknown.
+/// Trilinear value at a position in the block (voxels from the leaf's origin); kUnknown if a
+/// corner is unknown.
 float interpolate(const Block& block, const openvdb::Vec3s& p) {
   int base[3];
   float w[3];

@@ -123,8 +123,8 @@ Parts findParts(const FloatGrid& grid) {
   return parts;
 }
 
-/// Sets a component's voxels to outside, and removes the narrow band around it where no other inside voxel is
-/// near.
+/// Sets a component's voxels to outside, and removes the narrow band around it where no other inside
+/// voxel is near.
 void remove(FloatGrid& grid, const std::vector<openvdb::Coord>& voxels) {
   constexpr int kReach = int(kHalfWidth) + 1;
   auto accessor = grid.getAccessor();

@@ -25,9 +25,9 @@ struct LeafValues {
   std::vector<char> states;  ///< per voxel
 };
 
-/// Grids of one blended type, seen as numbers with one or three channels, so that the blending code is
-/// compiled once per number type instead of once per grid type. `Real`: float or double, as the grids have
-/// it.
+/// Grids of one blended type, seen as numbers with one or three channels, so that the blending code
+/// is compiled once per number type instead of once per grid type. `Real`: float or double, as the
+/// grids have it.
 template <typename Real>
 class NumberGrids {
  public:

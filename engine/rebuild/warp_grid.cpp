@@ -20,8 +20,8 @@ namespace {
 using openvdb::GridBase;
 using Transform = openvdb::math::Transform;
 
-/// Boxes with a longer side than this, in voxels, get nodes 8 instead of 4 voxels apart, as in nodeStepOf of
-/// in_between.cpp.
+/// Boxes with a longer side than this, in voxels, get nodes 8 instead of 4 voxels apart, as in
+/// nodeStepOf of in_between.cpp.
 constexpr int kFineNodesUpTo = 400;
 
 /// Largest volume, in voxels of an input grid, that the image of one cell of 4^3 or 8^3 voxels may cover:
@@ -90,8 +90,8 @@ bool cellActive(const NodeMap& nodes, const std::vector<Source>& sources, int i,
       const size_t node = nodes.index(i + (n & 1), j + (n >> 1 & 1), k + (n >> 2));
       box.expand(s.toIndex(Vec3d(nodes.at[node * nodes.objects + s.shape])));
     }
-    // Splines between the nodes overshoot by at most an eighth of the cell; interpolation reads one voxel
-    // further.
+    // Splines between the nodes overshoot by at most an eighth of the cell; interpolation reads
+    // one voxel further.
     const Vec3d slack = box.extents() / 8.0 + Vec3d(1.0);
     if (s.blocks.meets({box.min() - slack, box.max() + slack})) return true;
   }

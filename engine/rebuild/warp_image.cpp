@@ -74,8 +74,8 @@ std::unique_ptr<AnyImage> anyImage(const Image& image) {
       image.values);
 }
 
-/// Mean slope of the image across its isosurface, per world unit, from the edges between voxels that cross
-/// it.
+/// Mean slope of the image across its isosurface, per world unit, from the edges between voxels
+/// that cross it.
 double slopeAt(const Image& image, double iso) {
   return std::visit(
       [&](const auto& values) {

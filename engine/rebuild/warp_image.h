@@ -15,8 +15,8 @@ struct CarriedImage {
   double weight = 0;
   const DistanceField* field = nullptr;  ///< of the object; null: depths are not matched
   double size = 1;                       ///< size of the in-between over the object's
-  /// Grey value at the object's surface. If all are known, the in-between's surface is kept at their weighted
-  /// mean.
+  /// Grey value at the object's surface. If all are known, the in-between's surface is kept at
+  /// their weighted mean.
   std::optional<double> iso = std::nullopt;
 };
 

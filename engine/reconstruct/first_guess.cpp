@@ -9,8 +9,8 @@ namespace slicemorph {
 
 namespace {
 
-/// Planes more than this many times farther than the nearest are ignored; their weight would be below 1 /
-/// 5^3.
+/// Planes more than this many times farther than the nearest are ignored; their weight would be below
+/// 1 / 5^3.
 constexpr double kHeardPlanes = 5;
 constexpr double kLeastHeight = 1e-3;  ///< in voxels; closer points count as on the plane
 

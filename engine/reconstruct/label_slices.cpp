@@ -149,8 +149,8 @@ RankedSlices rankSlices(const Image& labels, const GivenSlices& given) {
   const std::vector<int> ranked = rankValues(census);
   std::unordered_map<int, int> rank;
   for (size_t i = 0; i < ranked.size(); ++i) rank[ranked[i]] = int(i), result.values.push_back(ranked[i]);
-  // A label that fills its slice has no border there; its border is assumed to be one diagonal of the slice
-  // away.
+  // A label that fills its slice has no border there; its border is assumed to be one diagonal of
+  // the slice away.
   const float far = std::hypot(float(layout.width) * stack.pixel[0], float(layout.height) * stack.pixel[1]);
   stack.planes.resize(census.size());
   tbb::parallel_for(size_t(0), census.size(), [&](size_t k) {

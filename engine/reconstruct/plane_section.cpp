@@ -306,8 +306,8 @@ PlaneImage distanceImage(const PlaneSection& section, double pixel, double margi
   for (const Edge& e : section.edges)
     for (const Vec2d& p : {e.a, e.b})
       for (int a = 0; a < 2; ++a) low[a] = std::min(low[a], p[a]), high[a] = std::max(high[a], p[a]);
-  // Multiples of `pixel`, wherever the contours are, so that pixels of neighbouring planes are above each
-  // other.
+  // Multiples of `pixel`, wherever the contours are, so that pixels of neighbouring planes are
+  // above each other.
   for (int a = 0; a < 2; ++a) image.low[a] = pixel * std::floor((low[a] - margin) / pixel);
   image.width = int(std::ceil((high[0] + margin - image.low[0]) / pixel)) + 1;
   image.height = int(std::ceil((high[1] + margin - image.low[1]) / pixel)) + 1;

@@ -21,8 +21,8 @@ constexpr double kLeastSlope = 0.3;  ///< of a surface that is nearly parallel t
 /// Rounds of solving again around pixels where the surface contradicts their plane.
 constexpr int kVerdictRounds = 3;
 
-/// The finest lattice, aligned so that it can be coarsened `levels` times, down to a spacing like the planes'
-/// gap.
+/// The finest lattice, aligned so that it can be coarsened `levels` times, down to a spacing like
+/// the planes' gap.
 Lattice finestLattice(const PlaneSet& planes, double h, int levels) {
   const double coarse = h * (1 << levels), margin = planes.gap + 3.5 * coarse;
   Lattice lattice;

@@ -26,8 +26,8 @@ std::vector<size_t> orderOfSections(const std::vector<SectionPlane>& planes);
 openvdb::GridBase::Ptr gridOfSections(const std::vector<SectionPlane>& planes, const SlicedGrid& sliced,
                                       double voxelSize);
 
-/// The largest voxel size, in world units, at which slices of this grid make a level set; infinite for other
-/// grids.
+/// The largest voxel size, in world units, at which slices of this grid make a level set; infinite
+/// for other grids.
 double mostVoxelSize(const openvdb::GridBase& prototype);
 
 }  // namespace slicemorph

@@ -26,8 +26,8 @@ struct TileScores {
   void readFar(const GapLabel& l, const Moment& m, const PlanePoints* tile);
 };
 
-/// A cell whose pixels are evaluated one by one. "Half way" is the middle of the gap, where scores are
-/// blended.
+/// A cell whose pixels are evaluated one by one. "Half way" is the middle of the gap, where
+/// scores are blended.
 struct SliceTile {
   PixelBox part, half;            ///< its pixels, and those they come from half way
   TileCorners corners[kMoments];  ///< of its pixels' positions half way, for every moment

@@ -27,13 +27,13 @@ struct FrameAllOptions {
   bool allRound = false;      ///< keep the boxes in view from all positions that turned() can produce
 };
 
-/// A camera that sees all of every box; given the boxes of all frames, one camera serves the whole sequence.
-/// Throws InputError for no or an empty box, a zero direction, one parallel to `up`, and other options out of
-/// range.
+/// A camera that sees all of every box; given the boxes of all frames, one camera serves the whole
+/// sequence. Throws InputError for no or an empty box, a zero direction, one parallel to `up`, and other
+/// options out of range.
 Camera frameAll(const std::vector<openvdb::BBoxd>& boxes, const FrameAllOptions& options = {});
 
-/// The camera rotated about its target by an angle (radians) around `up`, counter-clockwise as seen from
-/// above.
+/// The camera rotated about its target by an angle (radians) around `up`, counter-clockwise as
+/// seen from above.
 Camera turned(const Camera& camera, double angle);
 
 /// A right-handed orthonormal basis: right, up and back (towards the viewer).

@@ -57,14 +57,14 @@ class Shader {
     if (colors) colors_.emplace(*colors);
   }
 
-  /// Normal from interpolated central differences: continuous over the surface, unlike the gradient of one
-  /// cell.
+  /// Normal from interpolated central differences: continuous over the surface, unlike the gradient
+  /// of one cell.
   Vec3d normalAt(const Vec3d& world) const {
     const Vec3d index = grid_.worldToIndex(world);
     const openvdb::Coord base = openvdb::Coord::floor(index);
     const Vec3d in = index - base.asVec3d();
-    // Voxels from one before to two after the cell, without those outside of it along two axes, which are not
-    // needed.
+    // Voxels from one before to two after the cell, without those outside of it along two axes, which
+    // are not needed.
     double v[4][4][4];
     const auto row = [&](int x, int y, int first, int last) {
       constexpr int kMask = int(FloatGrid::TreeType::LeafNodeType::DIM) - 1;

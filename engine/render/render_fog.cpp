@@ -87,8 +87,8 @@ Sums sumsOf(const FloatGrid& grid) {
   return sums;
 }
 
-/// The glow at a share of the largest heat: black-body colour times the fourth power of the share
-/// (Stefan-Boltzmann).
+/// The glow at a share of the largest heat: black-body colour times the fourth power of
+/// the share (Stefan-Boltzmann).
 class GlowTable {
  public:
   GlowTable() {

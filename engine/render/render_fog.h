@@ -4,8 +4,8 @@
 
 #include <vector>
 
-/// Pictures of fog: OpenVDB's ray tracer finds where a ray meets it; absorption, light and glow are computed
-/// here.
+/// Pictures of fog: OpenVDB's ray tracer finds where a ray meets it; absorption, light and glow
+/// are computed here.
 namespace slicemorph {
 
 /// The grids of a fog; each may have its own linear transform.
@@ -39,9 +39,9 @@ struct FogLook {
 FogLook lookOf(const std::vector<FogMeasure>& measures);
 
 /// A picture of a fog lit by the key light (single scattering, with an estimate of multiple scattering) and
-/// the sky. Depth is the mean over the pixel, weighted by the opacity that each part adds; normals are zero.
-/// The camera may be inside the fog. Throws InputError for options out of range and transforms that are not
-/// linear.
+/// the sky. Depth is the mean over the pixel, weighted by the opacity that each part adds; normals are
+/// zero. The camera may be inside the fog. Throws InputError for options out of range and transforms that
+/// are not linear.
 Picture renderFog(const Fog& fog, const FogLook& look, const Camera& camera,
                   const RenderOptions& options = {});
 

@@ -137,9 +137,9 @@ void forActiveValues(const FloatGrid& grid, const Add& add) {
     add(*tile, size_t(tile.getVoxelCount()));
 }
 
-/// The value above which three quarters of a fog's total lie: it bounds the visible body, however dense its
-/// densest spot. At most half the largest value, so that fog of uniform density has its surface within its
-/// ramp.
+/// The value above which three quarters of a fog's total lie: it bounds the visible body, however dense
+/// its densest spot. At most half the largest value, so that fog of uniform density has its surface
+/// within its ramp.
 double fogSurfaceValue(const FloatGrid& grid, double largest) {
   constexpr size_t kBins = 4096;  // the value is exact to 1/4096 of the largest one
   constexpr double kShare = 0.75;

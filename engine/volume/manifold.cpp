@@ -269,8 +269,8 @@ size_t separatePoints(Mesh& mesh) {
   std::vector<Index> coincident = coincidentPoints(mesh.points);
   if (coincident.empty()) return 0;
   const Corners corners = cornersByPoint(mesh);
-  // Each round moves points a little further. A surface that has shrunk to a point or line cannot be
-  // separated.
+  // Each round moves points a little further. A surface that has shrunk to a point or line
+  // cannot be separated.
   for (int round = 0; round < 8 && !coincident.empty(); ++round) {
     for (Index point : coincident)
       mesh.points[point] = towards(mesh, sidesAround(mesh, corners, point), point);

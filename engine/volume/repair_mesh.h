@@ -6,8 +6,8 @@
 
 namespace slicemorph {
 
-/// Connectivity of a mesh after duplicate points and faces are removed and windings agree, before holes are
-/// filled.
+/// Connectivity of a mesh after duplicate points and faces are removed and windings agree, before
+/// holes are filled.
 struct MeshTopology {
   size_t shells = 0;         ///< parts connected through shared edges
   size_t boundaryEdges = 0;  ///< edges with one face

@@ -22,8 +22,8 @@ using openvdb::Vec3s;
 using openvdb::Vec4I;
 using Index = std::uint32_t;
 
-/// Larger grids come from a mistyped voxel size. A band of 4e8 voxels takes about 3 GiB, and more while it is
-/// built.
+/// Larger grids come from a mistyped voxel size. A band of 4e8 voxels takes about 3 GiB, and more while
+/// it is built.
 constexpr double kMostVoxelsAlong = 8192;
 constexpr double kMostBandVoxels = 4e8;
 /// Beyond this coordinate single precision has no fraction left, and 32-bit indices come near their limit.

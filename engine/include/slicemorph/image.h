@@ -7,8 +7,8 @@
 
 namespace slicemorph {
 
-/// Positions of a dense image's voxels: the centre of voxel (i, j, k) is origin + i step[0] + j step[1] + k
-/// step[2].
+/// Positions of a dense image's voxels: the centre of voxel (i, j, k) is origin + i step[0] + j step[1]
+/// + k step[2].
 struct ImageLattice {
   openvdb::Coord size{0, 0, 0};  ///< voxels along i (fastest in memory), j, k
   Vec3d origin{0, 0, 0};         ///< world (LPS millimetres): centre of voxel (0, 0, 0)

@@ -27,8 +27,8 @@ class LabelField {
   /// Beyond the label's box the distance to the box is subtracted.
   float depth(const Label& label, const openvdb::Vec3f& voxel) const;
 
-  /// Appends to `found`, and sorts, the labels (indices into labels()) with voxels in or near a box of
-  /// voxels.
+  /// Appends to `found`, and sorts, the labels (indices into labels()) with voxels in or near a
+  /// box of voxels.
   void labelsNear(const openvdb::CoordBBox& box, std::vector<int>& found) const;
 
  private:

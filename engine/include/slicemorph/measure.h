@@ -16,8 +16,8 @@ struct ShapeMeasures {
 ShapeMeasures measureShape(const FloatGrid& levelSet);
 
 /// The same for a mesh wound outwards. Shells are components connected over edges, so surfaces that touch
-/// only at a point are separate; a shell of positive volume is a piece, one of negative volume the wall of a
-/// cavity.
+/// only at a point are separate; a shell of positive volume is a piece, one of negative volume the wall
+/// of a cavity.
 ShapeMeasures measureMesh(const Mesh& mesh);
 
 /// Symmetric distance between two surfaces, world units.

@@ -14,8 +14,8 @@ enum class Severity {
   kError,    ///< what could not be done; the note of an exception
 };
 
-/// Something that was found, decided or changed. Code that reacts to a note must use its code, never its
-/// text.
+/// Something that was found, decided or changed. Code that reacts to a note must use its code,
+/// never its text.
 struct Note {
   Note(std::string text) : text(std::move(text)) {}
   Note(const char* text) : text(text) {}
@@ -39,8 +39,8 @@ inline std::vector<std::string> sentencesOf(const Notes& notes) {
   return sentences;
 }
 
-/// The same notes, with `subject` in front of what they are about: for a grid of a file, an output of a
-/// frame.
+/// The same notes, with `subject` in front of what they are about: for a grid of a file, an output
+/// of a frame.
 inline Notes about(const std::string& subject, Notes notes) {
   for (Note& note : notes) note.about = note.about.empty() ? subject : subject + ": " + note.about;
   return notes;

@@ -2,8 +2,8 @@
 
 namespace slicemorph {
 
-/// Progress sink and cancel token for long work; by default it does nothing. Methods may be called from any
-/// thread.
+/// Progress sink and cancel token for long work; by default it does nothing. Methods may be called
+/// from any thread.
 class Progress {
  public:
   virtual ~Progress() = default;

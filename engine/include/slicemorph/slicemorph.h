@@ -10,9 +10,9 @@
 #include <optional>
 #include <string>
 
-/// slicemorph: morphs volumes through oriented slices. Grids in, grids out; reads no files, prints nothing.
-/// Method: Yasmin & Talib, "A Method for 3D Morphing Using Slices" [YT09]; the stages are the calls in
-/// engine/pipeline.cpp.
+/// slicemorph: morphs volumes through oriented slices. Grids in, grids out; reads no files, prints
+/// nothing. Method: Yasmin & Talib, "A Method for 3D Morphing Using Slices" [YT09]; the stages are the
+/// calls in engine/pipeline.cpp.
 namespace slicemorph {
 
 /// One input of a morph: a level set that follows the conventions.
@@ -42,8 +42,8 @@ struct MorphOptions {
   Vec3d up{0, 1, 0};
 };
 
-/// One slice of the plan, for debug pictures: contours in chart space (x, y) and the pairs that were
-/// accepted.
+/// One slice of the plan, for debug pictures: contours in chart space (x, y) and the pairs
+/// that were accepted.
 struct SlicePicture {
   struct Contour {
     std::vector<openvdb::Vec2d> points;  ///< closed; the first point is not repeated at the end
@@ -75,12 +75,12 @@ struct PullbackOptions {
 /// thread (it uses all threads itself). It must not outlive its plan.
 class Pullback {
  public:
-  /// In-between of values: each grid is carried with its object's shape, and the values are blended. Colours
-  /// (recognised by the grid's name) are blended where they are active, never with the background. `grids`:
-  /// one per object, of one type, on any transform; null if the object has none, which counts as background.
-  /// Values of float, double, vec3s and vec3d grids are blended; those of bool, mask, int32, int64 and vec3i
-  /// grids are taken from the heaviest object. Vectors turn with the map unless they are colours or texture
-  /// coordinates.
+  /// In-between of values: each grid is carried with its object's shape, and the values are blended.
+  /// Colours (recognised by the grid's name) are blended where they are active, never with the background.
+  /// `grids`: one per object, of one type, on any transform; null if the object has none, which counts as
+  /// background. Values of float, double, vec3s and vec3d grids are blended; those of bool, mask, int32,
+  /// int64 and vec3i grids are taken from the heaviest object. Vectors turn with the map unless they are
+  /// colours or texture coordinates.
   /// The result has the metadata of the first grid. Unless a voxel size is given it has the grids' transform
   /// if their axes and voxels agree, else the world's axes with the weighted mean of the voxel sizes; at
   /// weight 1 it is that object's grid itself. `conserve` is for densities. Throws InputError for grids that
@@ -111,10 +111,10 @@ class Pullback {
   openvdb::Vec3SGrid::Ptr colors(const FloatGrid& surface,
                                  const std::vector<openvdb::Vec3SGrid::ConstPtr>& colors);
 
-  /// In-between of label maps: at every voxel the label with the greatest blended depth, sum_k w_k
-  /// d_k(M_k(p)); the space without a label takes part as if it were one. So there are no gaps and no
-  /// overlaps, and the order of labels has no influence. `labels`: one per object, none null; else
-  /// InputError.
+  /// In-between of label maps: at every voxel the label with the greatest blended depth, sum_k
+  /// w_k d_k(M_k(p)); the space without a label takes part as if it were one. So there are no
+  /// gaps and no overlaps, and the order of labels has no influence. `labels`: one per object,
+  /// none null; else InputError.
   Image carryLabels(const std::vector<const LabelField*>& labels, const ImageLattice& on) const;
 
   struct Impl;
@@ -143,9 +143,9 @@ Weights withoutNegatives(const Weights& weights);
 /// after construction.
 class MorphPlan {
  public:
-  /// Throws InputError for fewer than one object or options out of range, GeometryError for a level set that
-  /// is empty or does not follow the conventions; the message names the object, its value and what would be
-  /// right.
+  /// Throws InputError for fewer than one object or options out of range, GeometryError for a level set
+  /// that is empty or does not follow the conventions; the message names the object, its value and what
+  /// would be right.
   MorphPlan(std::vector<Object> objects, const MorphOptions& options = {}, Progress* progress = nullptr);
   /// The plan of the next frame of a sequence. `before` is the plan of the previous frame, made for the same
   /// objects a moment earlier; its options are used. Its decisions (axes, turns, spines, twist, limbs) are

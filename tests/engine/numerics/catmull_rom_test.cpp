@@ -14,8 +14,8 @@ double splined(const Function& f, double a) {
   return w[0] * f(-1) + w[1] * f(0) + w[2] * f(1) + w[3] * f(2);
 }
 
-/// Reference: the cubic through nodes 0 and 1 whose slopes there are those of the chords between their
-/// neighbours.
+/// Reference: the cubic through nodes 0 and 1 whose slopes there are those of the chords
+/// between their neighbours.
 template <typename Function>
 double hermite(const Function& f, double a) {
   const double m0 = 0.5 * (f(1) - f(-1)), m1 = 0.5 * (f(2) - f(0)), b = a * a, c = b * a;

@@ -7,8 +7,8 @@
 namespace slicemorph {
 namespace {
 
-/// Reference: whether a box overlaps a block of 8 x 8 x 8 voxels with an active one, by looking at every
-/// voxel.
+/// Reference: whether a box overlaps a block of 8 x 8 x 8 voxels with an active one, by looking
+/// at every voxel.
 bool meetsAny(const FloatGrid& grid, const openvdb::BBoxd& box) {
   for (auto it = grid.cbeginValueOn(); it; ++it) {
     openvdb::CoordBBox voxels;

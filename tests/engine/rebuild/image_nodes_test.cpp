@@ -46,7 +46,7 @@ TEST(ImageNodes, ARowOfVoxelsLiesWhereItsImageHasIt) {
 }
 
 /// Nodes at random positions: between them, positions are trilinear.
-TEST(ImageNodes, PlacesAreLinearBetweenNodes) {
+TEST(ImageNodes, PositionsAreLinearBetweenNodes) {
   ImageNodes nodes = imageNodes(oblique(), still({0, 0, 0}), 3.2);
   std::mt19937 random(2);
   for (openvdb::Vec3s& v : nodes.map.at)
@@ -68,14 +68,14 @@ TEST(ImageNodes, PlacesAreLinearBetweenNodes) {
     }
 }
 
-TEST(ImageNodes, PlacesAreFoundBackInTheImage) {
+TEST(ImageNodes, PositionsAreFoundBackInTheImage) {
   const ImageLattice lattice = oblique();
   const Vec3d anchor(9, -2, 4);
   const PositionToVoxel toVoxel(lattice, anchor);
   for (const Vec3d& voxel : {Vec3d(0, 0, 0), Vec3d(3, 7, 1), Vec3d(-2, 0.5, 9)}) {
     EXPECT_LE((Vec3d(toVoxel(openvdb::Vec3s(lattice.toWorld(voxel) - anchor))) - voxel).length(), 1e-4);
-    const Vec3d way = lattice.toWorld(voxel) - lattice.toWorld(Vec3d(0.0));
-    EXPECT_LE((Vec3d(toVoxel.vector(openvdb::Vec3s(way))) - voxel).length(), 1e-4);
+    const Vec3d vector = lattice.toWorld(voxel) - lattice.toWorld(Vec3d(0.0));
+    EXPECT_LE((Vec3d(toVoxel.vector(openvdb::Vec3s(vector))) - voxel).length(), 1e-4);
   }
 }
 

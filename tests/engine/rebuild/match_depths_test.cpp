@@ -48,8 +48,8 @@ class MatchDepthsOfBalls : public testing::Test {
 /// in the same direction.
 TEST_F(MatchDepthsOfBalls, OnTheSurfaceAllAreOnTheirOwn) {
   const MatchDepths depths(images, nodes);
-  for (const Vec3d& way : {Vec3d(1, 0, 0), Vec3d(0.6, 0, -0.8), Vec3d(1, 2, 3).unit()}) {
-    auto positions = positionsAt(1.1 * way);
+  for (const Vec3d& direction : {Vec3d(1, 0, 0), Vec3d(0.6, 0, -0.8), Vec3d(1, 2, 3).unit()}) {
+    auto positions = positionsAt(1.1 * direction);
     depths.measure(positions);
     EXPECT_NEAR(positions[0].distance, 0.1, 0.1 * kVoxel);
     EXPECT_NEAR(positions[1].distance, -0.1, 0.1 * kVoxel);
@@ -57,8 +57,8 @@ TEST_F(MatchDepthsOfBalls, OnTheSurfaceAllAreOnTheirOwn) {
     for (size_t k = 0; k < 2; ++k) {
       const Vec3d at = Vec3d(positions[k].at) + images[k].anchor;
       // The nearest surface point is exact to about a voxel along the surface.
-      EXPECT_NEAR(at.length(), k == 0 ? 1 : 1.2, 0.2 * kVoxel) << way;
-      EXPECT_LE((at - at.length() * way).length(), 1.5 * kVoxel) << way;
+      EXPECT_NEAR(at.length(), k == 0 ? 1 : 1.2, 0.2 * kVoxel) << direction;
+      EXPECT_LE((at - at.length() * direction).length(), 1.5 * kVoxel) << direction;
     }
   }
 }
@@ -96,8 +96,8 @@ TEST_F(MatchDepthsOfBalls, MatchingFadesWithDepth) {
         << k;
 }
 
-/// Between the two surfaces one image would show its inside although the in-between is outside; it is sampled
-/// outside.
+/// Between the two surfaces one image would show its inside although the in-between is outside; it
+/// is sampled outside.
 TEST_F(MatchDepthsOfBalls, NothingIsSeenFromTheOtherSide) {
   const MatchDepths depths(images, nodes);
   for (double r : {1.03, 1.07, 1.13, 1.17}) {

@@ -153,9 +153,9 @@ TEST(Carry, VectorsTurn) {
   EXPECT_LE((v - wanted).length(), 0.02) << v;
 }
 
-/// What flows out of a block of voxels is what its total loses: d rho / dt + div(rho v) is only the exchange
-/// of one fog for the other, which is no motion. Printed for the pair as it is and with that exchange left
-/// out.
+/// What flows out of a block of voxels is what its total loses: d rho / dt + div(rho v) is only the
+/// exchange of one fog for the other, which is no motion. Printed for the pair as it is and with that
+/// exchange left out.
 void expectContinuity(const std::vector<GridBase::ConstPtr>& grids, const char* name, double limit) {
   const auto fog = [&](size_t k) { return openvdb::gridConstPtrCast<FloatGrid>(grids[k]); };
   const MorphPlan plan({{"a", toLevelSet(fog(0)).grid}, {"b", toLevelSet(fog(1)).grid}});
@@ -231,10 +231,10 @@ TEST(Carry, FramesFollowTheirVelocities) {
     double worst = 0, farthest = 0;
     for (const openvdb::Vec3s& p : points.points) {
       const Vec3d at = here->worldToIndex(Vec3d(p));
-      const Vec3d way = step * Vec3d(openvdb::tools::BoxSampler::sample(v->tree(), at));
-      farthest = std::max(farthest, way.length() / h);
+      const Vec3d displacement = step * Vec3d(openvdb::tools::BoxSampler::sample(v->tree(), at));
+      farthest = std::max(farthest, displacement.length() / h);
       worst = std::max(worst, std::abs(double(openvdb::tools::BoxSampler::sample(
-                                  next->tree(), next->worldToIndex(Vec3d(p) + way)))) /
+                                  next->tree(), next->worldToIndex(Vec3d(p) + displacement)))) /
                                   h);
     }
     std::printf("  frame %d: moved by up to %.2f voxels, lands within %.3f of the next\n", i, farthest,

@@ -158,8 +158,8 @@ TEST(WarpGrid, TransformsAreSharedWhereAxesAgree) {
       1e-12);
 }
 
-/// One object that does not move: its box is its own, one voxel wider, and the nodes are located at its
-/// voxels.
+/// One object that does not move: its box is its own, one voxel wider, and the nodes are located
+/// at its voxels.
 TEST(WarpGrid, AStillObjectKeepsItsBox) {
   const auto a = filled<FloatGrid>([](const Vec3d&) { return 1.f; }, {{-3, 2, 5}, {7, 9, 11}});
   Carrying still;

@@ -32,8 +32,8 @@ class Contours : public ::testing::Test {
   static void SetUpTestSuite() { openvdb::initialize(); }
 };
 
-/// The contours of a shape on one plane, exact at their points: marching squares, with the crossings found by
-/// bisection.
+/// The contours of a shape on one plane, exact at their points: marching squares, with the crossings
+/// found by bisection.
 class Cutter {
  public:
   Cutter(const shapes::Distance& shape, const Plane& plane, double half, double step)

@@ -89,8 +89,8 @@ TEST(Render, DepthAndNormalsAreThoseOfTheSphere) {
             EXPECT_EQ(image.normal[3 * n], 0);
           }
           const double into = std::sqrt(std::max(0.0, radius * radius - miss * miss));
-          // Trilinear interpolation moves the surface by at most h^2 / 4R, and along the ray by that over the
-          // cosine.
+          // Trilinear interpolation moves the surface by at most h^2 / 4R, and along the ray by that
+          // over the cosine.
           if (into / radius < 0.1) continue;
           ++seen;
           const Vec3d point = ray(along - into);
