@@ -39,14 +39,14 @@ void checkFeature(const Feature& feature, size_t objects) {
       throw InputError("feature '" + feature.name + "' has " + what + " for " + std::to_string(given) +
                        " objects; there are " + std::to_string(objects));
   };
-  count("places", feature.places.size());
+  count("places", feature.positions.size());
   if (disk) count("normals", feature.normals.size()), count("radii", feature.radii.size());
   const size_t least = feature.kind == Feature::Kind::kLine ? 2 : 1;
-  for (const auto& positions : feature.places)
+  for (const auto& positions : feature.positions)
     if (positions.size() < least)
       throw InputError("feature '" + feature.name + "' has " + std::to_string(positions.size()) +
                        " places on an object; it needs " + std::to_string(least));
-  for (const auto& positions : feature.places)
+  for (const auto& positions : feature.positions)
     for (const Vec3d& p : positions)
       if (!std::isfinite(p.lengthSqr()))
         throw InputError("feature '" + feature.name + "' has a place that is not finite");

@@ -81,10 +81,10 @@ std::vector<Fields> innerFields(const std::vector<Object>& objects, const Shapes
 Feature ofShapes(const Feature& feature, const Shapes& shapes) {
   const size_t count = shapes.levelSets.size();
   Feature own{feature.name, feature.kind, {}, {}, {}};
-  own.places.resize(count), own.normals.resize(count), own.radii.resize(count);
+  own.positions.resize(count), own.normals.resize(count), own.radii.resize(count);
   for (size_t k = shapes.shapeOf.size(); k-- > 0;) {
     const size_t shape = shapes.shapeOf[k];
-    own.places[shape] = feature.places[k];
+    own.positions[shape] = feature.positions[k];
     if (feature.kind != Feature::Kind::kDisk) continue;
     own.normals[shape] = feature.normals[k], own.radii[shape] = feature.radii[k];
   }

@@ -23,7 +23,7 @@ class Follower {
            Progress& progress)
       : frames_(frames), plan_(plan), limits_(limits), progress_(progress) {}
 
-  /// Frames `first` to `last` - 1, in their order.
+  /// Frames `first` to `last` - 1, in order.
   void follow(size_t first, size_t last) {
     if (first >= last) return;
     if (progress_.cancelled()) throw Cancelled();
@@ -53,7 +53,7 @@ class Follower {
   std::vector<MovingMesh> take() { return std::move(meshes_); }
 
  private:
-  /// Takes a frame's mesh to another frame. Returns whether it stands for that one.
+  /// Carries a frame's mesh to another frame. Returns whether it may represent that frame's surface.
   bool carry(const Mesh& mesh, size_t from, size_t to, std::vector<Vec3s>& there) const {
     if (progress_.cancelled()) throw Cancelled();
     const FloatGrid& surface = *frames_[to].surface;
@@ -83,7 +83,7 @@ class Follower {
   std::vector<MovingMesh> meshes_;
 };
 
-/// None where a frame that is to be seen has none.
+/// Sets the meshes' colours; leaves them empty if any frame with triangles has no colours.
 void addColors(std::vector<MovingMesh>& meshes, const std::vector<SurfaceFrame>& frames) {
   for (const MovingMesh& m : meshes)
     for (size_t i = 0; i < m.points.size() && !m.triangles.empty(); ++i)

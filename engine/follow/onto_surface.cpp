@@ -13,12 +13,13 @@
 namespace slicemorph {
 namespace {
 
-/// Voxels: nearer than this a point is on the surface; further than that the band has no gradient to go
-/// along.
+/// In voxels: closer points are on the surface; farther ones are so near the band's clamped edge that it has
+/// no gradient to follow.
 constexpr double kThere = 1e-3, kFar = kHalfWidth - 1;
-constexpr int kMostSteps = 12;
+constexpr int kMostSteps = 12;  // from at most two voxels away, a voxel per step, with steps to converge
 
-/// A level set's trilinear distance and its gradient at index coordinates, in voxels. For one task.
+/// A level set's trilinear distance and its gradient, in voxels, at index coordinates. Each task
+/// needs its own.
 class Distance {
  public:
   explicit Distance(const FloatGrid& grid)
@@ -40,7 +41,7 @@ class Distance {
   double unit_;
 };
 
-/// Newton's method along the gradient, no further than a voxel at a time.
+/// Newton's method along the gradient, at most a voxel per step.
 Vec3d alongGradient(Vec3d p, const Distance& distance) {
   for (int step = 0; step < kMostSteps; ++step) {
     const double d = distance.at(p);
@@ -88,7 +89,7 @@ std::vector<Vec3d> ontoSurface(std::vector<Vec3d> points, const FloatGrid& level
 
 double shareFacingInwards(const Mesh& mesh, const FloatGrid& levelSet) {
   const openvdb::math::Transform& transform = levelSet.transform();
-  std::vector<double> facing(mesh.triangles.size());  // area, negative where it faces inwards
+  std::vector<double> facing(mesh.triangles.size());  // area, negative if facing inwards
   tbb::parallel_for(tbb::blocked_range<size_t>(0, facing.size()),
                     [&](const tbb::blocked_range<size_t>& part) {
                       const Distance distance(levelSet);

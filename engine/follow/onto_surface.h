@@ -5,11 +5,12 @@
 
 namespace slicemorph {
 
-/// Moves world points onto the surface of a level set (by the conventions): along its gradient, and from
-/// beyond its narrow band to the nearest place first. Throws GeometryError for one without a surface.
+/// Moves world points onto the surface of a level set: along its gradient; points beyond its narrow band are
+/// first moved to the nearest surface point. Throws GeometryError for one without a surface.
 std::vector<Vec3d> ontoSurface(std::vector<Vec3d> points, const FloatGrid& levelSet);
 
-/// The share of a mesh's area whose triangles face into a level set on whose surface its points lie, 0 to 1.
+/// The share of a mesh's area whose triangles face into the level set, 0 to 1; the mesh's points must be on
+/// its surface.
 double shareFacingInwards(const Mesh& mesh, const FloatGrid& levelSet);
 
 }  // namespace slicemorph

@@ -41,7 +41,7 @@ Eigen::Matrix3d productOf(const std::vector<Vec3d>& b, const std::vector<Vec3d>&
 std::vector<Vec3d> pointsOn(const std::vector<Feature>& features, size_t object) {
   std::vector<Vec3d> points;
   for (const Feature& feature : features) {
-    const std::vector<Vec3d>& own = feature.places[object];
+    const std::vector<Vec3d>& own = feature.positions[object];
     // A line may have different numbers of points on each object; only its ends correspond.
     points.push_back(own.front());
     if (feature.kind == Feature::Kind::kLine) points.push_back(own.back());

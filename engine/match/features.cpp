@@ -99,7 +99,7 @@ LineGroup diskPoints(const Feature& disk, const std::vector<Chart>& charts) {
   LineGroup points(charts.size());
   Vec3d first(0.0), side(0.0);
   for (size_t k = 0; k < charts.size(); ++k) {
-    const Vec3d& center = disk.places[k][0];
+    const Vec3d& center = disk.positions[k][0];
     const double radius = disk.radii[k];
     const Vec3d normal = disk.normals[k].unit();
     const Vec3d n = chartDirection(charts[k], center, normal, 0.1 * radius);
@@ -160,7 +160,7 @@ LineGroup featurePoints(const Feature& feature, const std::vector<Chart>& charts
   LineGroup points;
   for (size_t k = 0; k < charts.size(); ++k) {
     Line own;
-    for (const Vec3d& p : feature.places[k]) own.push_back(charts[k].toChart(p));
+    for (const Vec3d& p : feature.positions[k]) own.push_back(charts[k].toChart(p));
     points.push_back(own.size() > 1 ? evenly(own, kLinePieces) : own);
   }
   return points;
@@ -246,7 +246,7 @@ FeaturesInReach featuresInReach(const std::vector<Feature>& features, const Fiel
   for (const Feature& feature : features) {
     bool near = false;
     for (size_t k = 0; k < fields.size(); ++k)
-      for (const Vec3d& p : feature.places[k])
+      for (const Vec3d& p : feature.positions[k])
         near |= fields[k]->coarse(p) < kFar * fields[k]->box().extents().length();
     if (near)
       result.features.push_back(feature);

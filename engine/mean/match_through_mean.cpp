@@ -93,7 +93,7 @@ std::vector<Feature> featuresOfPair(const std::vector<Feature>& features, size_t
                                     const Mean& mean) {
   std::vector<Feature> result;
   for (const Feature& feature : features) {
-    Feature pair{feature.name, feature.kind, {{}, feature.places[object]}, {}, {}};
+    Feature pair{feature.name, feature.kind, {{}, feature.positions[object]}, {}, {}};
     const double share = 1.0 / double(charts.size());
     const auto middle = [&](auto positionOn) {
       Vec3d sum(0.0);
@@ -106,15 +106,15 @@ std::vector<Feature> featuresOfPair(const std::vector<Feature>& features, size_t
     };
     const size_t count = feature.kind == Feature::Kind::kLine ? 9 : 1;
     for (size_t i = 0; i < count; ++i)
-      pair.places[0].push_back(middle([&](size_t k) {
-        return pointAlong(feature.places[k], count > 1 ? double(i) / double(count - 1) : 0);
+      pair.positions[0].push_back(middle([&](size_t k) {
+        return pointAlong(feature.positions[k], count > 1 ? double(i) / double(count - 1) : 0);
       }));
     if (feature.kind == Feature::Kind::kDisk) {
       const Vec3d ahead = middle(
-          [&](size_t k) { return feature.places[k][0] + feature.radii[k] * feature.normals[k].unit(); });
+          [&](size_t k) { return feature.positions[k][0] + feature.radii[k] * feature.normals[k].unit(); });
       double radius = 0;
       for (size_t k = 0; k < charts.size(); ++k) radius += share * feature.radii[k] / charts[k].meanScale();
-      pair.normals = {ahead - pair.places[0][0], feature.normals[object]};
+      pair.normals = {ahead - pair.positions[0][0], feature.normals[object]};
       pair.radii = {radius * mean.chart.meanScale(), feature.radii[object]};
     }
     result.push_back(std::move(pair));

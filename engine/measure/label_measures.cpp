@@ -14,16 +14,17 @@ constexpr int kSteps[kDirections][3] = {{1, 0, 0},  {0, 1, 0},  {0, 0, 1},  {1, 
                                         {1, 0, 1},  {1, 0, -1}, {0, 1, 1},  {0, 1, -1}, {1, 1, 1},
                                         {1, 1, -1}, {1, -1, 1}, {1, -1, -1}};
 
-/// Share of all directions that lie nearest each of the 13, times the area that belongs to one of its lines.
+/// Area that belongs to one line of each of the 13 directions, times the share of all directions
+/// nearest to it.
 std::array<double, kDirections> lineAreas(const ImageLattice& lattice) {
-  constexpr int kPoints = 40000;
+  constexpr int kPoints = 40000;  // directions sampled on a hemisphere
   std::array<Vec3d, kDirections> direction;
   std::array<double, kDirections> area{};
   const double voxel = std::abs(lattice.step[0].dot(lattice.step[1].cross(lattice.step[2])));
   for (int n = 0; n < kDirections; ++n)
     direction[n] =
         kSteps[n][0] * lattice.step[0] + kSteps[n][1] * lattice.step[1] + kSteps[n][2] * lattice.step[2];
-  for (int i = 0; i < kPoints; ++i) {  // spiral of even density on half a sphere
+  for (int i = 0; i < kPoints; ++i) {  // spiral of uniform density on a hemisphere
     const double z = (i + 0.5) / kPoints, turn = i * M_PI * (3 - std::sqrt(5.0)), r = std::sqrt(1 - z * z);
     const Vec3d p(r * std::cos(turn), r * std::sin(turn), z);
     int nearest = 0;
@@ -72,7 +73,7 @@ Tallies tally(const ImageLattice& lattice, const Value& value) {
         ++last->voxels;
         last->sum += Vec3d(i, j, k);
         last->box.expand(openvdb::Coord(i, j, k));
-        // Each voxel looks both ways and counts its own changes.
+        // Each voxel looks in both directions and counts its own changes.
         for (int d = 0; d < kDirections; ++d) {
           const int* s = kSteps[d];
           last->changes[size_t(d)] += size_t(at(i + s[0], j + s[1], k + s[2]) != label) +
@@ -95,7 +96,7 @@ std::vector<LabelMeasures> measured(const ImageLattice& lattice, const Tallies& 
     LabelMeasures m;
     m.label = label, m.voxels = t.voxels;
     m.volume = voxel * double(t.voxels);
-    // Cauchy: four times the mean projection, and every line that goes in comes out.
+    // Cauchy: the area is four times the mean projection, and every line that enters also leaves.
     for (int n = 0; n < kDirections; ++n) m.area += 2 * area[size_t(n)] * double(t.changes[size_t(n)]);
     for (int d = 0; d < 3; ++d) m.extents[d] = (t.box.max()[d] - t.box.min()[d] + 1) * spacing[d];
     m.centroid = lattice.toWorld(t.sum / double(t.voxels));

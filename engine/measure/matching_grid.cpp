@@ -15,7 +15,7 @@ using openvdb::FloatTree;
 using openvdb::math::Transform;
 using Leaf = FloatTree::LeafNodeType;
 
-/// Index box in `to` that covers an index box of `from`, one voxel wider.
+/// Index box in `to` that covers an index box of `from`, with a margin of one voxel.
 CoordBBox mapBox(const CoordBBox& box, const Transform& from, const Transform& to) {
   const openvdb::BBoxd world = from.indexToWorld(box);
   const Vec3d corners[2] = {to.worldToIndex(world.min()), to.worldToIndex(world.max())};

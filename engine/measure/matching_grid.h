@@ -5,8 +5,8 @@
 namespace slicemorph {
 
 /// A level set's narrow band sampled (trilinearly) at the voxels of another uniform transform, with the
-/// inside filled: same distances in world units, not re-distanced. The band is at most as wide as the level
-/// set's own.
+/// inside filled. Distances in world units are kept; they are not recomputed. The band is at most as wide as
+/// the level set's own.
 FloatGrid::Ptr sampleOnto(const FloatGrid& levelSet, const openvdb::math::Transform& transform);
 
 }  // namespace slicemorph

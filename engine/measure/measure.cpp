@@ -13,7 +13,7 @@ using Index = DisjointSets::Index;
 
 Index nextCorner(Index corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
 
-/// Joins half edges of opposite direction: their triangles belong to one shell, their corners to one fan
+/// Joins half edges of opposite direction: their triangles are in one shell, their corners in one fan
 /// about a point.
 class Shells {
  public:
@@ -27,8 +27,8 @@ class Shells {
   bool hasOpenEdge(Index triangle) const { return open_[triangle] != 0; }
 
  private:
-  /// Pairs each forward half edge with a backward one; where more than two triangles share the edge, in their
-  /// order.
+  /// Pairs each forward half edge with a backward one; if more than two triangles share the edge,
+  /// in their order.
   void joinEdge(const HalfEdge* begin, const HalfEdge* end) {
     const HalfEdge *forward = begin, *backward = begin;
     const auto seek = [end](const HalfEdge* e, bool direction) {
@@ -51,7 +51,7 @@ class Shells {
   std::vector<char> open_;
 };
 
-/// Of one shell, kept at the index of its first triangle.
+/// Sums over one shell, stored at the index of its first triangle.
 struct ShellSums {
   double volume = 0;
   std::int64_t faces = 0, fans = 0;
@@ -63,7 +63,7 @@ struct ShellSums {
 ShapeMeasures measureMesh(const Mesh& mesh) {
   ShapeMeasures result;
   if (mesh.triangles.empty()) return result;
-  // Volumes are taken about a point of the mesh: far from the origin the terms would cancel badly.
+  // Volumes are relative to a point of the mesh: far from the origin the terms would cancel badly.
   const Vec3d origin(mesh.points[mesh.triangles[0][0]]);
   Shells shells(mesh);
   std::vector<ShellSums> sums(mesh.triangles.size());
@@ -82,7 +82,7 @@ ShapeMeasures measureMesh(const Mesh& mesh) {
     if (!shell.faces) continue;
     result.volume += shell.volume;
     result.pieces += shell.volume > 0;
-    // V - E + F of a closed triangle surface, whose edges are 3/2 its faces, is 2 - 2 genus.
+    // V - E + F of a closed triangle mesh, which has E = 3/2 F, is 2 - 2 genus.
     if (!shell.open) result.genus += int(1 - (shell.fans - shell.faces / 2) / 2);
   }
   return result;

@@ -4,8 +4,8 @@
 
 namespace slicemorph {
 
-/// One way: every point (world) against the closest point of the mesh. Throws GeometryError where either is
-/// empty.
+/// Distances in one direction: of every point (world) to the closest point of the mesh. Throws GeometryError
+/// if either is empty.
 SurfaceDistance distanceTo(const std::vector<openvdb::Vec3s>& points, const Mesh& mesh);
 
 }  // namespace slicemorph

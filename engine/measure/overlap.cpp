@@ -24,12 +24,12 @@ struct Sums {
   }
 };
 
-/// Share of a voxel that is inside, for a plane at the given distance from its centre.
+/// Share of a voxel that is inside a plane at the given distance from its centre.
 double insideShare(float distance, double voxelSize) {
   return std::clamp(0.5 - distance / voxelSize, 0.0, 1.0);
 }
 
-/// Blocks of 8^3 voxels where at least one of the trees has a leaf.
+/// Blocks of 8^3 voxels in which at least one of the trees has a leaf.
 std::vector<Coord> bandBlocks(const FloatTree& a, const FloatTree& b) {
   std::vector<Coord> blocks;
   for (auto leaf = a.cbeginLeaf(); leaf; ++leaf) blocks.push_back(leaf->origin());
@@ -38,7 +38,7 @@ std::vector<Coord> bandBlocks(const FloatTree& a, const FloatTree& b) {
   return blocks;
 }
 
-/// One tree's values over a block: those of its leaf, or of the tile that covers it.
+/// One tree's values in a block: those of its leaf, or of the tile that covers it.
 struct Block {
   Block(const FloatTree& tree, const Coord& origin)
       : leaf(tree.probeConstLeaf(origin)), tile(leaf ? 0 : tree.getValue(origin)) {}
@@ -67,8 +67,8 @@ Sums sumBands(const FloatTree& a, const FloatTree& b, double voxelSize) {
   return total;
 }
 
-/// Blocks inside `tree` by its tiles, where `other` has no leaf either; split by whether they are inside
-/// `other` too.
+/// Counts blocks that are in inside tiles of `tree` and where `other` has no leaf: `both` are inside `other`,
+/// too, `only` are not.
 struct TileCount {
   std::int64_t both = 0, only = 0;
 };

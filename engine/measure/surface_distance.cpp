@@ -40,8 +40,8 @@ double squaredDistanceToSegment(const Vec3d& p, const Vec3d& a, const Vec3d& b) 
   return (p - a - t * ab).lengthSqr();
 }
 
-/// Ericson, Real-Time Collision Detection, 5.1.5: inside the prism the distance to the plane, else to an
-/// edge.
+/// Ericson, Real-Time Collision Detection, 5.1.5: within the triangle's prism the distance to the plane, else
+/// to an edge.
 double squaredDistance(const Vec3d& p, const Triangle& triangle) {
   const Vec3d a(triangle.a), b(triangle.b), c(triangle.c);
   const Vec3d normal = (b - a).cross(c - a);
@@ -56,8 +56,8 @@ double squaredDistance(const Vec3d& p, const Triangle& triangle) {
                    squaredDistanceToSegment(p, c, a)});
 }
 
-/// Balanced tree of boxes over the triangles of a mesh: halves by count, along the longest side of the
-/// centres' box. Node i has the children 2 i + 1 and 2 i + 2.
+/// Balanced tree of bounding boxes over the triangles of a mesh, split at the median along the longest side
+/// of the centroids' box. Node i has the children 2 i + 1 and 2 i + 2.
 class TriangleTree {
  public:
   explicit TriangleTree(const Mesh& mesh) {
@@ -73,7 +73,7 @@ class TriangleTree {
     double squared = std::numeric_limits<double>::max();
     size_t triangle = 0;
   };
-  /// Closest triangle to `p`; `guess`, any triangle's index, only saves time.
+  /// The triangle closest to `p`. `guess` may be any triangle's index; a good one saves time.
   Nearest nearest(const Vec3d& p, size_t guess) const {
     Nearest best{squaredDistance(p, triangles_[guess]), guess};
     search(p, 0, 0, triangles_.size(), best);
@@ -81,7 +81,7 @@ class TriangleTree {
   }
 
  private:
-  static constexpr size_t kLeafSize = 4;
+  static constexpr size_t kLeafSize = 4;  ///< triangles of a node that is not split
 
   void build(size_t node, size_t first, size_t last) {
     Box box, centres;
@@ -130,7 +130,7 @@ class TriangleTree {
 
 using Points = std::vector<openvdb::Vec3s>;
 
-/// The points that a triangle uses.
+/// The points that triangles use.
 Points usedPoints(const Mesh& mesh) {
   std::vector<char> used(mesh.points.size(), 0);
   for (const auto& t : mesh.triangles) used[t[0]] = used[t[1]] = used[t[2]] = 1;
@@ -145,7 +145,7 @@ void appendDistances(const Points& points, const Mesh& to, std::vector<double>& 
   const size_t start = distances.size();
   distances.resize(start + points.size());
   tbb::parallel_for(tbb::blocked_range<size_t>(0, points.size(), 512), [&](const auto& range) {
-    size_t guess = 0;  // neighbours in the list are mostly neighbours in space
+    size_t guess = 0;  // consecutive points are mostly close to each other
     for (size_t i = range.begin(); i != range.end(); ++i) {
       const auto nearest = tree.nearest(Vec3d(points[i]), guess);
       distances[start + i] = std::sqrt(nearest.squared);

@@ -9,8 +9,8 @@
 
 namespace slicemorph {
 
-/// How conjugateGradients computes with one value: sums in `Wide`, decisions by masks. To solve systems of the same
-/// matrix beside each other, a value has a lane for each of them; see fit_field.cpp.
+/// How conjugateGradients computes with values of a type: sums in `Wide`, decisions as masks. To solve
+/// several systems with the same matrix at once, a value has one lane per system; see fit_field.cpp.
 template <typename Value>
 struct Lanes;
 
@@ -25,9 +25,9 @@ struct Lanes<float> {
   static Wide where(bool mask, Wide v) { return mask ? v : 0; }
 };
 
-/// Unknowns that one task looks at; sums are taken by so many and then added up in a fixed order, so that every
-/// number of threads gives the same bytes. (Eigen's solver sums single precision in single precision, whose rest is
-/// too large to stop at 1e-6, and has no lanes.)
+/// Number of unknowns per task. Sums are taken over this many unknowns and then added in a fixed order, so
+/// that the result is the same bytes for every number of threads. (Eigen's solver accumulates single
+/// precision in single precision, with a remainder too large to stop at 1e-6, and has no lanes.)
 struct Grain {
   size_t size;
 
@@ -57,24 +57,25 @@ struct Grain {
   Range range(size_t count) const { return {0, count, size}; }
 };
 
-/// When to stop: after so many steps, or when every lane's residual is small enough.
+/// When to stop: after this many steps, or once every lane's residual is small enough.
 struct GradientSettings {
   int iterations = 60;
-  double enough = 1e-6;  ///< squared residual (weighted by the preconditioner), as a share of `scale`
+  double enough = 1e-6;  ///< squared residual (weighted by the preconditioner), relative to `scale`
 };
 
 /// Solves a symmetric positive definite system by conjugate gradients, preconditioned by its diagonal [HS52],
-/// [She94]. The unknowns may be some of the nodes of a larger field, the rest of which is held.
+/// [She94]. The unknowns may be some of the nodes of a larger field, the rest of which is fixed.
 ///
-/// `system` says what there is to solve:
+/// `system` has these members:
 ///   size_t size() const                     number of unknowns
-///   size_t node(size_t i) const             where unknown i stands in the field
+///   size_t node(size_t i) const             index of unknown i in the field
 ///   float diagonal(size_t i) const          preconditioner; 1 for none
 ///   Grain grain() const
 ///   void apply(const std::vector<Value>& field, std::vector<Value>& product)
-///                                           left side of a field that is zero but at the unknowns, per unknown
-/// `residual`: right side less left side of `field`, per unknown. `scale`: the squared residual that
-/// `settings.enough` is a share of, by default the first one. Returns the steps taken.
+///                                           left side, per unknown, of a field that is zero except at the
+///                                           unknowns
+/// `residual`: right side minus left side for the initial `field`, per unknown. `scale`: the squared residual
+/// to which `settings.enough` is relative; by default the initial one. Returns the number of steps.
 template <typename Value, typename System>
 int conjugateGradients(System& system, const GradientSettings& settings, std::vector<Value> residual,
                        std::vector<Value>& field, const typename Lanes<Value>::Wide* scale = nullptr) {

@@ -9,15 +9,16 @@
 namespace slicemorph {
 namespace {
 
-constexpr float kFarSquared = 1e20f;  ///< further than any voxel: no voxel of the other kind is known yet
+/// larger than any squared distance: no voxel of the other kind is known yet
+constexpr float kFarSquared = 1e20f;
 
-/// Squared distances along lines of values.
+/// Transforms lines of squared distances.
 class DistanceLine {
  public:
   DistanceLine(int longest, double spacing)
       : unit_(float(spacing) * float(spacing)), value_(size_t(longest)), envelope_(longest, double(unit_)) {}
 
-  /// Of `n` values, `stride` apart.
+  /// Transforms `n` values in place, `stride` apart.
   void transform(float* values, size_t stride, int n) {
     envelope_.clear();
     for (int q = 0; q < n; ++q) {
@@ -38,7 +39,7 @@ class DistanceLine {
   LowerEnvelope<double> envelope_;
 };
 
-/// Squared distances to the voxels that are 0.
+/// Squared distances to the voxels whose value is 0. The others must be kFarSquared.
 void squaredDistances(std::vector<float>& d, const openvdb::Coord& n, const Vec3d& spacing) {
   const size_t row = size_t(n[0]), plane = row * size_t(n[1]);
   tbb::parallel_for(0, n[2], [&](int k) {

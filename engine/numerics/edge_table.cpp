@@ -17,7 +17,7 @@ EdgeTable::EdgeTable(const std::vector<openvdb::Vec3I>& triangles) : halves_(3 *
   };
   Index points = 0;
   for (const openvdb::Vec3I& t : triangles) points = std::max({points, t[0] + 1, t[1] + 1, t[2] + 1});
-  // Counted, then filled into buckets by their lower point: far quicker than sorting all at once.
+  // Counting sort into buckets by lower point, which is much faster than sorting everything at once.
   std::vector<Index> next(size_t(points) + 2, 0);
   forEachSide([&](Index, Index p, Index q) { ++next[std::min(p, q) + 2]; });
   std::partial_sum(next.begin(), next.end(), next.begin());

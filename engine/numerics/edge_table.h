@@ -20,14 +20,14 @@ struct HalfEdge {
   Index to() const { return forward ? high : low; }
 };
 
-/// The edges of a triangle mesh, in the order of their points (low, then high), each with its half edges in the
-/// order of the triangles.
+/// The edges of a triangle mesh, ordered by their points (low, then high), each with its half edges ordered
+/// by triangle.
 class EdgeTable {
  public:
   explicit EdgeTable(const std::vector<openvdb::Vec3I>& triangles);
 
   size_t count() const { return starts_.size() - 1; }
-  /// How many triangles meet at an edge.
+  /// Number of triangles at an edge.
   size_t faces(size_t edge) const { return starts_[edge + 1] - starts_[edge]; }
   const HalfEdge& half(size_t edge, size_t i) const { return halves_[starts_[edge] + i]; }
   const HalfEdge* begin(size_t edge) const { return halves_.data() + starts_[edge]; }

@@ -4,11 +4,11 @@
 
 namespace slicemorph {
 
-/// Nodes of a box of space, the same distance apart along the three axes of the space that it is in (the world, a
-/// chart space, ...). Node (x, y, z) stands at index(x, y, z) of an array, x fastest.
+/// The nodes of a regular lattice, equally spaced along the three axes of its space (world space, chart
+/// space, ...). The value of node (x, y, z) is at index(x, y, z) of an array, x fastest.
 struct Lattice {
-  Vec3d origin{0, 0, 0};  ///< node (0, 0, 0)
-  double spacing = 1;     ///< from node to node
+  Vec3d origin{0, 0, 0};  ///< position of node (0, 0, 0)
+  double spacing = 1;     ///< distance between nodes
   openvdb::Coord size{1, 1, 1};
 
   size_t count() const { return size_t(size[0]) * size[1] * size[2]; }
@@ -26,7 +26,7 @@ struct Lattice {
   }
   Vec3d position(int x, int y, int z) const { return origin + spacing * Vec3d(x, y, z); }
   Vec3d position(const openvdb::Coord& c) const { return position(c[0], c[1], c[2]); }
-  /// Covers `box` with nodes `spacing` apart, centred on it.
+  /// A lattice with this spacing that covers `box` and is centred on it.
   static Lattice over(const openvdb::BBoxd& box, double spacing);
 };
 

@@ -22,7 +22,7 @@ Taps catmullRom(double x) {
   return {int(f) - 1, catmullRomWeights(x - f)};
 }
 
-/// Trilinear value at a point in units of the spacing from the lattice's origin, not beyond the lattice.
+/// Trilinear value at `q`, in node units, which must not be outside the lattice.
 Vec3d interpolated(const Lattice& lattice, const VectorField& field, const Vec3d& q) {
   int base[3];
   float w[3];
@@ -54,7 +54,7 @@ Vec3d sampleContinued(const Lattice& lattice, const VectorField& field, const Ve
 }
 
 VectorField resampleField(const Lattice& from, const VectorField& field, const Lattice& to) {
-  // One axis after the other; what is not yet resampled keeps its old size.
+  // One axis after the other; axes not yet resampled keep their size.
   std::vector<Vec3d> values(field.begin(), field.end());
   openvdb::Coord size = from.size;
   for (int axis = 0; axis < 3; ++axis) {

@@ -7,14 +7,14 @@ namespace slicemorph {
 /// One vector per node.
 using VectorField = std::vector<openvdb::Vec3s>;
 
-/// Trilinear value; zero beyond the lattice.
+/// Trilinear value; zero outside the lattice.
 Vec3d sampleField(const Lattice& lattice, const VectorField& field, const Vec3d& p);
 
-/// Trilinear value; beyond the lattice that of its nearest point.
+/// Trilinear value; outside the lattice, that of the nearest point of the lattice.
 Vec3d sampleContinued(const Lattice& lattice, const VectorField& field, const Vec3d& p);
 
-/// The field on another lattice, by Catmull-Rom splines: no creases at the coarse nodes. Zero beyond the
-/// lattice.
+/// The field resampled on another lattice by Catmull-Rom splines, which have no creases at the coarse nodes.
+/// Values beyond the first lattice count as zero.
 VectorField resampleField(const Lattice& from, const VectorField& field, const Lattice& to);
 
 }  // namespace slicemorph

@@ -8,20 +8,21 @@ namespace slicemorph {
 
 namespace {
 
-constexpr int kNoRow = 1 << 20;  ///< rows to the nearest pixel of a column that has none
+constexpr int kNoRow = 1 << 20;  ///< larger than any number of rows: the column has no such pixel
 
-/// Distances along rows of a mask.
+/// Computes distances along rows of a mask.
 class MaskRow {
  public:
   MaskRow(int width, float stepX, float stepY)
       : width_(width), stepX_(stepX), stepY_(stepY), envelope_(width, stepX * stepX) {}
 
-  /// Of the pixels whose mask is `side`, to the nearest of the other side; `rows`: rows to it within each column.
+  /// For the pixels whose mask is `side`: signed distances to the nearest pixel of the other side. `rows`:
+  /// per column, rows to the nearest such pixel.
   void measure(const int* rows, const std::uint8_t* mask, std::uint8_t side, float far, float* out) {
     envelope_.clear();
     for (int x = 0; x < width_; ++x) {
       if (rows[x] >= kNoRow) continue;
-      // Between two pixels of the other side it is nobody's nearest.
+      // Between two pixels of the other side it is nearest to no pixel of `side`.
       if (x > 0 && x + 1 < width_ && rows[x - 1] + rows[x] + rows[x + 1] == 0) continue;
       const float height = float(rows[x]) * stepY_;
       envelope_.add(x, height * height);
@@ -45,7 +46,7 @@ class MaskRow {
   LowerEnvelope<float> envelope_;
 };
 
-/// Rows from every pixel to the nearest one of its column whose mask is `value`.
+/// Per pixel: rows to the nearest pixel of its column whose mask is `value`.
 void columnRows(const std::vector<std::uint8_t>& mask, const PixelBox& box, std::uint8_t value,
                 std::vector<int>& rows) {
   const size_t w = size_t(box.width()), h = size_t(box.height());

@@ -5,7 +5,7 @@ namespace slicemorph {
 
 namespace {
 
-/// Nothing moves, so nodes may lie as far apart as single precision allows; world units.
+/// Nothing moves, so the map is linear and nodes may be as far apart as single precision allows; world units.
 constexpr double kNodeSpacing = 16;
 
 }  // namespace

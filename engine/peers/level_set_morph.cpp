@@ -17,14 +17,15 @@ namespace {
 
 using openvdb::FloatTree;
 
-/// Time of one step: the front's speed is the difference of the two distances, at most two half widths.
+/// Duration of one step. The front's speed is the difference of the two distances, at most two half widths (6
+/// voxels), so it moves at most two voxels per step.
 constexpr float kTimeStep = 1.0f / 3;
-/// It is at rest when this many steps have brought it no nearer, neither at its farthest point nor in the
-/// mean.
+/// The front is at rest after this many steps without progress, neither in its largest distance to the target
+/// nor in its mean.
 constexpr int kPatience = 20;
 
-/// How far one surface is from another, in voxels, seen from the voxels next to the first. Beyond the band
-/// the distance is clamped: good enough to tell whether the front has arrived or moves.
+/// Distance of one surface from another, in voxels, measured at the voxels next to the first. Beyond the band
+/// it is clamped, which is good enough to tell whether the front has arrived or moves.
 struct Gap {
   double max = 0, sum = 0;
   size_t voxels = 0;
@@ -55,8 +56,8 @@ Gap gapBetween(const FloatGrid& a, const FloatGrid& b) {
   return {std::max(there.max, back.max), there.sum + back.sum, there.voxels + back.voxels};
 }
 
-/// Keeps grids of a run whose length is not known: every `stride`-th step, and every other one of those is
-/// dropped when there are too many.
+/// Keeps grids of a run of unknown length: every `stride`-th step; when there are too many, every other one
+/// is dropped.
 class Film {
  public:
   explicit Film(int count) : count_(count) {}
@@ -68,7 +69,7 @@ class Film {
     grids_.resize((grids_.size() + 1) / 2);
     stride_ *= 2;
   }
-  /// `count` frames spread over the steps 0 to `steps`, the last one being `rest`.
+  /// `count` frames spread over the steps 0 to `steps`; the last one is `rest`.
   std::vector<FloatGrid::Ptr> cut(int steps, const FloatGrid::Ptr& rest) const {
     std::vector<FloatGrid::Ptr> frames;
     for (int i = 0; i + 1 < count_; ++i) {
@@ -91,12 +92,13 @@ double surfaceDistanceInVoxels(const FloatGrid& a, const FloatGrid& b) {
   return surfaceDistance(meshA, meshB).max / a.voxelSize()[0];
 }
 
-/// Decides when a run is over.
+/// Decides when a run is finished.
 class Arrival {
  public:
   bool isOver(const Gap& gap, int step) {
     if (gap.max <= 0.5) return true;
     const double mean = gap.sum / std::max<size_t>(gap.voxels, 1);
+    // Half a per cent per step counts as progress.
     if (gap.max < 0.995 * bestMax_ || mean < 0.995 * bestMean_) lastGain_ = step;
     bestMax_ = std::min(bestMax_, gap.max), bestMean_ = std::min(bestMean_, mean);
     return step - lastGain_ >= kPatience;

@@ -4,40 +4,40 @@
 #include "slicemorph/progress.h"
 #include "slicemorph/slicemorph.h"
 
-/// The classic alternatives, as honest peers to measure against.
+/// The classic alternatives to the slice method, for comparison.
 namespace slicemorph {
 
-/// Pointwise blend of full (unclamped) distance fields: sum_k w_k F_k(p), rebuilt to a level set.
+/// Pointwise blend of full (unclamped) distance fields, sum_k w_k F_k(p), rebuilt as a level set.
 class SdfBlend {
  public:
-  /// Level sets by the conventions; distance fields are made once, on `voxelSize` (world units), over the box
-  /// of all. Throws InputError where that box has more than 2^31 voxels: the method needs all of them.
+  /// Computes distance fields with voxels of `voxelSize` (world units) over the bounding box of all level
+  /// sets. Throws InputError if that box has more than 2^31 voxels; the method needs all of them.
   SdfBlend(const std::vector<FloatGrid::ConstPtr>& levelSets, double voxelSize);
-  /// A level set named "surface" by the conventions (empty where the blend has no inside). Throws InputError
-  /// for weights that are not one per level set.
+  /// A level set named "surface" (empty if the blend has no inside). Throws InputError unless there is one
+  /// weight per level set.
   FloatGrid::Ptr frame(const Weights& weights) const;
 
  private:
-  std::vector<FloatGrid::Ptr> fields_;  ///< every voxel of the box active, the same leaves in each
+  std::vector<FloatGrid::Ptr> fields_;  ///< all voxels of the box are active; all fields have the same leaves
 };
 
-/// Cross-dissolve: values are blended where they are, nothing moves. Weights as MorphPlan::pullback(). It makes
-/// no surface: Pullback::colors() throws InputError but at weight 1.
+/// Cross-dissolve: values are blended where they are, nothing moves. Weights as for MorphPlan::pullback().
+/// There is no surface, so Pullback::colors() throws InputError except at weight 1.
 Pullback dissolve(const Weights& weights);
 
-/// OpenVDB's LevelSetMorphing [BW01], [Mus11] from `source` to `target`.
+/// Result of OpenVDB's LevelSetMorphing [BW01], [Mus11] from `source` to `target`.
 struct LevelSetMorphResult {
-  std::vector<FloatGrid::Ptr>
-      frames;               ///< `count` frames, first = source, last = where it came to rest; "surface"
-  double restDistance = 0;  ///< largest symmetric distance of the last frame to the target, voxels;
-                            ///< infinite where the surface vanished
-  int steps = 0;            ///< of a third of a time unit, one to two voxels far from the target
+  /// `count` frames named "surface": the first is the source, the last is where the front came to rest.
+  std::vector<FloatGrid::Ptr> frames;
+  /// Largest symmetric distance of the last frame to the target, voxels; infinite if the surface vanished.
+  double restDistance = 0;
+  int steps = 0;  ///< each a third of a time unit; one to two voxels far from the target
 };
 
-/// Runs until the surface is within half a voxel of the target everywhere (as the voxels next to it see it;
-/// the exact `restDistance` may come out a little larger), it stops moving, or `maxSteps` are used up. Both
-/// by the conventions; the frames have the source's transform. They are spread evenly over the steps, to
-/// within a half of the distance between two of them. Throws InputError for `count` below 2, Cancelled.
+/// Runs until the surface is within half a voxel of the target everywhere (measured at the voxels next to it;
+/// the exact `restDistance` may be slightly larger), stops moving, or `maxSteps` are used up. The frames have
+/// the source's transform and are spread evenly over the steps, to within half the distance between recorded
+/// steps. Throws InputError for `count` below 2; Cancelled.
 LevelSetMorphResult levelSetMorph(const FloatGrid& source, const FloatGrid& target, int count,
                                   int maxSteps = 2000, Progress* progress = nullptr);
 

@@ -17,7 +17,7 @@ using openvdb::FloatTree;
 using openvdb::math::Transform;
 using Leaf = FloatTree::LeafNodeType;
 
-/// Box of all narrow bands in voxels of `transform`, in whole leaves.
+/// Box of all narrow bands, in voxels of `transform`, rounded to whole leaves.
 CoordBBox commonBox(const std::vector<FloatGrid::ConstPtr>& levelSets, const Transform& transform) {
   CoordBBox box;
   for (const auto& grid : levelSets) {
@@ -38,7 +38,7 @@ std::vector<Coord> leafOrigins(const CoordBBox& box) {
   return origins;
 }
 
-/// The distance to a level set's surface at every voxel of the leaves given.
+/// The distance to a level set's surface at every voxel of the given leaves.
 FloatGrid::Ptr fullField(FloatGrid::ConstPtr levelSet, const Transform& transform,
                          const std::vector<Coord>& origins) {
   const DistanceField distance(levelSet);
@@ -68,9 +68,8 @@ void blendLeaf(const std::vector<const Leaf*>& sources, const Weights& weights, 
   }
 }
 
-/// Activates the voxels whose blend is within the band and clamps the others. Blends of distances change by
-/// at most a voxel per voxel, so the surface's neighbourhood of that width is among them. Returns whether any
-/// is.
+/// Activates the voxels within the band and clamps all others. Blends of distances change by at most a voxel
+/// per voxel, so the band contains everything that close to the surface. Returns whether any voxel is active.
 bool clampToBand(Leaf& leaf, float band) {
   float* values = leaf.buffer().data();
   for (openvdb::Index i = 0; i < Leaf::SIZE; ++i) {
@@ -103,8 +102,7 @@ FloatGrid::Ptr SdfBlend::frame(const Weights& weights) const {
   std::vector<std::vector<const Leaf*>> leaves(fields_.size());
   for (size_t k = 0; k < fields_.size(); ++k) fields_[k]->tree().getNodes(leaves[k]);
 
-  // Only the leaves that hold a part of the band are kept; the sign of the others follows from the flood
-  // fill.
+  // Only leaves with voxels of the band are kept; flood fill restores the sign of the others.
   std::vector<std::unique_ptr<Leaf>> blended(leaves[0].size());
   tbb::parallel_for(tbb::blocked_range<size_t>(0, blended.size()), [&](const auto& range) {
     std::vector<const Leaf*> sources(fields_.size());
@@ -120,7 +118,7 @@ FloatGrid::Ptr SdfBlend::frame(const Weights& weights) const {
   for (auto& leaf : blended)
     if (leaf) blend->tree().addLeaf(leaf.release());
   openvdb::tools::signedFloodFill(blend->tree());
-  // A blend of distances is no distance.
+  // A blend of distances is not a distance.
   return sweptLevelSet(*blend, band);
 }
 

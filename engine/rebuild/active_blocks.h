@@ -4,12 +4,13 @@
 
 namespace slicemorph {
 
-/// Which blocks of 8 x 8 x 8 voxels of a grid hold active ones.
+/// The blocks of 8 x 8 x 8 voxels of a grid that contain at least one active voxel. Built once, then queried
+/// by box.
 class ActiveBlocks {
  public:
   template <typename TreeType>
   explicit ActiveBlocks(const TreeType& tree);
-  /// Whether any block meets a box of index space.
+  /// Whether the box (index space) overlaps any block with active voxels.
   bool meets(const openvdb::BBoxd& box) const;
 
  private:

@@ -4,8 +4,9 @@
 
 namespace slicemorph {
 
-/// Adds `factor` times the vectors of a vec3s or vec3d grid (on any transform, staggered or not) to those of
-/// another at its active voxels. Throws InputError for grids of other types.
+/// to += factor * from, at the active voxels of `to`. `from` is a vec3s or vec3d grid on any transform; it is
+/// sampled trilinearly at the voxels' world positions, staggered grids on their faces. Throws InputError for
+/// grids of other types.
 void addVectors(openvdb::Vec3SGrid& to, const openvdb::GridBase& from, double factor);
 
 }  // namespace slicemorph

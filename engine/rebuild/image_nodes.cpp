@@ -21,10 +21,10 @@ ImageNodes imageNodes(const ImageLattice& on, const Carrying& carrying, double s
   return nodes;
 }
 
-PlaceRow::PlaceRow(const ImageNodes& nodes, size_t shape)
+PositionRow::PositionRow(const ImageNodes& nodes, size_t shape)
     : nodes_(nodes), shape_(shape), node_(size_t(nodes.map.size[0])) {}
 
-void PlaceRow::begin(int first, int last, int j, int k) {
+void PositionRow::begin(int first, int last, int j, int k) {
   const NodeMap& map = nodes_.map;
   const openvdb::Vec3i& s = nodes_.step;
   const int y = j / s[1], z = k / s[2];
@@ -39,18 +39,20 @@ void PlaceRow::begin(int first, int last, int j, int k) {
   }
 }
 
-PlaceRow::Stretch PlaceRow::from(int i) const {
+PositionRow::Stretch PositionRow::from(int i) const {
   const int across = nodes_.step[0], node = i / across, offset = i - node * across;
   const Vec3s step = (node_[size_t(node) + 1] - node_[size_t(node)]) / float(across);
   return {node_[size_t(node)] + step * float(offset), step, across - offset};
 }
 
-PlaceToVoxel::PlaceToVoxel(const ImageLattice& lattice, const Vec3d& anchor) {
+PositionToVoxel::PositionToVoxel(const ImageLattice& lattice, const Vec3d& anchor) {
   const WorldToVoxel voxel(lattice);
   turn_ = voxel.inverse;
   offset_ = voxel(anchor);
 }
 
-Vec3s PlaceToVoxel::operator()(const Vec3s& place) const { return Vec3s(turn_ * Vec3d(place) + offset_); }
+Vec3s PositionToVoxel::operator()(const Vec3s& position) const {
+  return Vec3s(turn_ * Vec3d(position) + offset_);
+}
 
 }  // namespace slicemorph

@@ -5,26 +5,28 @@
 
 namespace slicemorph {
 
-/// Nodes that carry a dense lattice: every step[d]-th voxel along axis d.
+/// Map nodes on a dense image lattice: every step[d]-th voxel along axis d is a node.
 struct ImageNodes {
   openvdb::Vec3i step{1, 1, 1};
-  NodeMap map;  ///< index space: that of the nodes, steps apart
+  NodeMap map;  ///< on the nodes' own index space, in which neighbouring nodes are 1 apart
 };
 
-/// About as fine as the matching's lattice: no more can be told.
+/// Nodes over the lattice `on`, about `spacing` (world units) apart along each axis. `spacing` is that of the
+/// matching's lattice: the map holds no finer detail.
 ImageNodes imageNodes(const ImageLattice& on, const Carrying& carrying, double spacing);
 
-/// Places of one object's material along rows of the in-between's voxels, linear between the nodes; world
-/// units relative to the anchor of the object's field.
-class PlaceRow {
+/// Positions on one object along a row of the in-between's voxels, interpolated linearly between the nodes.
+/// In world units, relative to the anchor of the object's distance field.
+class PositionRow {
  public:
   /// `nodes` must outlive this.
-  PlaceRow(const ImageNodes& nodes, size_t shape);
+  PositionRow(const ImageNodes& nodes, size_t shape);
 
-  /// Goes to the row of voxels (first .. last, j, k).
+  /// Selects the voxels (first .. last, j, k).
   void begin(int first, int last, int j, int k);
 
-  /// From voxel i of the row on, as long as one step leads from place to place.
+  /// The run of voxels that starts at voxel i of the selected row and ends before the next node: consecutive
+  /// positions there differ by the constant `step`.
   struct Stretch {
     openvdb::Vec3s at, step;
     int length;
@@ -34,16 +36,16 @@ class PlaceRow {
  private:
   const ImageNodes& nodes_;
   size_t shape_;
-  std::vector<openvdb::Vec3s> node_;  ///< along the row
+  std::vector<openvdb::Vec3s> node_;  ///< position at each node of the row
 };
 
-/// Places relative to an anchor as voxels of an image.
-class PlaceToVoxel {
+/// Converts positions (world units, relative to an anchor) to voxel coordinates of an image.
+class PositionToVoxel {
  public:
-  PlaceToVoxel(const ImageLattice& lattice, const Vec3d& anchor);
-  openvdb::Vec3s operator()(const openvdb::Vec3s& place) const;
-  /// A way instead of a place.
-  openvdb::Vec3s way(const openvdb::Vec3s& way) const { return openvdb::Vec3s(turn_ * Vec3d(way)); }
+  PositionToVoxel(const ImageLattice& lattice, const Vec3d& anchor);
+  openvdb::Vec3s operator()(const openvdb::Vec3s& position) const;
+  /// Converts a vector, without the translation.
+  openvdb::Vec3s vector(const openvdb::Vec3s& world) const { return openvdb::Vec3s(turn_ * Vec3d(world)); }
 
  private:
   Mat3d turn_;

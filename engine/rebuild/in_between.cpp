@@ -6,8 +6,8 @@ namespace slicemorph {
 
 namespace {
 
-/// Voxels between the nodes of the map: finer than any feature the matching can make, whose finest fields have
-/// nodes 0.04 of the objects' size apart (16 of 400 voxels), coarse enough to be cheap.
+/// Voxels between map nodes, 4 or 8. Finer than any detail of the matching, whose finest fields have nodes
+/// 0.04 of the objects' size apart (16 voxels of 400), and coarse enough to be cheap.
 int nodeStepOf(const Chart& chart, double halfLength, double voxelSize) {
   const double voxels = 2 * halfLength * chart.scale[0] / voxelSize;
   return voxels > 400 ? 8 : 4;

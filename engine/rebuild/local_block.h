@@ -4,34 +4,34 @@
 
 namespace slicemorph {
 
-/// A box of a grid's values, copied out so that interpolation finds them without the tree. Vectors are kept
-/// as three scalars. `Real`: float or double.
+/// A dense copy of a box of grid values, so that interpolation need not search the tree. Vectors are stored
+/// as three scalar channels. `Real`: float or double.
 template <typename Real>
 class LocalBlock {
  public:
-  /// Copies all that interpolation at index-space points within `points` needs.
+  /// Copies all voxels that interpolation at points within `points` (index space) reads.
   template <typename GridType>
   void fill(const typename GridType::ConstAccessor& accessor, const openvdb::BBoxd& points);
 
   /// Whether any voxel of the box is active.
   bool anyActive() const { return any_; }
-  /// Whether all voxels are active and of one value.
+  /// Whether all voxels are active and have the same value. Only tiles are recognised, not leaves.
   bool uniform() const { return uniform_; }
   /// Whether any of the eight voxels around a point is active.
   bool active(const Vec3d& at) const;
   /// Trilinear value.
   Real linear(const Vec3d& at, int channel) const;
-  /// Of three channels, trilinear among the active voxels around a point alone; returns their share of it, 0
-  /// to 1.
+  /// Trilinear mean of only the active voxels among the eight around a point, for three channels. Returns the
+  /// sum of their trilinear weights, 0 to 1.
   Real linearAmongActive(const Vec3d& at, Real value[3]) const;
-  /// Catmull-Rom spline through the 4 x 4 x 4 voxels around, kept within their range: sharper than trilinear,
-  /// and never beyond what is there.
+  /// Catmull-Rom spline [CR74] through the 4 x 4 x 4 voxels around, clamped to the range of their values:
+  /// sharper than trilinear, without overshoot.
   Real cubic(const Vec3d& at, int channel) const;
 
  private:
   struct Corner {
-    size_t index;      ///< of the voxel before the point
-    Real fraction[3];  ///< from there
+    size_t index;      ///< of the voxel at the floor of the point
+    Real fraction[3];  ///< of the point's offset from that voxel, 0 to 1 per axis
   };
   Corner cornerOf(const Vec3d& at) const;
   size_t index(const openvdb::Coord& c) const {

@@ -21,12 +21,13 @@ MatchDepths::MatchDepths(const std::vector<CarriedImage>& images, const ImageNod
   findCells();
 }
 
-void MatchDepths::measure(std::vector<Place>& places) const {
-  for (size_t c = 0; c < images_.size(); ++c) places[c].distance = samplers_[c](places[c].at);
+void MatchDepths::measure(std::vector<Position>& positions) const {
+  for (size_t c = 0; c < images_.size(); ++c) positions[c].distance = samplers_[c](positions[c].at);
 }
 
-/// No place of a line is further from both its ends than half of it.
-bool MatchDepths::near(const std::vector<Place>& first, const std::vector<Place>& last) const {
+/// A point of a segment is at most half the segment's length away from the nearer end, and distances change
+/// by at most 1 per unit, which bounds how near the surface can be.
+bool MatchDepths::near(const std::vector<Position>& first, const std::vector<Position>& last) const {
   const bool inside = first[0].distance < 0;
   for (size_t c = 0; c < images_.size(); ++c) {
     const float a = first[c].distance, b = last[c].distance;
@@ -37,38 +38,41 @@ bool MatchDepths::near(const std::vector<Place>& first, const std::vector<Place>
   return false;
 }
 
-float MatchDepths::match(std::vector<Place>& places) const {
+float MatchDepths::match(std::vector<Position>& positions) const {
   float blended = 0;
   for (size_t c = 0; c < images_.size(); ++c)
-    blended += float(images_[c].weight * images_[c].size) * places[c].distance;
+    blended += float(images_[c].weight * images_[c].size) * positions[c].distance;
   const float fade = std::min(std::max(2 - 2 * std::abs(blended) / reach_, 0.f), 1.f);
   for (size_t c = 0; c < images_.size(); ++c) {
-    const float distance = places[c].distance, voxel = float(images_[c].field->voxelSize());
+    const float distance = positions[c].distance, voxel = float(images_[c].field->voxelSize());
     const bool otherSide = (distance < 0) != (blended < 0);
     const float wrong = otherSide ? std::min(std::abs(distance) / voxel, 1.f) : 0.f;
     const float share = std::max(fade, wrong);
     if (share > 0)
-      places[c].at = moved(c, places[c], distance + share * (blended / float(images_[c].size) - distance));
+      positions[c].at =
+          moved(c, positions[c], distance + share * (blended / float(images_[c].size) - distance));
   }
   return blended;
 }
 
-/// A place moved along the way to the surface to where its distance is `level`; a little way by the gradient
-/// there, a long one by way of the nearest surface point. Where the wall is thinner than that, just inside.
-Vec3s MatchDepths::moved(size_t c, const Place& place, float level) const {
+/// The position moved towards or away from the surface until its distance is `level`. Moves below 1.5 voxels
+/// follow the gradient; longer ones start from the nearest surface point, because the gradient may change on
+/// the way. Where the wall is thinner than `level`, the result is at most half a voxel from the surface, on
+/// the side of `level`.
+Vec3s MatchDepths::moved(size_t c, const Position& position, float level) const {
   const CarriedImage& image = images_[c];
   const DistanceField::Sampler& sampler = samplers_[c];
-  const float voxel = float(image.field->voxelSize()), way = level - place.distance;
-  if (std::abs(way) < 0.05f * voxel) return place.at;
-  if (std::abs(way) < 1.5f * voxel) return place.at + sampler.gradient(place.at) * way;
-  const Vec3s surface(image.field->closest(image.anchor + Vec3d(place.at)) - image.anchor);
+  const float voxel = float(image.field->voxelSize()), shift = level - position.distance;
+  if (std::abs(shift) < 0.05f * voxel) return position.at;
+  if (std::abs(shift) < 1.5f * voxel) return position.at + sampler.gradient(position.at) * shift;
+  const Vec3s surface(image.field->closest(image.anchor + Vec3d(position.at)) - image.anchor);
   const Vec3s outwards = sampler.gradient(surface), there = surface + outwards * level;
   return (sampler(there) < 0) == (level < 0)
              ? there
              : surface + outwards * std::copysign(std::min(0.5f * voxel, std::abs(level)), level);
 }
 
-/// No place of a cell is further from a corner than half its longest diagonal.
+/// As near(first, last): a point of a cell is at most half the longest diagonal away from a corner.
 void MatchDepths::findCells() {
   const NodeMap& map = nodes_.map;
   const openvdb::Coord o = map.origin, n = map.size;

@@ -4,42 +4,45 @@
 
 namespace slicemorph {
 
-/// Finds places of like depth in images near the surfaces of the in-between and of their objects.
+/// Near surfaces, shifts the positions at which the images are sampled so that every image is sampled at the
+/// same depth inside its own object.
 class MatchDepths {
  public:
-  /// Both must outlive this.
+  /// Both arguments must outlive this.
   MatchDepths(const std::vector<CarriedImage>& images, const ImageNodes& nodes);
 
-  /// Whether a surface may pass the cell that begins at a node. Elsewhere depths need no matching.
+  /// Whether a surface may pass through the cell whose first node is `node`. Depths need
+  /// no matching elsewhere.
   bool near(const openvdb::Coord& node) const {
     return !near_.empty() && near_[nodes_.map.index(node[0], node[1], node[2])];
   }
 
-  struct Place {
-    openvdb::Vec3s at;   ///< world units, relative to the anchor of the image's field
-    float distance = 0;  ///< there, of its object
+  struct Position {
+    openvdb::Vec3s at;   ///< world units, relative to the anchor of the image's distance field
+    float distance = 0;  ///< signed distance of the image's object there, world units
   };
-  /// One place per image, with their distances.
-  void measure(std::vector<Place>& places) const;
+  /// Fills in the distances. One position per image.
+  void measure(std::vector<Position>& positions) const;
 
-  /// Whether a surface may pass near the straight lines between two measured places.
-  bool near(const std::vector<Place>& first, const std::vector<Place>& last) const;
+  /// Whether a surface may pass near the straight segments between two sets of measured positions.
+  bool near(const std::vector<Position>& first, const std::vector<Position>& last) const;
 
-  /// Moves measured places of one voxel to such of like depth. Returns the in-between's distance there, world
-  /// units.
-  float match(std::vector<Place>& places) const;
+  /// Moves the measured positions of one voxel (one per image) to where their depths agree. Returns the
+  /// in-between's signed distance there, world units.
+  float match(std::vector<Position>& positions) const;
 
  private:
-  /// Voxels around the surface in which depths are matched.
+  /// Voxels on either side of the surface within which depths are matched: the half width of the narrow band.
+  /// Guarded by MatchingFadesWithDepth in match_depths_test.cpp.
   static constexpr double kReach = 3;
-  openvdb::Vec3s moved(size_t image, const Place& place, float level) const;
+  openvdb::Vec3s moved(size_t image, const Position& position, float level) const;
   void findCells();
 
   const std::vector<CarriedImage>& images_;
   const ImageNodes& nodes_;
   std::vector<DistanceField::Sampler> samplers_;
-  float reach_ = 0;         ///< world units of the in-between
-  std::vector<char> near_;  ///< per cell, by its first node
+  float reach_ = 0;         ///< kReach in world units of the in-between
+  std::vector<char> near_;  ///< per cell, indexed by its first node
 };
 
 }  // namespace slicemorph

@@ -1,6 +1,6 @@
 #include "engine/rebuild/pullback.h"
 
-#include "engine/blend/node_places.h"
+#include "engine/blend/node_positions.h"
 #include "engine/rebuild/warp_colors.h"
 #include "engine/rebuild/warp_image.h"
 #include "engine/rebuild/warp_labels.h"
@@ -21,9 +21,10 @@ namespace {
 using openvdb::GridBase;
 using Transform = openvdb::math::Transform;
 
-/// Node maps that are kept; a file has mostly one transform.
+/// Number of node maps that are kept. The grids of one file mostly share one or two transforms.
 constexpr size_t kKeptMaps = 3;
-/// Voxels around what moves in which velocities are found.
+/// Upper limit, in voxels, of the margin around the active voxels in which velocities are computed. It bounds
+/// the cost where velocities are very high.
 constexpr int kMostReach = 24;
 
 openvdb::Vec3STree::Ptr topologyOf(const GridBase& where) {
@@ -38,7 +39,7 @@ openvdb::Vec3STree::Ptr topologyOf(const GridBase& where) {
   return tree;
 }
 
-/// Throws unless there is one thing of a kind for every object.
+/// Throws unless exactly one item per object was given.
 void checkCount(size_t given, const char* what, size_t objects) {
   if (given != objects)
     throw InputError(std::to_string(given) + " " + what + " were given for " + std::to_string(objects) +
@@ -70,7 +71,8 @@ void checkImages(const std::vector<const Image*>& images) {
   }
 }
 
-/// Rates are off a sum of 0 by no more than this, by rounding; weights are, too.
+/// Allowed rounding error of the sum of rates, relative to 1 + the sum of their magnitudes; the same
+/// as for weights.
 constexpr double kRateTolerance = 1e-6;
 
 void checkRate(const Weights& rate, size_t objects) {
@@ -103,8 +105,9 @@ GridBase::ConstPtr Pullback::carry(const std::vector<GridBase::ConstPtr>& grids,
   checkCount(grids.size(), "grids", p.weights.size());
   const auto first = std::find_if(grids.begin(), grids.end(), [](const auto& grid) { return bool(grid); });
   if (first == grids.end()) throw InputError("none of the objects has a grid to carry");
-  const GridBase& like = **first;
-  if (!canCarry(like)) throw InputError("values of the type " + like.valueType() + " cannot be carried");
+  const GridBase& prototype = **first;
+  if (!canCarry(prototype))
+    throw InputError("values of the type " + prototype.valueType() + " cannot be carried");
   std::vector<CarriedGrid> carried;
   const size_t heaviest = size_t(std::max_element(p.weights.begin(), p.weights.end()) - p.weights.begin());
   bool half = true;
@@ -112,18 +115,18 @@ GridBase::ConstPtr Pullback::carry(const std::vector<GridBase::ConstPtr>& grids,
     if (!grids[k]) continue;
     half = half && grids[k]->saveFloatAsHalf();
     if (p.alone == k && options.voxelSize == 0) return grids[k];
-    if (!p.counts(k) || !(isBlended(like) || k == heaviest)) continue;
+    if (!p.counts(k) || !(isBlended(prototype) || k == heaviest)) continue;
     const size_t shape = p.shapeOf[k];
     carried.push_back({grids[k], shape, p.anchors[shape], p.weights[k], k});
   }
-  const GridBase::Ptr result = warped(carried, like, options);
-  for (auto meta = like.beginMeta(); meta != like.endMeta(); ++meta)
+  const GridBase::Ptr result = warped(carried, prototype, options);
+  for (auto meta = prototype.beginMeta(); meta != prototype.endMeta(); ++meta)
     if (meta->first.compare(0, 5, "file_") != 0) result->insertMeta(meta->first, *meta->second);
   result->setSaveFloatAsHalf(half);
   return result;
 }
 
-GridBase::Ptr Pullback::warped(const std::vector<CarriedGrid>& carried, const GridBase& like,
+GridBase::Ptr Pullback::warped(const std::vector<CarriedGrid>& carried, const GridBase& prototype,
                                const PullbackOptions& options) {
   if (!carried.empty()) {
     const Transform::Ptr transform = options.voxelSize > 0
@@ -134,8 +137,8 @@ GridBase::Ptr Pullback::warped(const std::vector<CarriedGrid>& carried, const Gr
       return warpGrids(carried, impl_->nodesFor(box, *transform), impl_->local(), *transform,
                        options.conserve);
   }
-  GridBase::Ptr empty = like.copyGridWithNewTree();
-  empty->setTransform(like.transform().copy());
+  GridBase::Ptr empty = prototype.copyGridWithNewTree();
+  empty->setTransform(prototype.transform().copy());
   return empty;
 }
 
@@ -184,7 +187,7 @@ openvdb::Vec3SGrid::Ptr Pullback::colors(const FloatGrid& surface,
   for (size_t k = 0; k < colors.size(); ++k) {
     if (!colors[k]) continue;
     const size_t shape = p.shapeOf[k];
-    // Where only objects without colours count, the others lend theirs.
+    // If only objects without colours have weight, the colours of the others are used.
     (p.counts(k) ? carried : uncounted).push_back({colors[k], p.fields[shape].get(), shape, p.weights[k], k});
   }
   if (carried.empty()) {
@@ -215,7 +218,7 @@ openvdb::Vec3SGrid::Ptr Pullback::velocity(const GridBase& where, const Weights&
   return result;
 }
 
-/// At the grid's active voxels, which are no tiles.
+/// At the grid's active voxels; the grid must have no active tiles.
 void Pullback::fillVelocities(openvdb::Vec3SGrid& grid, const Weights& rate) const {
   const Impl& p = *impl_;
   const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();

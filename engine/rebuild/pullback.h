@@ -5,20 +5,23 @@
 
 namespace slicemorph {
 
-/// What a Pullback is made of.
+/// The state of a Pullback. "Shape" below is an index into the lattice's objects: several input objects may
+/// share one shape.
 struct Pullback::Impl {
   Carrying carrying;
-  std::optional<size_t> alone;            ///< the object that the in-between is, if it is one
-  Weights weights;                        ///< per object, none below 0
-  std::unique_ptr<RegionShares> regions;  ///< with weights per object; null: weights are the same everywhere
-  std::vector<size_t> shapeOf;            ///< per object: its place in the lattice
-  Weights shapeWeights;                   ///< per place in the lattice
-  std::vector<Vec3d> anchors;             ///< per place in the lattice
-  std::vector<std::shared_ptr<const DistanceField>> fields;  ///< per place in the lattice; none without one
-  std::vector<double> sizes;  ///< per place in the lattice: of the in-between against the object's
-  double imageSpacing = 1;    ///< world units between the nodes that carry images
+  std::optional<size_t> alone;  ///< the object that this in-between equals, if its weight is 1
+  Weights weights;              ///< per object, none negative
+  /// regions with their own weights; null: weights are the same everywhere
+  std::unique_ptr<RegionShares> regions;
+  std::vector<size_t> shapeOf;  ///< per object: its shape
+  Weights shapeWeights;         ///< per shape
+  std::vector<Vec3d> anchors;   ///< per shape
+  /// per shape; empty for a pullback without objects' distances
+  std::vector<std::shared_ptr<const DistanceField>> fields;
+  std::vector<double> sizes;  ///< per shape: size of the in-between over the object's
+  double imageSpacing = 1;    ///< world units between map nodes for images
 
-  /// The nodes of the last transforms that were asked for: grids of one file mostly share one.
+  /// Node maps of recently used transforms; the grids of one file mostly share a transform.
   struct Nodes {
     openvdb::math::Transform::ConstPtr transform;
     openvdb::CoordBBox box;
@@ -26,7 +29,7 @@ struct Pullback::Impl {
   };
   std::vector<Nodes> nodes;
 
-  /// Whether an object's values count anywhere.
+  /// Whether the object has a weight other than 0 anywhere.
   bool counts(size_t object) const;
   LocalWeights local() const;
   void refuseRegions() const;

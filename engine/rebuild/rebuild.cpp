@@ -1,6 +1,6 @@
 #include "engine/rebuild/rebuild.h"
 
-#include "engine/blend/node_places.h"
+#include "engine/blend/node_positions.h"
 #include "engine/rebuild/redistance.h"
 
 #include <tbb/parallel_for.h>
@@ -12,7 +12,8 @@ namespace slicemorph {
 
 namespace {
 
-/// As kSteepest, where weights go from one object to another that is not like it.
+/// As kSteepest, a bound on the gradient of the blended distance, for weights that vary in space: their own
+/// gradient, times the difference of the objects' distances, adds to it. Allows twice the constant case.
 constexpr double kSteepestWhereVarying = 2.6;
 
 class Rebuilder {
@@ -23,7 +24,7 @@ class Rebuilder {
         voxel_(transform.voxelSize()[0]),
         step_(nodes.step),
         steepest_(blend.weights.vary() ? kSteepestWhereVarying : kSteepest),
-        places_(nodes),
+        positions_(nodes),
         blend_(blend),
         used_(blend.weights.used()) {
     for (size_t k : used_) {
@@ -42,14 +43,14 @@ class Rebuilder {
   }
 
  private:
-  /// What one thread finds where weights vary.
+  /// Buffers of one task, used where weights vary.
   struct Local {
     std::vector<openvdb::Vec3s> at;  ///< per object
     Weights weights;                 ///< per object
     std::vector<float> factors;      ///< per used object
   };
 
-  /// What the distances of the used objects count at a place, `at` on every object.
+  /// Factors of the used objects' distances at a point; `at` holds its position on every object.
   const float* factorsAt(const openvdb::Vec3s* at, Local& local) const {
     if (!blend_.weights.vary()) return factor_.data();
     local.weights.resize(blend_.sizes.size()), local.factors.resize(used_.size());
@@ -61,12 +62,12 @@ class Rebuilder {
     return local.factors.data();
   }
 
-  /// The same half way between two voxels of a cell; per used object, `places` of its voxels.
-  const float* factorsOf(const std::vector<std::vector<openvdb::Vec3s>>& places, size_t a, size_t b,
+  /// The same half way between voxels a and b of a cell; `positions` per used object and voxel.
+  const float* factorsOf(const std::vector<std::vector<openvdb::Vec3s>>& positions, size_t a, size_t b,
                          Local& local) const {
     if (!blend_.weights.vary()) return factor_.data();
     local.at.resize(blend_.sizes.size());
-    for (size_t n = 0; n < used_.size(); ++n) local.at[used_[n]] = (places[n][a] + places[n][b]) * 0.5f;
+    for (size_t n = 0; n < used_.size(); ++n) local.at[used_[n]] = (positions[n][a] + positions[n][b]) * 0.5f;
     return factorsAt(local.at.data(), local);
   }
 
@@ -86,7 +87,8 @@ class Rebuilder {
     });
   }
 
-  /// Whether the cell with this first node may hold voxels of the band.
+  /// Whether the cell with this first node may contain voxels of the narrow band. A point of the cell is at
+  /// most half its diagonal away from a node.
   bool cellActive(int i, int j, int k) const {
     if (!nodes_.inside(i, j, k) || !nodes_.inside(i + 1, j + 1, k + 1)) return false;
     float least = std::numeric_limits<float>::max();
@@ -99,23 +101,24 @@ class Rebuilder {
   }
 
   void fillLeaf(const openvdb::Coord& origin, float* values) const {
-    std::vector<std::vector<openvdb::Vec3s>> places(
+    std::vector<std::vector<openvdb::Vec3s>> positions(
         used_.size(), std::vector<openvdb::Vec3s>(size_t(step_) * step_ * step_));
     for (int z = 0; z < kLeaf; z += step_)
       for (int y = 0; y < kLeaf; y += step_)
         for (int x = 0; x < kLeaf; x += step_) {
           const int i = (origin[0] + x) / step_, j = (origin[1] + y) / step_, k = (origin[2] + z) / step_;
-          if (cellActive(i, j, k)) fillCell(i, j, k, places, values + (x * kLeaf + y) * kLeaf + z);
+          if (cellActive(i, j, k)) fillCell(i, j, k, positions, values + (x * kLeaf + y) * kLeaf + z);
         }
   }
 
-  /// `values`: of the cell's first voxel, in OpenVDB's leaf order (x slowest). Voxels go by blocks
-  /// of 2 x 2 x 2, and only those blocks are sampled whose middle is near enough to the surface to
-  /// hold a voxel of the band.
-  void fillCell(int i, int j, int k, std::vector<std::vector<openvdb::Vec3s>>& places, float* values) const {
+  /// `values` points to the cell's first voxel within a leaf (x slowest). Voxels are processed in blocks of 2
+  /// x 2 x 2; a block is sampled only if its centre is close enough to the surface for the block to contain a
+  /// voxel of the band. Otherwise its voxels get the centre's value.
+  void fillCell(int i, int j, int k, std::vector<std::vector<openvdb::Vec3s>>& positions,
+                float* values) const {
     for (size_t n = 0; n < used_.size(); ++n) {
-      if (places_.torn(i, j, k, 2, used_[n])) return blendNodes(i, j, k, values);
-      places_.find(i, j, k, used_[n], places[n]);
+      if (positions_.torn(i, j, k, 2, used_[n])) return blendNodes(i, j, k, values);
+      positions_.find(i, j, k, used_[n], positions[n]);
     }
     Local local;
     const float far = float((kHalfWidth + 1 + steepest_ * 0.5 * std::sqrt(3.0)) * voxel_);
@@ -124,26 +127,26 @@ class Rebuilder {
         for (int z = 0; z < step_; z += 2) {
           const size_t first = (size_t(x) * step_ + y) * step_ + z;
           const size_t last = first + (size_t(step_) + 1) * step_ + 1;
-          const float* factors = factorsOf(places, first, last, local);
+          const float* factors = factorsOf(positions, first, last, local);
           float middle = 0;
           for (size_t n = 0; n < used_.size(); ++n)
-            middle += factors[n] * samplers_[n].coarse((places[n][first] + places[n][last]) * 0.5f);
+            middle += factors[n] * samplers_[n].coarse((positions[n][first] + positions[n][last]) * 0.5f);
           const bool near = std::abs(middle) < far;
           for (int v = 0; v < 8; ++v) {
             const int dx = v >> 2, dy = v >> 1 & 1, dz = v & 1;
             float f = middle;
             if (near) {
               f = 0;
-              const size_t place = first + (size_t(dx) * step_ + dy) * step_ + dz;
-              const float* own = factorsOf(places, place, place, local);
-              for (size_t n = 0; n < used_.size(); ++n) f += own[n] * samplers_[n](places[n][place]);
+              const size_t index = first + (size_t(dx) * step_ + dy) * step_ + dz;
+              const float* own = factorsOf(positions, index, index, local);
+              for (size_t n = 0; n < used_.size(); ++n) f += own[n] * samplers_[n](positions[n][index]);
             }
             values[((x + dx) * kLeaf + y + dy) * kLeaf + z + dz] = f;
           }
         }
   }
 
-  /// A cell between crossing slices takes its nodes' own distances.
+  /// Where slices cross the map is undefined between nodes, so the nodes' own distances are interpolated.
   void blendNodes(int i, int j, int k, float* values) const {
     for (int x = 0; x < step_; ++x)
       for (int y = 0; y < step_; ++y)
@@ -161,12 +164,12 @@ class Rebuilder {
   double voxel_;
   int step_;
   double steepest_;
-  NodePositions places_;
+  NodePositions positions_;
   const DistanceBlend& blend_;
-  std::vector<size_t> used_;   ///< objects that count somewhere
-  std::vector<float> factor_;  ///< of each of these, where weights do not vary
+  std::vector<size_t> used_;   ///< objects with a weight other than 0 somewhere
+  std::vector<float> factor_;  ///< per used object, where weights do not vary
   std::vector<DistanceField::Sampler> samplers_;
-  std::vector<float> distance_;  ///< blended, per node, world units
+  std::vector<float> distance_;  ///< blended distance per node, world units
 };
 
 }  // namespace

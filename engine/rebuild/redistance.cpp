@@ -13,7 +13,8 @@ namespace {
 
 using Leaf = openvdb::FloatTree::LeafNodeType;
 
-/// One leaf's values with a border of `kBorder` voxels from its neighbours.
+/// One leaf's values with a margin of kBorder voxels from its neighbours: the band is 3 voxels wide and
+/// interpolation reads one more.
 class Block {
  public:
   static constexpr int kBorder = 4, kSide = kLeaf + 2 * kBorder;
@@ -55,7 +56,7 @@ class Block {
 
 bool known(float v) { return v != SparseValues::kUnknown; }
 
-/// Change per voxel along one axis: central where both neighbours are known, else to one side.
+/// Derivative per voxel along one axis: central if both neighbours are known, else one-sided.
 float slope(float before, float here, float after) {
   if (known(before) && known(after)) return 0.5f * (after - before);
   if (known(after)) return after - here;
@@ -63,7 +64,8 @@ float slope(float before, float here, float after) {
   return 0;
 }
 
-/// Trilinear value at a place in the block; unknown where a corner is.
+/// Trilinear value at a position in the block (voxels from the leaf's origin); kUnknown if a
+/// corner is unknown.
 float interpolate(const Block& block, const openvdb::Vec3s& p) {
   int base[3];
   float w[3];
@@ -83,7 +85,8 @@ float interpolate(const Block& block, const openvdb::Vec3s& p) {
   return p0 + w[0] * (p1 - p0);
 }
 
-/// Distance in voxels of voxel (x, y, z), signed like its value; beyond the band at least the half width.
+/// Signed distance of voxel (x, y, z) in voxels, with the sign of its value; beyond the band at least the
+/// half width.
 float distanceAt(const Block& block, int x, int y, int z) {
   constexpr float kFar = float(kHalfWidth) * 1.01f;
   const float* v = block.from(x, y, z);
@@ -104,14 +107,14 @@ float distanceAt(const Block& block, int x, int y, int z) {
     }
     d = std::min(std::abs(d), kFar);
   }
-  // Next to a change of sign the surface is less than a voxel away whatever the gradient says.
+  // Next to a sign change the surface is less than a voxel away, whatever the gradient says.
   for (float neighbour : around)
     if (known(neighbour) && (neighbour < 0) != (here < 0))
       d = std::min(d, std::abs(here / (here - neighbour)));
   return std::copysign(d, here);
 }
 
-/// Writes one leaf's distances; returns null where no voxel lies in the band.
+/// Computes one leaf's distances; returns null if no voxel lies in the band.
 std::unique_ptr<Leaf> distanceLeaf(const SparseValues& values, size_t i, Block& block) {
   const float* from = values.leaf(i);
   const float h = values.voxelSize(), background = float(kHalfWidth) * h;

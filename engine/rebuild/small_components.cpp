@@ -12,16 +12,19 @@ namespace slicemorph {
 
 namespace {
 
-/// What has fewer inside voxels and a smaller share of all is dust: tips that are thinner than a voxel leave
-/// it.
+/// Components with fewer than kDust (3^3) inside voxels and at most this share of all are not counted as
+/// pieces; tips thinner than a voxel leave such fragments. Guarded by DustIsNoPiece in
+/// small_components_test.cpp.
 constexpr size_t kDust = 27;
 constexpr double kDustShare = 1e-3;
 
 using Leaf = openvdb::FloatTree::LeafNodeType;
 using Set = DisjointSets::Index;
+/// Largest share of the inside voxels that a removable component may have; documented in the header, guarded
+/// by TheSmallestAreRemoved and LargePartsStay in small_components_test.cpp.
 constexpr double kSmallComponent = 0.03;
 
-/// One leaf's inside voxels labelled by part, -1 outside.
+/// One leaf's inside voxels labelled by component, -1 outside.
 struct LeafParts {
   std::vector<short> label;
   std::vector<int> sizes;
@@ -43,7 +46,7 @@ LeafParts labelLeaf(const Leaf& leaf) {
   parts.label.assign(kLeafSize, -1);
   for (int i = 0; i < kLeafSize; ++i) {
     if (!(v[i] < 0)) continue;
-    const size_t root = sets.find(Set(i));  // the smallest of its part, so labelled before
+    const size_t root = sets.find(Set(i));  // the smallest index of its component, hence already labelled
     if (root == size_t(i))
       parts.label[i] = short(parts.sizes.size()), parts.sizes.push_back(0);
     else
@@ -53,14 +56,14 @@ LeafParts labelLeaf(const Leaf& leaf) {
   return parts;
 }
 
-/// The parts of the whole inside; part 0 is everything connected to an inside tile.
+/// The components of the whole inside. Component 0 is everything connected to an inside tile.
 struct Parts {
   std::vector<const Leaf*> leaves;
   std::vector<LeafParts> inLeaf;
-  std::vector<size_t> first;  ///< number of each leaf's first part
-  std::vector<size_t> root;   ///< per part
-  std::vector<size_t> sizes;  ///< per root, voxels
-  bool tiles = false;         ///< whether part 0 has anything
+  std::vector<size_t> first;  ///< global index of each leaf's first component
+  std::vector<size_t> root;   ///< per component
+  std::vector<size_t> sizes;  ///< per root: voxels in leaves
+  bool tiles = false;         ///< whether component 0 exists
 
   std::vector<size_t> roots() const {
     std::vector<size_t> result;
@@ -94,7 +97,8 @@ Parts findParts(const FloatGrid& grid) {
         next[axis] += side ? kLeaf : -kLeaf;
         const auto neighbour = index.find(next);
         const bool tile = neighbour == index.end() && accessor.getValue(next) < 0;
-        if (neighbour == index.end() ? !tile : side == 0) continue;  // leaves meet once, from below
+        // each pair of leaves is joined once, from the lower one
+        if (neighbour == index.end() ? !tile : side == 0) continue;
         for (int a = 0; a < kLeaf; ++a)
           for (int b = 0; b < kLeaf; ++b) {
             const int plane = a * strides[(axis + 1) % 3] + b * strides[(axis + 2) % 3];
@@ -119,7 +123,8 @@ Parts findParts(const FloatGrid& grid) {
   return parts;
 }
 
-/// Turns a part's voxels to outside, and the band around it where nothing else is near.
+/// Sets a component's voxels to outside, and removes the narrow band around it where no other inside
+/// voxel is near.
 void remove(FloatGrid& grid, const std::vector<openvdb::Coord>& voxels) {
   constexpr int kReach = int(kHalfWidth) + 1;
   auto accessor = grid.getAccessor();

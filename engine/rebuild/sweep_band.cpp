@@ -10,14 +10,14 @@
 namespace slicemorph {
 namespace {
 
-/// Activates the voxels within the band and clamps the others.
+/// Activates the voxels within the band and clamps all others to it.
 FloatGrid::Ptr trimmed(const FloatGrid::Ptr& swept, const openvdb::math::Transform& transform, float band) {
   FloatGrid::Ptr result = swept;
   if (!result) {
     result = FloatGrid::create(band);
     result->setTransform(transform.copy());
   }
-  // The sweep has made the largest distance that it met the background.
+  // The sweep has set the background to the largest distance it met.
   openvdb::tools::changeLevelSetBackground(result->tree(), band);
   using Leaf = openvdb::FloatTree::LeafNodeType;
   std::vector<Leaf*> leaves;
@@ -45,7 +45,8 @@ FloatGrid::Ptr sweptLevelSet(const FloatGrid& field, float band) {
 }
 
 FloatGrid::Ptr widenedLevelSet(const FloatGrid& levelSet, int voxels, float band) {
-  // Over corners, too: over faces alone a band that faces a diagonal would grow by 1 / sqrt 3 of a voxel each time.
+  // Dilated across edges and corners, too: across faces alone, a band that faces a diagonal would grow by
+  // only 1 / sqrt 3 of a voxel per step.
   const auto wide = openvdb::tools::dilateSdf(levelSet, voxels, openvdb::tools::NN_FACE_EDGE_VERTEX);
   return trimmed(wide, levelSet.transform(), band);
 }

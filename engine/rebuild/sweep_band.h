@@ -2,14 +2,16 @@
 
 #include "slicemorph/conventions.h"
 
-/// Level sets by fast sweeping ([Zha05], in OpenVDB), trimmed to `band` world units.
+/// Level sets by fast sweeping ([Zha05], OpenVDB's implementation), trimmed to a band of `band` world units
+/// on either side of the surface.
 namespace slicemorph {
 
-/// Of a function with the same zero set on its active voxels, which need not be a distance: every value is
-/// swept anew.
+/// From any function with the same zero set on its active voxels; it need not be a distance. All
+/// values are recomputed.
 FloatGrid::Ptr sweptLevelSet(const FloatGrid& field, float band);
 
-/// Of a level set whose band is too narrow by up to `voxels`: what it has is kept, what is beyond is swept.
+/// From a level set whose band is too narrow by up to `voxels`: existing values are kept, those beyond them
+/// are swept.
 FloatGrid::Ptr widenedLevelSet(const FloatGrid& levelSet, int voxels, float band);
 
 }  // namespace slicemorph

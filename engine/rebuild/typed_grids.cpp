@@ -12,7 +12,7 @@ namespace {
 
 using openvdb::GridBase;
 
-/// Adds leaves in their order, so that the tree is the same for any number of threads.
+/// Adds leaves in index order, so that the tree is the same for any number of threads.
 template <typename TreeType>
 void addLeaves(TreeType& tree, std::vector<std::unique_ptr<typename TreeType::LeafNodeType>>& leaves) {
   for (auto& leaf : leaves)
@@ -110,10 +110,10 @@ GridBase::Ptr nearestOf(const GridType& grid, const std::vector<openvdb::Coord>&
         const auto values = grid.getConstAccessor();
         for (size_t n = range.begin(); n != range.end(); ++n) {
           auto leaf = std::make_unique<Leaf>(origins[n], grid.background());
-          visit(origins[n], [&](const std::vector<Vec3d>& places, const openvdb::Coord& first, int side) {
-            for (size_t v = 0; v < places.size(); ++v) {
+          visit(origins[n], [&](const std::vector<Vec3d>& positions, const openvdb::Coord& first, int side) {
+            for (size_t v = 0; v < positions.size(); ++v) {
               typename GridType::ValueType value{};
-              if (!values.probeValue(openvdb::Coord::round(places[v]), value)) continue;
+              if (!values.probeValue(openvdb::Coord::round(positions[v]), value)) continue;
               const int i = int(v);
               leaf->setValueOn(
                   Leaf::coordToOffset(first.offsetBy(i / (side * side), i / side % side, i % side)), value);

@@ -10,13 +10,13 @@
 
 namespace slicemorph {
 
-/// Types whose values are blended as numbers, and those of which the nearest voxel is taken.
+/// Grid types whose values are blended as numbers, and those whose nearest voxel is taken.
 using BlendedTypes =
     openvdb::TypeList<FloatGrid, openvdb::DoubleGrid, openvdb::Vec3SGrid, openvdb::Vec3DGrid>;
 using NearestTypes = openvdb::TypeList<openvdb::BoolGrid, openvdb::MaskGrid, openvdb::Int32Grid,
                                        openvdb::Int64Grid, openvdb::Vec3IGrid>;
 
-/// Values of one leaf that is being made, in the order of OpenVDB's leaves.
+/// Values of one leaf under construction, in OpenVDB's leaf order.
 template <typename Real>
 struct LeafValues {
   enum State : char { kUntouched, kOff, kOn };
@@ -25,18 +25,19 @@ struct LeafValues {
   std::vector<char> states;  ///< per voxel
 };
 
-/// Grids of one blended type seen as numbers with one or three channels, so that what blends them is compiled once for each
-/// kind of number and not once for each type. `Real`: float or double, as the grids have it.
+/// Grids of one blended type, seen as numbers with one or three channels, so that the blending code
+/// is compiled once per number type instead of once per grid type. `Real`: float or double, as the
+/// grids have it.
 template <typename Real>
 class NumberGrids {
  public:
   using Channels = std::array<Real, 3>;
 
-  /// Reads one grid; for one task.
+  /// Reads one grid. Each task needs its own.
   class Reader {
    public:
     virtual ~Reader() = default;
-    /// Copies what interpolation at index-space points within `points` needs.
+    /// Copies all voxels that interpolation at points within `points` (index space) reads.
     virtual void fill(LocalBlock<Real>& block, const openvdb::BBoxd& points) const = 0;
   };
 
@@ -45,28 +46,32 @@ class NumberGrids {
   virtual Channels background(size_t grid) const = 0;
   virtual ActiveBlocks activeBlocks(size_t grid) const = 0;
   virtual std::unique_ptr<Reader> reader(size_t grid) const = 0;
-  /// Room for that many leaves of the result.
+  /// Allocates `count` leaves of the result.
   virtual void beginLeaves(size_t count, const Channels& background) = 0;
-  /// Sets one of them; none where nothing of it is active. Different ones from different tasks.
+  /// Sets one leaf; it is left out if none of its voxels is active. Different leaves may be set from
+  /// different tasks.
   virtual void setLeaf(size_t leaf, const LeafValues<Real>& values) = 0;
-  /// The grid of these leaves, pruned. `band`: the sign of the surface's distance is carried into its inside.
+  /// The grid made of the leaves, pruned. `band`: the result is a narrow band, whose inside is flood filled
+  /// with the negative background.
   virtual openvdb::GridBase::Ptr endLeaves(bool band) = 0;
 };
 
-/// Null where the first grid is not of a blended type with these numbers. Throws InputError for grids of different types.
+/// Null if the first grid is not a blended type over `Real`. Throws InputError for grids of different types.
 template <typename Real>
 std::unique_ptr<NumberGrids<Real>> numberGrids(const std::vector<openvdb::GridBase::ConstPtr>& grids);
 
-/// Finds, for one leaf, the index-space places of one cell's voxels after another on the only grid: calls
-/// `cell(places, first)` with the place of each voxel (x slowest) and the first voxel's coordinates.
+/// A LeafVisitor calls `cell(positions, first, side)` for each cell of map nodes in the leaf at `origin`: the
+/// index-space positions of the cell's side^3 voxels on the only grid (x slowest), and the leaf coordinates
+/// of the first one.
 using CellVisitor =
-    std::function<void(const std::vector<Vec3d>& places, const openvdb::Coord& first, int side)>;
+    std::function<void(const std::vector<Vec3d>& positions, const openvdb::Coord& first, int side)>;
 using LeafVisitor = std::function<void(const openvdb::Coord& origin, const CellVisitor& cell)>;
 
-/// A grid of the nearest voxels' values at places that are found leaf by leaf. Null where its type is not one of those.
+/// A grid whose voxels take the value of the nearest voxel at the positions that `visit` yields. Null if the
+/// grid's type is not one of NearestTypes.
 openvdb::GridBase::Ptr nearestValues(const openvdb::GridBase& grid, const std::vector<openvdb::Coord>& leaves,
                                      const LeafVisitor& visit);
-/// Null where its type is not one of those whose nearest values are taken.
+/// Null if the grid's type is not one of NearestTypes.
 std::unique_ptr<ActiveBlocks> nearestActiveBlocks(const openvdb::GridBase& grid);
 
 }  // namespace slicemorph

@@ -4,18 +4,18 @@
 
 namespace slicemorph {
 
-/// Colours of one object's surface.
+/// Colours of one object's surface, to be carried to an in-between.
 struct CarriedColors {
-  openvdb::Vec3SGrid::ConstPtr grid;  ///< on voxels around it, any transform
-  const DistanceField* field;         ///< the object
-  size_t shape = 0;                   ///< which object of the node map they ride with
+  openvdb::Vec3SGrid::ConstPtr grid;  ///< on voxels around the surface, any transform
+  const DistanceField* field;         ///< distance field of the object
+  size_t shape = 0;                   ///< index of the object in the node map
   double weight = 0;
-  size_t object = 0;  ///< whose weight it is where weights vary
+  size_t object = 0;  ///< index of the object's weight where weights vary
 };
 
-/// Colours on the active voxels of an in-between's level set, blended by the weights of the objects that have
-/// some there. What the map leads to off an object's coloured voxels takes the colour of the surface nearest
-/// to it.
+/// Colours at the active voxels of an in-between's level set, blended by the weights of those objects that
+/// have colours there. A position outside an object's coloured voxels takes the colour of the nearest point
+/// of that object's surface.
 openvdb::Vec3SGrid::Ptr warpColors(const FloatGrid& surface, const std::vector<CarriedColors>& colors,
                                    const NodeMap& nodes, const LocalWeights& weights);
 

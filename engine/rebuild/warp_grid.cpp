@@ -1,6 +1,6 @@
 #include "engine/rebuild/warp_grid.h"
 
-#include "engine/blend/node_places.h"
+#include "engine/blend/node_positions.h"
 #include "engine/blend/node_stretch.h"
 #include "engine/rebuild/typed_grids.h"
 #include "engine/volume/surface_colors.h"
@@ -20,16 +20,18 @@ namespace {
 using openvdb::GridBase;
 using Transform = openvdb::math::Transform;
 
-/// Frames of more voxels than this along their longest side have nodes twice as far apart.
+/// Boxes with a longer side than this, in voxels, get nodes 8 instead of 4 voxels apart, as in
+/// nodeStepOf of in_between.cpp.
 constexpr int kFineNodesUpTo = 400;
 
-/// Voxels of a grid that a cell of the in-between may spread over.
+/// Largest volume, in voxels of an input grid, that the image of one cell of 4^3 or 8^3 voxels may cover:
+/// eight times stretched along every axis, or more. A larger one is taken for a fold and left out.
 constexpr double kMostLocal = 64 * 64 * 64;
-/// Voxels of a grid by which the faces of staggered values lie off, at most: half a voxel
-/// stretched six times.
+/// Largest distance, in voxels of an input grid, between the centre of a staggered voxel and its faces: half
+/// a voxel, stretched six times.
 constexpr double kStaggeredReach = 3;
 
-/// World space, relative to an anchor, to a grid's index space.
+/// World position, relative to an anchor, to a grid's index space.
 class ToIndex {
  public:
   ToIndex(const Transform& transform, const Vec3d& anchor) : transform_(&transform), anchor_(anchor) {
@@ -39,8 +41,8 @@ class ToIndex {
     const auto matrix = transform.baseMap()->getAffineMap()->getMat4().inverse().getMat3();
     matrix_ = matrix.transpose();  // OpenVDB multiplies rows from the left
   }
-  Vec3d operator()(const Vec3d& place) const {
-    return linear_ ? matrix_ * place + offset_ : transform_->worldToIndex(place + anchor_);
+  Vec3d operator()(const Vec3d& position) const {
+    return linear_ ? matrix_ * position + offset_ : transform_->worldToIndex(position + anchor_);
   }
 
  private:
@@ -50,7 +52,7 @@ class ToIndex {
   bool linear_ = false;
 };
 
-/// Columns: world-space steps of an index space's axes.
+/// Jacobian of index to world space; its columns are the world vectors of the index axes.
 Mat3d worldPerVoxel(const Transform& transform) {
   const Vec3d o = transform.indexToWorld(Vec3d(0.0));
   Mat3d result;
@@ -63,23 +65,23 @@ Mat3d worldPerVoxel(const Transform& transform) {
   return result;
 }
 
-/// Colours and places do not turn with what they lie on; velocities, normals and all else do.
+/// Colours and texture coordinates do not turn with the surface; velocities, normals and everything else do.
 bool turns(const GridBase& grid) {
   static const std::set<std::string> still{"emission", "rest", "uv", "uvw"};
   const bool keeps = isColorName(grid.getName()) || still.count(grid.getName());
   return grid.getVectorType() != openvdb::VEC_INVARIANT || !keeps;
 }
 
-/// How one object's grid is found from an in-between.
+/// One input grid and how to look it up from the in-between.
 struct Source {
   size_t shape, object;
   double weight;
   ToIndex toIndex;
   ActiveBlocks blocks;
-  std::shared_ptr<const NodeStretch> stretch;  ///< where values turn or thin
+  std::shared_ptr<const NodeStretch> stretch;  ///< only where values turn or are conserved
 };
 
-/// Whether any source may have something in the cell with this first node.
+/// Whether any source may have active voxels in the cell with this first node.
 bool cellActive(const NodeMap& nodes, const std::vector<Source>& sources, int i, int j, int k) {
   if (!nodes.inside(i, j, k) || !nodes.inside(i + 1, j + 1, k + 1)) return false;
   for (const Source& s : sources) {
@@ -88,37 +90,37 @@ bool cellActive(const NodeMap& nodes, const std::vector<Source>& sources, int i,
       const size_t node = nodes.index(i + (n & 1), j + (n >> 1 & 1), k + (n >> 2));
       box.expand(s.toIndex(Vec3d(nodes.at[node * nodes.objects + s.shape])));
     }
-    // The splines between the nodes overshoot by at most an eighth of the cell; the samples
-    // reach a voxel out.
+    // Splines between the nodes overshoot by at most an eighth of the cell; interpolation reads
+    // one voxel further.
     const Vec3d slack = box.extents() / 8.0 + Vec3d(1.0);
     if (s.blocks.meets({box.min() - slack, box.max() + slack})) return true;
   }
   return false;
 }
 
-/// A leaf's voxels between the nodes of one cell.
-struct CellPlaces {
-  std::vector<openvdb::Vec3s> world;  ///< relative to the anchor of the object
-  std::vector<Vec3d> index;           ///< of the object's grid
-  openvdb::BBoxd box;                 ///< of these
+/// Positions of the voxels of one cell on one object.
+struct CellPositions {
+  std::vector<openvdb::Vec3s> world;  ///< world units, relative to the object's anchor
+  std::vector<Vec3d> index;           ///< index space of the object's grid
+  openvdb::BBoxd box;                 ///< bounds of `index`
 
-  void find(const NodePositions& places, const openvdb::Coord& node, const Source& source) {
-    places.find(node[0], node[1], node[2], source.shape, world);
+  void find(const NodePositions& positions, const openvdb::Coord& node, const Source& source) {
+    positions.find(node[0], node[1], node[2], source.shape, world);
     index.resize(world.size());
     box = openvdb::BBoxd();
     for (size_t v = 0; v < world.size(); ++v) box.expand(index[v] = source.toIndex(Vec3d(world[v])));
   }
-  /// Nodes on both sides of a fold may lie far apart.
+  /// Whether the cell spans a fold: its nodes then lie far apart on the object.
   bool torn() const {
     const Vec3d e = box.extents();
     return !(e[0] * e[1] * e[2] < kMostLocal);
   }
 };
 
-/// Weights of sum 1 but for rounding leave nothing over.
+/// Rounding errors of a sum of weights count as 0.
 double restOf(double rest) { return std::abs(rest) < 1e-12 ? 0 : rest; }
 
-/// A narrow band, whose inside is not active.
+/// Whether the grid is a narrow-band level set, without active tiles inside.
 bool isBand(const GridBase& grid) {
   const auto* scalars = dynamic_cast<const FloatGrid*>(&grid);
   return scalars && grid.getGridClass() == openvdb::GRID_LEVEL_SET && scalars->background() > 0 &&
@@ -137,7 +139,7 @@ class Blender {
       : numbers_(std::move(numbers)),
         channels_(numbers_->channels()),
         nodes_(nodes),
-        places_(nodes),
+        positions_(nodes),
         weights_(weights),
         vary_(weights.vary()),
         prototype_(*grids.front().grid),
@@ -185,40 +187,40 @@ class Blender {
  private:
   static constexpr size_t kLeafVoxels = size_t(kLeaf) * kLeaf * kLeaf;
 
-  /// What one thread works with.
+  /// Buffers of one task.
   struct Scratch {
     explicit Scratch(const Blender& blender) : sum(blender.cellSize()), on(sum.size()) {
-      places.world.resize(sum.size());
+      positions.world.resize(sum.size());
       for (size_t s = 0; s < blender.sources_.size(); ++s) readers.push_back(blender.numbers_->reader(s));
       leaf.values.resize(kLeafVoxels * size_t(blender.channels_));
       leaf.states.resize(kLeafVoxels);
     }
     std::vector<std::unique_ptr<typename Numbers::Reader>> readers;
-    CellPlaces places;
+    CellPositions positions;
     LocalBlock<Real> block;
     LeafValues<Real> leaf;
     std::vector<Channels> sum;
     std::vector<char> on;
-    std::vector<double> mass;      ///< of colours: per voxel, the weights that are in the sum
+    std::vector<double> mass;      ///< for colours: per voxel, sum of the weights so far
     std::vector<Weights> weights;  ///< per voxel, where they vary
-    std::vector<std::vector<openvdb::Vec3s>> regionPlaces;  ///< per shape
+    std::vector<std::vector<openvdb::Vec3s>> regionPositions;  ///< per shape
   };
 
   size_t cellSize() const { return size_t(nodes_.step) * size_t(nodes_.step) * size_t(nodes_.step); }
 
-  /// The objects' weights at a cell's voxels.
+  /// Computes the objects' weights at the voxels of a cell, where they vary.
   void findWeights(const openvdb::Coord& node, Scratch& scratch) const {
     if (!vary_) return;
-    scratch.regionPlaces.resize(nodes_.objects);
+    scratch.regionPositions.resize(nodes_.objects);
     const std::vector<size_t> shapes = weights_.regionObjects();
     for (size_t shape : shapes) {
-      scratch.regionPlaces[shape].resize(cellSize());
-      places_.find(node[0], node[1], node[2], shape, scratch.regionPlaces[shape]);
+      scratch.regionPositions[shape].resize(cellSize());
+      positions_.find(node[0], node[1], node[2], shape, scratch.regionPositions[shape]);
     }
     std::vector<openvdb::Vec3s> at(nodes_.objects, openvdb::Vec3s(0.f));
     scratch.weights.assign(cellSize(), Weights(weights_.whole().size()));
     for (size_t v = 0; v < scratch.weights.size(); ++v) {
-      for (size_t shape : shapes) at[shape] = scratch.regionPlaces[shape][v];
+      for (size_t shape : shapes) at[shape] = scratch.regionPositions[shape][v];
       weights_.find(at.data(), scratch.weights[v].data());
     }
   }
@@ -227,7 +229,7 @@ class Blender {
     return vary_ ? scratch.weights[v][source.object] : source.weight;
   }
 
-  /// What a sum lacks, where the weights of its grids do not sum to 1.
+  /// The first grid's background, weighted by what the grids' weights lack to a sum of 1.
   Channels missingAt(const Scratch& scratch, size_t v) const {
     if (!vary_) return missing_;
     double rest = 1;
@@ -272,16 +274,16 @@ class Blender {
         }
   }
 
-  /// Adds what is active, by its weight.
+  /// Adds the active voxels' colours by their weights.
   void addColors(size_t s, const openvdb::Coord& node, Scratch& scratch) const {
     const Source& source = sources_[s];
-    scratch.places.find(places_, node, source);
-    if (scratch.places.torn()) return;
-    scratch.readers[s]->fill(scratch.block, scratch.places.box);
+    scratch.positions.find(positions_, node, source);
+    if (scratch.positions.torn()) return;
+    scratch.readers[s]->fill(scratch.block, scratch.positions.box);
     if (!scratch.block.anyActive()) return;
     for (size_t v = 0; v < scratch.sum.size(); ++v) {
       Real value[3];
-      const double share = double(scratch.block.linearAmongActive(scratch.places.index[v], value));
+      const double share = double(scratch.block.linearAmongActive(scratch.positions.index[v], value));
       const double weight = weightOf(source, scratch, v) * share;
       if (!(weight > 0)) continue;
       for (int c = 0; c < 3; ++c) scratch.sum[v][size_t(c)] += Real(value[c] * weight);
@@ -298,27 +300,27 @@ class Blender {
 
   void addCell(size_t s, const openvdb::Coord& node, Scratch& scratch) const {
     const Source& source = sources_[s];
-    scratch.places.find(places_, node, source);
-    if (scratch.places.torn()) return;
-    openvdb::BBoxd box = scratch.places.box;
+    scratch.positions.find(positions_, node, source);
+    if (scratch.positions.torn()) return;
+    openvdb::BBoxd box = scratch.positions.box;
     if (staggered_) box.min() -= Vec3d(kStaggeredReach + 0.5), box.max() += Vec3d(kStaggeredReach + 0.5);
     scratch.readers[s]->fill(scratch.block, box);
     if (!scratch.block.anyActive() && zeroOutside_[s]) return;
     if (scratch.block.uniform() && !source.stretch && !vary_) {
-      const Channels value = weighted(sampled(scratch.block, scratch.places.index[0]), source.weight);
+      const Channels value = weighted(sampled(scratch.block, scratch.positions.index[0]), source.weight);
       for (Channels& sum : scratch.sum) add(value, sum);
       std::fill(scratch.on.begin(), scratch.on.end(), 1);
       return;
     }
     for (size_t v = 0; v < scratch.sum.size(); ++v) {
-      const bool on = scratch.block.active(scratch.places.index[v]);
+      const bool on = scratch.block.active(scratch.positions.index[v]);
       scratch.on[v] |= on;
       if (on || !zeroOutside_[s]) add(value(source, node, scratch, v), scratch.sum[v]);
     }
   }
 
   Channels value(const Source& source, const openvdb::Coord& node, const Scratch& scratch, size_t v) const {
-    const Vec3d& at = scratch.places.index[v];
+    const Vec3d& at = scratch.positions.index[v];
     const double weight = weightOf(source, scratch, v);
     if (!source.stretch) return weighted(sampled(scratch.block, at), weight);
     const int step = nodes_.step, n = int(v);
@@ -329,7 +331,7 @@ class Blender {
     return weighted(turned(local, sampled(scratch.block, at)), weight);
   }
 
-  /// Each component lives on the face before the voxel in its direction, in the in-between as in the grid.
+  /// Each component is located on the face before the voxel along its axis, on the in-between as in the grid.
   Channels staggeredValue(const Source& source, const NodeStretch::Local& local, const Scratch& scratch,
                           size_t v, double weight) const {
     Channels result{};
@@ -337,10 +339,10 @@ class Blender {
     for (int axis = 0; axis < 3; ++axis) {
       const Vec3d toFace(worldPerVoxel_(0, axis), worldPerVoxel_(1, axis), worldPerVoxel_(2, axis));
       Vec3d face =
-          source.toIndex(Vec3d(scratch.places.world[v]) - 0.5 * size * (Mat3d(local.rotation) * toFace));
+          source.toIndex(Vec3d(scratch.positions.world[v]) - 0.5 * size * (Mat3d(local.rotation) * toFace));
       for (int c = 0; c < 3; ++c)
-        face[c] = std::clamp(face[c], scratch.places.box.min()[c] - kStaggeredReach,
-                             scratch.places.box.max()[c] + kStaggeredReach);
+        face[c] = std::clamp(face[c], scratch.positions.box.min()[c] - kStaggeredReach,
+                             scratch.positions.box.max()[c] + kStaggeredReach);
       Channels whole{};
       for (int c = 0; c < 3; ++c) {
         Vec3d own = face;
@@ -376,46 +378,46 @@ class Blender {
   std::unique_ptr<Numbers> numbers_;
   int channels_;
   const NodeMap& nodes_;
-  NodePositions places_;
+  NodePositions positions_;
   const LocalWeights& weights_;
   bool vary_;
   const GridBase& prototype_;
   Mat3d worldPerVoxel_;
   bool conserve_, turn_, staggered_;
-  bool smooth_;  ///< splines; jumps of dense level sets to their far values would ring
+  bool smooth_;  ///< splines; not for level sets: dense ones jump to a far value, where a spline would ring
   bool band_, color_;
   std::vector<Source> sources_;
-  std::vector<char> zeroOutside_;  ///< per source: nothing is there where it is not active
+  std::vector<char> zeroOutside_;  ///< per source: inactive voxels contribute nothing
   Channels background_{};
-  Channels missing_{};  ///< of what the weights lack to 1
+  Channels missing_{};  ///< background of weight 1 - sum of weights
 };
 
-/// Values between which there are no others: the nearest voxel's, of the only grid.
+/// For values that cannot be averaged: the nearest voxel of the only grid.
 GridBase::Ptr nearestInBetween(const CarriedGrid& carried, const NodeMap& nodes) {
   std::unique_ptr<ActiveBlocks> blocks = nearestActiveBlocks(*carried.grid);
   if (!blocks) throw InputError("values of the type " + carried.grid->valueType() + " cannot be carried");
   const std::vector<Source> sources{{carried.shape, carried.object, carried.weight,
                                      ToIndex(carried.grid->transform(), carried.anchor), std::move(*blocks),
                                      nullptr}};
-  const NodePositions nodePlaces(nodes);
+  const NodePositions nodePositions(nodes);
   const int step = nodes.step;
   const std::vector<openvdb::Coord> origins =
       leavesWith(nodes, [&](int i, int j, int k) { return cellActive(nodes, sources, i, j, k); });
   return nearestValues(*carried.grid, origins, [&](const openvdb::Coord& origin, const CellVisitor& cell) {
-    CellPlaces places;
-    places.world.resize(size_t(step) * size_t(step) * size_t(step));
+    CellPositions positions;
+    positions.world.resize(size_t(step) * size_t(step) * size_t(step));
     for (int x = 0; x < kLeaf; x += step)
       for (int y = 0; y < kLeaf; y += step)
         for (int z = 0; z < kLeaf; z += step) {
           const openvdb::Coord node((origin[0] + x) / step, (origin[1] + y) / step, (origin[2] + z) / step);
           if (!cellActive(nodes, sources, node[0], node[1], node[2])) continue;
-          places.find(nodePlaces, node, sources[0]);
-          if (!places.torn()) cell(places.index, {x, y, z}, step);
+          positions.find(nodePositions, node, sources[0]);
+          if (!positions.torn()) cell(positions.index, {x, y, z}, step);
         }
   });
 }
 
-/// Whether index spaces of two transforms differ by a shift only.
+/// Whether two index spaces differ by a translation only.
 bool sameAxes(const Transform& a, const Transform& b) {
   if (!a.isLinear() || !b.isLinear()) return false;
   const Mat3d x = worldPerVoxel(a), y = worldPerVoxel(b);
@@ -448,7 +450,7 @@ Transform::Ptr commonTransform(const std::vector<CarriedGrid>& grids) {
     size += g.weight * std::cbrt(std::abs(g.grid->transform().voxelVolume(middle))), weight += g.weight;
   }
   if (same) return grids[0].grid->transform().copy();
-  // Regions may take what counts nowhere else.
+  // A grid may have weight 0 except within regions.
   return Transform::createLinearTransform(
       weight > 0 ? size / weight : std::cbrt(std::abs(grids[0].grid->transform().voxelVolume())));
 }

@@ -14,7 +14,7 @@ namespace {
 
 using openvdb::Vec3s;
 
-/// The number type that holds the values of all images.
+/// Values of the images' common type, or of the smallest type that holds all of them.
 ImageValues commonValues(const std::vector<const Image*>& images, size_t count) {
   bool same = true, whole = true, wide = false, negative = false, large = false;
   for (const Image* image : images) {
@@ -42,14 +42,14 @@ void storeRow(const std::vector<double>& row, size_t first, ImageValues& values)
       values);
 }
 
-/// An image's values, whatever their type.
+/// An image, independent of its number type.
 class AnyImage {
  public:
   virtual ~AnyImage() = default;
-  /// Adds the weighted values at count places (voxels) that lie `step` apart.
+  /// Adds `weight` times the values at `count` positions (voxel coordinates) that are `step` apart to `sum`.
   virtual void addLine(const Vec3s& first, const Vec3s& step, int count, double weight,
                        double* sum) const = 0;
-  virtual double at(const Vec3s& place) const = 0;
+  virtual double at(const Vec3s& position) const = 0;
 };
 
 template <typename T>
@@ -59,7 +59,7 @@ class TypedImage : public AnyImage {
   void addLine(const Vec3s& first, const Vec3s& step, int count, double weight, double* sum) const override {
     sampler_.addLine(first, step, count, weight, sum);
   }
-  double at(const Vec3s& place) const override { return double(sampler_(place)); }
+  double at(const Vec3s& position) const override { return double(sampler_(position)); }
 
  private:
   ImageSampler<T> sampler_;
@@ -74,15 +74,16 @@ std::unique_ptr<AnyImage> anyImage(const Image& image) {
       image.values);
 }
 
-/// How fast values change across the surface, per world unit: over the edges between voxels that it crosses.
+/// Mean slope of the image across its isosurface, per world unit, from the edges between voxels
+/// that cross it.
 double slopeAt(const Image& image, double iso) {
   return std::visit(
       [&](const auto& values) {
         const ImageLattice& l = image.lattice;
         const Vec3d spacing = l.spacing();
         const size_t next[3] = {1, size_t(l.size[0]), size_t(l.size[0]) * l.size[1]};
-        // Every 30th voxel is enough for a mean. Slice by slice, so that it is the same for any number of
-        // threads.
+        // One in 2 x 3 x 5 voxels is enough for a mean. Summed slice by slice, so that the result is the same
+        // for any number of threads.
         constexpr int kSlices = 5;
         std::vector<std::pair<double, size_t>> slices(size_t(l.size[2] - 1 + kSlices - 1) / kSlices);
         tbb::parallel_for(size_t(0), slices.size(), [&](size_t slice) {
@@ -104,8 +105,8 @@ double slopeAt(const Image& image, double iso) {
       image.values);
 }
 
-/// Keeps an in-between's surface where its shape has it: values inside stay above the blended iso value and
-/// those outside below, by the usual slope within a voxel of the surface.
+/// Keeps the image's isosurface at the surface of the in-between: values inside stay above the blended
+/// isovalue and those outside below it, by the mean slope times the depth, up to a voxel.
 class KeptSurface {
  public:
   KeptSurface(const std::vector<CarriedImage>& images, const ImageLattice& on) {
@@ -133,8 +134,8 @@ class KeptSurface {
 
 Image warpImages(const std::vector<CarriedImage>& images, const ImageNodes& nodes, const ImageLattice& on) {
   std::vector<std::unique_ptr<AnyImage>> values;
-  std::vector<PlaceToVoxel> toVoxel;
-  std::vector<PlaceRow> rows;
+  std::vector<PositionToVoxel> toVoxel;
+  std::vector<PositionRow> rows;
   std::vector<const Image*> all;
   for (const CarriedImage& c : images) {
     values.push_back(anyImage(*c.image));
@@ -147,14 +148,14 @@ Image warpImages(const std::vector<CarriedImage>& images, const ImageNodes& node
   const KeptSurface kept(images, on);
   tbb::parallel_for(tbb::blocked_range<int>(0, on.size[2]), [&](const tbb::blocked_range<int>& slices) {
     std::vector<double> sum(size_t(on.size[0]));
-    std::vector<PlaceRow> row = rows;
-    std::vector<PlaceRow::Stretch> stretch(images.size());
-    std::vector<MatchDepths::Place> first(images.size()), last = first, place = first;
+    std::vector<PositionRow> row = rows;
+    std::vector<PositionRow::Stretch> stretch(images.size());
+    std::vector<MatchDepths::Position> first(images.size()), last = first, position = first;
     for (int k = slices.begin(); k < slices.end(); ++k)
       for (int j = 0; j < on.size[1]; ++j) {
         std::fill(sum.begin(), sum.end(), 0.0);
-        for (PlaceRow& r : row) r.begin(0, on.size[0] - 1, j, k);
-        bool measured = false;  // the last end, which is the next stretch's first
+        for (PositionRow& r : row) r.begin(0, on.size[0] - 1, j, k);
+        bool measured = false;  // `last` holds the end of the previous run, where this one starts
         for (int i = 0, count; i < on.size[0]; i += count) {
           for (size_t c = 0; c < images.size(); ++c) stretch[c] = row[c].from(i);
           count = std::min(stretch[0].length, on.size[0] - i);
@@ -173,16 +174,16 @@ Image warpImages(const std::vector<CarriedImage>& images, const ImageNodes& node
           measured = near;
           near = near && matchDepths.near(first, last);
           for (size_t c = 0; c < images.size() && !near; ++c)
-            values[c]->addLine(toVoxel[c](stretch[c].at), toVoxel[c].way(stretch[c].step), count,
+            values[c]->addLine(toVoxel[c](stretch[c].at), toVoxel[c].vector(stretch[c].step), count,
                                images[c].weight, &sum[size_t(i)]);
           for (int n = 0; n < count && near; ++n) {
             for (size_t c = 0; c < images.size(); ++c)
-              place[c].at = stretch[c].at + stretch[c].step * float(n);
-            matchDepths.measure(place);
-            const float distance = matchDepths.match(place);
+              position[c].at = stretch[c].at + stretch[c].step * float(n);
+            matchDepths.measure(position);
+            const float distance = matchDepths.match(position);
             double& value = sum[size_t(i + n)];
             for (size_t c = 0; c < images.size(); ++c)
-              value += images[c].weight * values[c]->at(toVoxel[c](place[c].at));
+              value += images[c].weight * values[c]->at(toVoxel[c](position[c].at));
             value = kept.at(value, distance);
           }
         }

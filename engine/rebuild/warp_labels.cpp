@@ -16,8 +16,8 @@ ImageValues labelValues(std::int64_t most, size_t count) {
   return std::vector<std::int32_t>(count);
 }
 
-/// Box of an image's voxels around all that a box of the in-between's voxels lies on.
-openvdb::CoordBBox boxOf(const ImageNodes& nodes, size_t shape, const PlaceToVoxel& toVoxel,
+/// Box of voxels of an object's image that encloses what a box of the in-between's voxels maps to.
+openvdb::CoordBBox boxOf(const ImageNodes& nodes, size_t shape, const PositionToVoxel& toVoxel,
                          const openvdb::CoordBBox& box) {
   const openvdb::Vec3i& s = nodes.step;
   Vec3s low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
@@ -30,13 +30,13 @@ openvdb::CoordBBox boxOf(const ImageNodes& nodes, size_t shape, const PlaceToVox
   return {openvdb::Coord::floor(low), openvdb::Coord::ceil(high)};
 }
 
-/// What all objects' labels are, and each object's part in them.
+/// The labels of all objects, and where each object has them.
 struct SharedLabels {
   std::vector<std::int64_t> all;  ///< ascending
   std::vector<std::vector<const LabelField::Label*>>
-      fieldOf;                                ///< per object and label; null: it lacks the label
-  std::vector<std::vector<int>> sharedIndex;  ///< per object: its own labels' index into `all`
-  std::vector<float> absent;                  ///< per label: depth in an object that lacks it
+      fieldOf;                                ///< per object and label; null: the object lacks it
+  std::vector<std::vector<int>> sharedIndex;  ///< per object: index into `all` of each of its labels
+  std::vector<float> absent;                  ///< per label: depth assumed in an object that lacks it
 };
 
 SharedLabels sharedLabels(const std::vector<CarriedLabels>& labels) {
@@ -51,7 +51,7 @@ SharedLabels sharedLabels(const std::vector<CarriedLabels>& labels) {
     for (const LabelField::Label& l : labels[c].labels->labels())
       s.sharedIndex[c].push_back(int(std::lower_bound(s.all.begin(), s.all.end(), l.value) - s.all.begin()));
   }
-  // A label that an object lacks shrinks to nothing as that object takes over.
+  // A label that an object lacks shrinks to nothing as the weight of that object grows.
   for (size_t l = 0; l < s.all.size(); ++l) {
     float deepest = 0, have = 0;
     for (size_t c = 0; c < labels.size(); ++c)
@@ -62,31 +62,31 @@ SharedLabels sharedLabels(const std::vector<CarriedLabels>& labels) {
   return s;
 }
 
-/// Labels the voxels of one block after the other.
+/// Labels the in-between's voxels, block by block.
 class BlockLabeller {
  public:
   BlockLabeller(const std::vector<CarriedLabels>& labels, const SharedLabels& shared,
-                const std::vector<PlaceToVoxel>& toVoxel, const ImageNodes& nodes)
+                const std::vector<PositionToVoxel>& toVoxel, const ImageNodes& nodes)
       : labels_(labels), shared_(shared), toVoxel_(toVoxel), nodes_(nodes) {
     for (const CarriedLabels& c : labels) rows_.emplace_back(nodes, c.shape);
   }
 
-  /// Calls `write(voxel, index into all labels)` for the voxels of a box that have a label.
+  /// Calls `write(voxel, index into all labels)` for each voxel of the block that gets a label.
   template <typename Write>
   void label(const openvdb::CoordBBox& block, const Write& write) {
     findCandidates(block);
-    if (candidates_.empty()) return;  // 0 as it is
+    if (candidates_.empty()) return;  // the result is 0 by default
     const openvdb::Coord first = block.min(), last = block.max();
     for (int k = first[2]; k <= last[2]; ++k)
       for (int j = first[1]; j <= last[1]; ++j) {
-        for (PlaceRow& row : rows_) row.begin(first[0], last[0], j, k);
+        for (PositionRow& row : rows_) row.begin(first[0], last[0], j, k);
         for (int i = first[0]; i <= last[0]; ++i)
           if (const int best = bestAt(i); best >= 0) write(openvdb::Coord(i, j, k), size_t(best));
       }
   }
 
  private:
-  /// The labels that any object has near where the block lies on it.
+  /// The labels that any object has near the block's image.
   void findCandidates(const openvdb::CoordBBox& block) {
     candidates_.clear();
     for (size_t c = 0; c < labels_.size(); ++c) {
@@ -101,7 +101,7 @@ class BlockLabeller {
     blended_.resize(candidates_.size());
   }
 
-  /// Of voxel i of the row; -1: none.
+  /// Label of voxel i of the row, as an index into all labels; -1: none.
   int bestAt(int i) {
     std::fill(blended_.begin(), blended_.end(), 0.f);
     float without = 0;
@@ -120,8 +120,8 @@ class BlockLabeller {
       without -= weight * most;
     }
     int best = -1;
-    // Inside all labels together one of them wins, however shallow: where labels lie apart on the objects none is
-    // deep, and the space without a label would open a gap between them.
+    // Inside the union of all labels one of them wins, however shallow. Near borders that do not align on the
+    // objects none is deep, and comparing with the unlabelled space would open a gap between them.
     float least = without < 0 ? std::numeric_limits<float>::lowest() : without;
     for (size_t l = 0; l < candidates_.size(); ++l)
       if (blended_[l] > least) least = blended_[l], best = candidates_[l];
@@ -130,9 +130,9 @@ class BlockLabeller {
 
   const std::vector<CarriedLabels>& labels_;
   const SharedLabels& shared_;
-  const std::vector<PlaceToVoxel>& toVoxel_;
+  const std::vector<PositionToVoxel>& toVoxel_;
   const ImageNodes& nodes_;
-  std::vector<PlaceRow> rows_;  ///< per object
+  std::vector<PositionRow> rows_;  ///< per object
   std::vector<int> near_, candidates_;
   std::vector<float> blended_;  ///< per candidate
 };
@@ -141,7 +141,7 @@ class BlockLabeller {
 
 Image warpLabels(const std::vector<CarriedLabels>& labels, const ImageNodes& nodes, const ImageLattice& on) {
   const SharedLabels shared = sharedLabels(labels);
-  std::vector<PlaceToVoxel> toVoxel;
+  std::vector<PositionToVoxel> toVoxel;
   for (const CarriedLabels& c : labels) toVoxel.emplace_back(c.labels->lattice(), c.anchor);
   Image result{on, labelValues(shared.all.empty() ? 0 : shared.all.back(), on.count())};
   const auto write = [&](const openvdb::Coord& voxel, size_t label) {

@@ -5,16 +5,17 @@
 
 namespace slicemorph {
 
-/// One object's labels, carried along by the map of its shape.
+/// A label map of one object, to be carried by the map of its shape.
 struct CarriedLabels {
   const LabelField* labels = nullptr;
-  size_t shape = 0;       ///< which object of the node map they ride with
-  Vec3d anchor{0, 0, 0};  ///< of that object's field
-  double weight = 0;      ///< with the object's size against the in-between's: depths count in its units
+  size_t shape = 0;       ///< index of the object in the node map
+  Vec3d anchor{0, 0, 0};  ///< anchor of that object's distance field, world
+  /// times the in-between's size over the object's, so that depths are compared at one scale
+  double weight = 0;
 };
 
-/// The deepest label at every voxel; see Pullback::carryLabels. As uint8, uint16 or int32, whichever holds
-/// all.
+/// The label with the greatest blended depth at every voxel; see Pullback::carryLabels. Returned as uint8,
+/// uint16 or int32, the smallest that holds all labels.
 Image warpLabels(const std::vector<CarriedLabels>& labels, const ImageNodes& nodes, const ImageLattice& on);
 
 }  // namespace slicemorph

@@ -13,14 +13,14 @@ namespace slicemorph {
 
 namespace {
 
-constexpr double kParallelPlanes = 1 - 1e-6;  // cosine
-constexpr double kOnPlane = 0.02;             // gaps
-constexpr double kMostVoxels = 2e9;
+constexpr double kParallelPlanes = 1 - 1e-6;  // cosine: 0.08 degrees
+constexpr double kOnPlane = 0.02;             // planes this close, in gaps, count as on the regular positions
+constexpr double kMostVoxels = 2e9;           // 4 GB of 16-bit labels
 
 struct Solid {
   const FloatGrid* grid;
   int label;
-  openvdb::CoordBBox box;  // of the band: outside beyond it
+  openvdb::CoordBBox box;  // of the narrow band; everything beyond it is outside
   double volume = 0;
   Vec3d middle{0, 0, 0};
 };
@@ -63,7 +63,7 @@ std::vector<Value> paint(const std::vector<Solid>& solids, const ImageLattice& o
           if (!solids[s].box.isInside(node)) continue;
           const double background = solids[s].grid->background();
           double value = accessors[s].getValue(node);
-          // A band is wider than a voxel: next to a node off it, nothing changes sign.
+          // The band is wider than a voxel, so the sign cannot change next to a node outside of it.
           if (std::abs(value) < background) value = openvdb::tools::BoxSampler::sample(accessors[s], at);
           if (value >= 0) continue;
           const double common = band > 0 ? std::min(band, background) : background;
@@ -85,7 +85,7 @@ void forPoints(const std::vector<ContourSet>& sets, const Action& action) {
         for (const Vec2d& p : loop) action(plane.toWorld(p));
 }
 
-/// Of the planes with contours, ascending; empty where they are not parallel.
+/// Heights of the planes with contours, ascending; empty if the planes are not parallel.
 std::vector<double> heightsOf(const std::vector<ContourSet>& sets, const Vec3d& normal, double tolerance) {
   std::vector<double> heights, out;
   for (const ContourSet& set : sets)
@@ -100,7 +100,7 @@ std::vector<double> heightsOf(const std::vector<ContourSet>& sets, const Vec3d& 
   return out.size() < 2 ? std::vector<double>() : out;
 }
 
-/// The median, made exact by all gaps that are whole multiples of it.
+/// The median gap, refined by all gaps that are whole multiples of it.
 double usualGap(const std::vector<double>& heights) {
   std::vector<double> gaps;
   for (size_t i = 1; i < heights.size(); ++i) gaps.push_back(heights[i] - heights[i - 1]);
@@ -114,7 +114,7 @@ double usualGap(const std::vector<double>& heights) {
   return sum / count;
 }
 
-/// Of the planes, the one that most planes are whole steps away from.
+/// The plane from which most other planes are a whole number of steps away.
 double anchorOf(const std::vector<double>& heights, double step) {
   double best = heights[0];
   int most = 0;

@@ -5,24 +5,26 @@
 
 namespace slicemorph {
 
-/// Who gets a voxel that lies inside several objects.
+/// Which object gets a voxel that is inside several objects.
 enum class SharedVoxel {
-  smallest,  ///< the object of smallest volume: regions that may lie in each other, as organs in the body
-             ///< (DICOM RT)
-  deepest    ///< the one whose surface is farthest away: materials that touch and share a wall (CSL)
+  /// The object of smallest volume: for regions that may be nested, such as organs in the body (DICOM RT).
+  smallest,
+  /// The object whose surface is farthest away: for materials that touch and share a wall (CSL).
+  deepest
 };
 
-/// The label of each voxel's centre, 0 outside all objects: 8 bit where the labels fit, else 16. Depths are
-/// compared as far as the narrower of two bands goes; what is equal then goes to the smaller volume, then to
-/// the object whose middle comes first along x, y, z: label numbers play no part. Throws InputError where
-/// labels are not one a surface and in 1..65535, or the lattice is empty.
+/// The label of the object at each voxel's centre, 0 outside all objects; 8 bit if the labels fit, else 16
+/// bit. Depths are compared up to the width of the narrower of two bands; ties go to the smaller volume, then
+/// to the object whose centroid comes first along x, y, z, so that label numbers have no influence. Throws
+/// InputError unless there is one label in 1..65535 per surface, and for an empty lattice.
 Image contourLabels(const std::vector<ContourSurface>& surfaces, const std::vector<int>& labels,
                     const ImageLattice& on, SharedVoxel rule);
 
-/// A lattice around all contours with two voxels and three quarters of a gap to spare. For parallel planes
-/// its slices lie on the planes (the spacing across them divides the usual gap and is at most `voxelSize`,
-/// world units), else its axes are the world's. Throws GeometryError without contours; InputError where the
-/// voxel size is not positive or the lattice would be absurdly large.
+/// A lattice around all contours, with a margin of two voxels, plus three quarters of a gap across parallel
+/// planes. If the planes are parallel, its slices coincide with them (the spacing across them divides the
+/// usual gap and is at most `voxelSize`, world units); otherwise its axes are the world's. Throws
+/// GeometryError without contours; InputError if the voxel size is not positive or the lattice would have
+/// more than 2e9 voxels.
 ImageLattice contourLattice(const std::vector<ContourSet>& sets, double voxelSize);
 
 }  // namespace slicemorph

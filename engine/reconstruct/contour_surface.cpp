@@ -18,8 +18,8 @@ namespace slicemorph {
 
 namespace {
 
-constexpr double kMostNodes = 1.2e8;   ///< of the finest lattice; about a gigabyte with its images
-constexpr double kDefaultNodes = 4e7;  ///< a default voxel size makes no more
+constexpr double kMostNodes = 1.2e8;   ///< of the finest lattice: about a gigabyte with its images
+constexpr double kDefaultNodes = 4e7;  ///< upper limit at the default voxel size
 
 double defaultVoxelSize(const PlaneSet& planes) {
   const Sampling s = samplingOf(planes);
@@ -40,7 +40,7 @@ void requireSize(const ContourSet& set, const PlaneSet& planes, double h) {
                      std::to_string(h * std::cbrt(nodes / kMostNodes)) + " is possible");
 }
 
-/// Largest distance of a contour's point to the surface, to first order.
+/// Largest distance of a contour point to the surface, to first order: value over gradient.
 double farthestContour(const PlaneSet& planes, const Lattice& lattice, const std::vector<float>& values) {
   double farthest = 0;
   for (size_t i = 0; i < planes.sections.size(); ++i)

@@ -8,31 +8,33 @@
 namespace slicemorph {
 
 struct ContourSurfaceOptions {
-  double voxelSize = 0;  ///< world units; 0: by the contours' sampling, see contourVoxelSize
+  double voxelSize = 0;  ///< world units; 0: chosen by contourVoxelSize
 };
 
 struct ContourSurface {
   FloatGrid::Ptr grid;  ///< level set
   double voxelSize = 0;
-  double gap = 0;              ///< usual distance between neighbouring planes, world units
-  double farthestContour = 0;  ///< largest distance of a given contour point to the surface (to first order)
+  double gap = 0;  ///< usual distance between neighbouring planes, world units
+  /// largest distance of a contour point to the surface, world units, to first order
+  double farthestContour = 0;
   Notes notes;
 };
 
-/// 0.6 of the usual distance between a contour's points, at most 0.3 of the usual gap between planes, so that
-/// the surface follows the contours closer than half a voxel.
+/// Default voxel size, world units: 0.6 of the usual distance between a contour's points and at most 0.3 of
+/// the usual gap between planes, so that the surface follows the contours to within half a voxel; never so
+/// small that the lattice gets too large. Throws as contourSurface.
 double contourVoxelSize(const ContourSet& set);
 
-/// The closed surface through an object's contours on planes in any position, also planes that cross each
-/// other: the function of least bending (thin plate) over a lattice, zero on the contours and close to the
-/// planes' own signed distances near them, found from coarse to fine (after [TO99], on a
-/// lattice). An object is closed within about half a gap beyond its last plane. The same for any number of
-/// threads. Throws GeometryError where there are no contours, or all lie on one plane; InputError where the
-/// voxel size is not positive or the lattice would be absurdly large; Cancelled.
+/// The closed surface through an object's contours on planes in any position; planes may intersect. It is the
+/// zero set of the function of least bending energy (thin plate) on a lattice that is zero on the contours
+/// and close to the planes' own signed distances near them, solved from coarse to fine (after [TO99], on a
+/// lattice). An object is closed within about half a gap beyond its last plane. The result does not depend on
+/// the thread count. Throws GeometryError without contours, or if all of them are on one plane; InputError if
+/// the voxel size is not positive or the lattice would be too large; Cancelled.
 ContourSurface contourSurface(const ContourSet& set, const ContourSurfaceOptions& options = {},
                               Progress* progress = nullptr);
 
-/// The mesh of a contour surface: closed and manifold, moved onto the contour points where meshing the level
+/// The mesh of a contour surface: closed, manifold, and moved onto the contour points where meshing the level
 /// set cuts their corners.
 Mesh contourMesh(const ContourSet& set, const ContourSurface& surface);
 

@@ -17,7 +17,7 @@ void checkWhole(double value, int i, int j, int k) {
                    std::to_string(i) + ", " + std::to_string(j) + ", " + std::to_string(k) + ")");
 }
 
-/// Per axis, which slices hold a label.
+/// Per axis: which slices contain a label.
 std::vector<Flags> labelledSlices(const Image& image) {
   const openvdb::Coord& n = image.lattice.size;
   std::vector<Flags> found;
@@ -49,7 +49,7 @@ std::vector<int> indices(const Flags& flags) {
   return at;
 }
 
-/// Greatest step of which all distances between labelled slices are multiples; 0: fewer than two.
+/// The greatest common divisor of all distances between labelled slices; 0: fewer than two slices.
 int rhythmOf(const std::vector<int>& at) {
   int step = 0;
   for (size_t i = 1; i < at.size(); ++i)

@@ -9,11 +9,12 @@ namespace slicemorph {
 
 namespace {
 
-/// Planes so many times farther than the nearest have no say.
+/// Planes more than this many times farther than the nearest are ignored; their weight would be below
+/// 1 / 5^3.
 constexpr double kHeardPlanes = 5;
-constexpr double kLeastHeight = 1e-3;  ///< voxels: on a plane
+constexpr double kLeastHeight = 1e-3;  ///< in voxels; closer points count as on the plane
 
-/// The planes that any point of a row asks for its first guess; the row reaches `half` to both sides of `middle`.
+/// The planes that may contribute to points of a row; the row extends `half` to both sides of `middle`.
 std::vector<int> planesAlong(const PlaneSet& planes, const Vec3d& middle, const Vec3d& half) {
   std::vector<double> closest(planes.sections.size());
   double least = 1e300;
@@ -30,8 +31,8 @@ std::vector<int> planesAlong(const PlaneSet& planes, const Vec3d& middle, const 
   return out;
 }
 
-/// The distances of the planes, of which `among` has all near ones, weighted by how near they are; closed
-/// beyond the last ones.
+/// The weighted mean of the planes' distances at a point, closed beyond the outermost ones. `among` must
+/// contain all planes that contribute.
 double guessAt(const PlaneSet& planes, const std::vector<int>& among, const Vec3d& p) {
   int nearest = 0;
   double least = 1e300;
@@ -64,7 +65,7 @@ double guessAt(const PlaneSet& planes, const std::vector<int>& among, const Vec3
 std::vector<float> firstGuess(const PlaneSet& planes, const Lattice& lattice) {
   std::vector<float> values(lattice.count());
   tbb::parallel_for(0, lattice.size[2], [&](int k) {
-    constexpr int kTogether = 16;
+    constexpr int kTogether = 16;  // nodes of a row for which planes are selected together
     for (int j = 0; j < lattice.size[1]; ++j)
       for (int first = 0; first < lattice.size[0]; first += kTogether) {
         const int end = std::min(first + kTogether, lattice.size[0]);

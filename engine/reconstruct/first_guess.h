@@ -5,8 +5,8 @@
 
 namespace slicemorph {
 
-/// A function of about the right sign and size to start from, at every node of a lattice in the world: the planes'
-/// signed distances, weighted by how near the planes are, and closed beyond the last ones. World units.
+/// Initial values, world units, at every node of a lattice in world space: the mean of the planes' signed
+/// distances, weighted by how near the planes are, and closed beyond the outermost ones.
 std::vector<float> firstGuess(const PlaneSet& planes, const Lattice& lattice);
 
 }  // namespace slicemorph

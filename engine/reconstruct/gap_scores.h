@@ -5,31 +5,31 @@
 
 namespace slicemorph {
 
-/// Where pixels lie on the four planes.
+/// Pixel positions on the four planes around a gap.
 struct PlanePositions {
   float x[4], y[4];
 };
 
-/// Where what is at a point half way came from at part `t` of the gap: the motion that carries it, pixels a gap.
+/// The motion, in pixels per gap, of what is at (x, y) at fraction `t` of the gap.
 SliceMotion::Vector motionAt(const SlicePlan& plan, const Moment& m, float t, float x, float y);
 
-/// Where on the planes lies what is at (x, y) half way ...
+/// Positions on the four planes of what is at (x, y) half way through the gap.
 PlanePositions positionsOf(const SlicePlan& plan, const Moment& m, float x, float y);
-/// ... and moves by `v` from plane to plane.
+/// The same for a given motion `v` across the gap.
 PlanePositions positionsOf(const SlicePlan& plan, const Moment& m, float x, float y, SliceMotion::Vector v);
 
-/// What a label's score falls by to a plane (of the four) where it is not.
+/// By how much a label's score drops towards a plane (index 0 to 3) on which the label is missing.
 float fall(const GapLabel& l, int plane);
 
-/// A label's scores on the four planes; 0 where it is not.
+/// A label's scores on the four planes; 0 where the label is missing.
 void readScores(const GapLabel& l, const PlanePositions& p, float* s);
-/// Fills in the planes where the label is not, and levels off.
+/// Fills in the planes where the label is missing, and levels off all scores.
 void completeScores(const GapLabel& l, const Moment& m, float* s);
 
-/// A label's score, travellers of its own and of others considered.
+/// A label's score at pixel (x, y), including its own travellers and those of other labels.
 float wholeScore(const SlicePlan& plan, const GapLabel& l, const Moment& m, float x, float y);
 
-/// A traveller's at part `t` of its gap.
+/// The score of a traveller at fraction `t` of its gap.
 float scoreOf(const Traveller& traveller, const ScoreStack& stack, float t, float level, float x, float y);
 
 }  // namespace slicemorph

@@ -12,7 +12,7 @@ namespace slicemorph {
 
 namespace {
 
-/// The fine lattice's nodes along the stack: node k at first + (k - cap) step.
+/// Positions of the lattice's nodes along the stack: node k is at first + (k - cap) step.
 struct FineSteps {
   double first = 0, last = 0, step = 1;
   int cap = 0, count = 0;
@@ -29,7 +29,7 @@ FineSteps fineSteps(const ScoreStack& stack) {
                   planes.back().position - planes[planes.size() - 2].position);
   FineSteps s;
   s.first = planes.front().position, s.last = planes.back().position;
-  // Even gaps have their planes on nodes.
+  // With even gaps, every plane coincides with nodes.
   const double pixel = std::max(stack.pixel[0], stack.pixel[1]);
   s.step = least / std::max(1.0, std::round(least / pixel));
   s.cap = int(std::ceil(0.5 * ends / s.step)) + 1;
@@ -37,8 +37,8 @@ FineSteps fineSteps(const ScoreStack& stack) {
   return s;
 }
 
-/// The label's lead at a position; beyond the ends that of the end plane, less what closes it: an elliptic
-/// cap as high as the label is deep, at most half a gap.
+/// Half the label's lead at a position. Beyond the ends it is that of the end plane minus an elliptic cap as
+/// high as the label is deep, at most half a gap.
 LabelScore leadAt(const SliceScores& scores, int label, double position) {
   const auto& planes = scores.stack().planes;
   const double first = planes.front().position, last = planes.back().position;
@@ -58,7 +58,7 @@ LabelScore leadAt(const SliceScores& scores, int label, double position) {
 
 }  // namespace
 
-FloatGrid::Ptr labelLevelSet(const SliceScores& scores, int label, const StackPlace& place) {
+FloatGrid::Ptr labelLevelSet(const SliceScores& scores, int label, const StackPlacement& placement) {
   const ScoreStack& stack = scores.stack();
   const FineSteps fine = fineSteps(stack);
   const float band = 3 * std::max(stack.pixel[0], stack.pixel[1]);
@@ -81,8 +81,9 @@ FloatGrid::Ptr labelLevelSet(const SliceScores& scores, int label, const StackPl
   FloatGrid::Ptr grid = FloatGrid::create(band);
   openvdb::tools::copyFromDense(dense, *grid, 0.0f);
   grid->setGridClass(openvdb::GRID_LEVEL_SET);
-  const Vec3d up = fine.step * place.along, corner = place.origin + fine.position(0) * place.along;
-  const auto &x = place.stepX, &y = place.stepY;
+  const Vec3d up = fine.step * placement.along,
+              corner = placement.origin + fine.position(0) * placement.along;
+  const auto &x = placement.stepX, &y = placement.stepY;
   grid->setTransform(openvdb::math::Transform::createLinearTransform(
       openvdb::Mat4d(x[0], x[1], x[2], 0.0, y[0], y[1], y[2], 0.0, up[0], up[1], up[2], 0.0, corner[0],
                      corner[1], corner[2], 1.0)));

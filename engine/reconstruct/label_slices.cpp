@@ -14,7 +14,7 @@ namespace slicemorph {
 
 namespace {
 
-/// How a slice's pixels (x fastest) lie in the image.
+/// Memory layout of a slice's pixels (x fastest) in the image.
 struct SliceLayout {
   int width, height;
   size_t x, y, slice;  ///< strides
@@ -26,7 +26,7 @@ SliceLayout layoutOf(const ImageLattice& lattice, int axis) {
   return {lattice.size[u], lattice.size[w], stride[u], stride[w], stride[axis]};
 }
 
-/// Labels of one given slice as they first appear, and every pixel's place among them.
+/// The labels of one given slice in the order of appearance, and each pixel's index among them.
 struct Census {
   std::vector<int> values, pixel;
   std::vector<size_t> count;
@@ -54,14 +54,14 @@ Census takeCensus(const std::vector<T>& values, const SliceLayout& layout, int s
   return census;
 }
 
-/// Values in ascending order of their pixels on all given slices; of equals the one that comes first.
+/// Label values in ascending order of their number of pixels on all given slices; ties by first appearance.
 std::vector<int> rankValues(const std::vector<Census>& slices) {
   std::vector<int> values;
   std::vector<size_t> count;
-  std::unordered_map<int, size_t> place;
+  std::unordered_map<int, size_t> indexOf;
   for (const Census& c : slices)
     for (size_t i = 0; i < c.values.size(); ++i) {
-      const auto found = place.emplace(c.values[i], values.size());
+      const auto found = indexOf.emplace(c.values[i], values.size());
       if (found.second) values.push_back(c.values[i]), count.push_back(0);
       count[found.first->second] += c.count[i];
     }
@@ -73,11 +73,12 @@ std::vector<int> rankValues(const std::vector<Census>& slices) {
   return ranked;
 }
 
-constexpr float kSoft =
-    0.35f;  ///< of a pixel, goes to its neighbours: pixels make stairs of a smooth contour
-constexpr float kLeast = 1e-3f;  ///< pixel: softening moves no pixel across the contour
+/// Share of the smoothing applied to the distances, because pixels turn a smooth contour into stairs. Chosen
+/// by hand; guarded by label_slices_test.cpp.
+constexpr float kSoft = 0.35f;
+constexpr float kLeast = 1e-3f;  ///< in pixels: smoothing moves no pixel across the contour
 
-/// Running mean (quarter, half, quarter) along x and y, `sx` and `sy` of it; keeps signs.
+/// Smooths with weights 1/4, 1/2, 1/4 along x and y, mixed in by shares `sx` and `sy`; keeps signs.
 void soften(std::vector<float>& v, const PixelBox& box, float sx, float sy, float least) {
   const size_t w = size_t(box.width()), n = size_t(box.height());
   std::vector<float> along(v.size());
@@ -148,7 +149,8 @@ RankedSlices rankSlices(const Image& labels, const GivenSlices& given) {
   const std::vector<int> ranked = rankValues(census);
   std::unordered_map<int, int> rank;
   for (size_t i = 0; i < ranked.size(); ++i) rank[ranked[i]] = int(i), result.values.push_back(ranked[i]);
-  // A label that fills its slice has no border there: it is taken to lie as far away as the slice is wide.
+  // A label that fills its slice has no border there; its border is assumed to be one diagonal of
+  // the slice away.
   const float far = std::hypot(float(layout.width) * stack.pixel[0], float(layout.height) * stack.pixel[1]);
   stack.planes.resize(census.size());
   tbb::parallel_for(size_t(0), census.size(), [&](size_t k) {
@@ -181,7 +183,7 @@ Image interpolateLabels(const Image& labels, const GivenSlices& given) {
                                size_t k, size_t x, size_t y) {
             to[k * layout.slice + y * layout.y + x * layout.x] = paint[won[(k * h + y) * w + x]];
           };
-          // The image's fastest axis is the innermost.
+          // The image's fastest axis is the innermost loop.
           if (layout.slice == 1) {
             for (size_t y = 0; y < h; ++y)
               for (size_t x = 0; x < w; ++x)

@@ -10,25 +10,27 @@ namespace slicemorph {
 
 namespace {
 
-constexpr int kLeastTile = 16;  ///< pixels of a cell that is not cut, even where its motion bends
-constexpr float kBent = 0.25f;  ///< pixels between the middle's motion and that of the corners
-constexpr int kBandRows = 64;   ///< labelled by one task
-/// Pixels of a lead that may come from between a tile's pixels.
+/// pixels of a cell that is not divided further, even if its motion is not linear
+constexpr int kLeastTile = 16;
+/// largest difference, in pixels, of the motion in the middle from the mean of the corners'
+constexpr float kBent = 0.25f;
+constexpr int kBandRows = 64;  ///< rows labelled by one task
+/// Allowance, in pixels, for scores that peak between a tile's pixels.
 constexpr float kSpare = 0.5f;
-/// A label less deep than this, pixels, is thin: it is read at every moment, or rounding would take it away.
+/// A label less deep than this, in pixels, is thin: it is evaluated separately at every moment, because
+/// interpolating between pixels could remove it.
 constexpr float kThin = 1.5f;
-/// Room for how much the motion stretches a tile.
+/// Allowance for the motion's stretching of a tile.
 constexpr float kTileStretch = 1.2f;
 
-/// What a task on a gap's slices writes: labels of every slice's pixels, and which of the gap's labels won
-/// any.
+/// Output of one task: the labels of every slice's pixels, and which of the gap's labels won a pixel.
 struct GapSlices {
   int* labels = nullptr;
   std::vector<char> seen;
-  SliceTile tile;  ///< every tile's in its turn
+  SliceTile tile;  ///< reused for every tile
 };
 
-/// Where a tile's pixels are half way.
+/// Positions, half way, of a tile's corner pixels.
 TileCorners halfWay(const SlicePlan& plan, const Moment& m, float t, const PixelBox& tile) {
   TileCorners c;
   for (int k = 0; k < 4; ++k) {
@@ -39,7 +41,7 @@ TileCorners halfWay(const SlicePlan& plan, const Moment& m, float t, const Pixel
   return c;
 }
 
-/// Whether the motion of a cell's pixels is known by that of its corners.
+/// Whether the motion within a cell is nearly the bilinear interpolation of that at its corners.
 bool movesEvenly(const SlicePlan& plan, const Moments& m, const PixelBox& part) {
   const SliceMotion& motion = plan.gaps[m.first.gap].motion;
   const float x0 = float(part.x0), y0 = float(part.y0), x1 = float(part.x1 - 1), y1 = float(part.y1 - 1);
@@ -50,7 +52,8 @@ bool movesEvenly(const SlicePlan& plan, const Moments& m, const PixelBox& part) 
   return std::max(std::abs(x), std::abs(y)) <= kBent;
 }
 
-/// Positions of the tile's pixels at moments from `begin` up to `end`; of one alone, its own.
+/// Sets the positions of the tile's pixels for moments `begin` to `end`. For a single moment `half` holds the
+/// tile's own pixels.
 void placeTile(const SlicePlan& plan, const Moments& m, size_t begin, size_t end, const PixelBox& part,
                SliceTile& tile) {
   tile.part = part;
@@ -65,7 +68,8 @@ void placeTile(const SlicePlan& plan, const Moments& m, size_t begin, size_t end
     half = part, from = tile.corners[begin];
     tile.corners[begin] = halfWay(plan, m.first, .5f, part);
   }
-  tile.blend.assign(half.count() + size_t(half.width()) + 1, 0);  // the last pixels' neighbours weigh nothing
+  // the neighbours after the last pixel have weight 0
+  tile.blend.assign(half.count() + size_t(half.width()) + 1, 0);
   TileCorners corners[4];
   for (int c = 0; c < 4; ++c) {
     const PlanePositions p = positionsOf(plan, m.first, from.x[c], from.y[c]);
@@ -119,7 +123,7 @@ void fillTile(const SlicePlan& plan, const Moments& m, const PixelBox& part, siz
     for (int y = part.y0; y < part.y1; ++y)
       for (int x = part.x0; x < part.x1; ++x) {
         size_t label = size_t(tile.winner[part.index(x, y)]);
-        float best = -1e-5f * m.first.level;  // a traveller on its own border is still there
+        float best = -1e-5f * m.first.level;  // a traveller counts on its own border, too
         for (const Traveller* t : near) {
           if (!t->box.contains(x, y)) continue;
           const float v = scoreOf(*t, plan.stack, m.t[i], m.first.level, float(x), float(y));
@@ -165,7 +169,7 @@ void fillCell(const SlicePlan& plan, const Moments& m, const PixelBox& part, siz
   rivals.cut(mine);
 }
 
-/// Gives a label that has won nothing the pixel where it came closest.
+/// Gives a label that won nothing the pixel where it came closest.
 void rescue(const SlicePlan& plan, const Moment& m, int label, int* slice) {
   const Gap& gap = plan.gaps[m.gap];
   const GapLabel& l = gap.labels[size_t(label)];

@@ -4,8 +4,9 @@
 
 namespace slicemorph {
 
-/// As SliceScores::labelsBetween: the labels of highest score of all pixels at positions inside one gap. Cells of pixels
-/// are halved until one label alone may win there, or so few are left that they are looked at one by one.
+/// As SliceScores::labelsBetween: the label of highest score for every pixel at positions within one gap.
+/// Cells of pixels are halved until only one label can win in a cell, or until the cell is small enough to
+/// evaluate every pixel.
 std::vector<int> labelsInGap(const SlicePlan& plan, const std::vector<double>& positions);
 
 }  // namespace slicemorph

@@ -12,11 +12,12 @@ namespace {
 
 using openvdb::Coord;
 
-/// Leaves with values up to so many voxels are kept: twice the band, as values are distances only to a factor.
+/// Leaves with values below this many voxels are kept: twice the band, because values are distances only up
+/// to a factor.
 constexpr double kNearVoxels = 2 * kHalfWidth;
 
-/// Next to a change of sign the surface is near, whatever the values: where a detail that the coarser levels
-/// did not see meets values that they left, these may be large.
+/// Next to a sign change the surface is near, whatever the values are. They may be large where a detail that
+/// the coarser levels missed meets values left from those.
 std::vector<float> limitedAtSurface(const Lattice& lattice, std::vector<float> values) {
   const float most = float(2 * lattice.spacing);
   const std::ptrdiff_t toNext[3] = {1, lattice.size[0], std::ptrdiff_t(lattice.size[0]) * lattice.size[1]};
@@ -38,7 +39,7 @@ std::vector<float> limitedAtSurface(const Lattice& lattice, std::vector<float> v
   return values;
 }
 
-/// The leaves of a grid that a lattice of its voxels touches.
+/// The leaves of a grid, with the lattice's nodes as voxels, that the lattice touches.
 class LatticeLeaves {
  public:
   explicit LatticeLeaves(const Lattice& lattice)
@@ -53,7 +54,7 @@ class LatticeLeaves {
             Coord(int(leaf % size_[0]), int(leaf / size_[0] % size_[1]), int(leaf / size_[0] / size_[1])))
            << 3;
   }
-  /// Calls `action(voxel of the leaf, node)` for the leaf's voxels that have a node.
+  /// Calls `action(offset in the leaf, node)` for the leaf's voxels that have a node.
   template <typename Action>
   void forEachNode(const Coord& origin, const Action& action) const {
     for (int x = 0; x < kLeaf; ++x)
@@ -66,7 +67,8 @@ class LatticeLeaves {
 
  private:
   const Lattice& lattice_;
-  Coord shift_, low_, size_;  ///< first node in voxels; first leaf and leaves along the axes, in leaves
+  /// First node in voxels; first leaf and number of leaves per axis, in leaves.
+  Coord shift_, low_, size_;
 };
 
 }  // namespace

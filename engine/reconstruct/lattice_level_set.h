@@ -4,8 +4,8 @@
 
 namespace slicemorph {
 
-/// The level set of a function on a lattice in the world whose nodes are whole multiples of its spacing, which becomes
-/// the voxel size; the function is about a distance near its zero set.
+/// Level set of a function on a lattice in world space that is about a distance near its zero set. The nodes
+/// must be at whole multiples of the lattice's spacing, which becomes the voxel size.
 FloatGrid::Ptr latticeLevelSet(const Lattice& lattice, std::vector<float> function);
 
 }  // namespace slicemorph

@@ -12,10 +12,10 @@ namespace slicemorph {
 
 namespace {
 
-constexpr double kAllowed = 0.25;  // voxels
-constexpr int kSweeps = 4;
+constexpr double kAllowed = 0.25;  // voxels that a contour point may be off; the header promises it
+constexpr int kSweeps = 4;         // at most: moving the mesh to one point moves it off others
 
-/// The place of a triangle nearest to a point, as weights of its corners.
+/// The point of a triangle nearest to p, in barycentric coordinates.
 Vec3d nearestWeights(const Vec3d& p, const Vec3d (&t)[3]) {
   const Vec3d normal = (t[1] - t[0]).cross(t[2] - t[0]);
   const double area = normal.lengthSqr();
@@ -54,8 +54,8 @@ class Meeting {
                       [&](size_t i) { near_[i] = trianglesNear(points_[i], bins); });
   }
 
-  /// In the order of the points: the result does not depend on anything else. Returns whether any point was
-  /// off.
+  /// Processes the points in order, so that the result is deterministic. Returns whether any point was too
+  /// far off.
   bool sweep() {
     bool moved = false;
     for (size_t i = 0; i < points_.size(); ++i) moved |= pull(points_[i], near_[i]);
@@ -67,14 +67,14 @@ class Meeting {
 
   openvdb::Coord cellOf(const Vec3d& p) const { return openvdb::Coord::floor(p / voxel_); }
 
-  /// Ascending along x, then y, then z.
+  /// A cell's key; keys ascend along x, then y, then z.
   static std::uint64_t keyOf(const openvdb::Coord& c) {
     constexpr int kBits = 21, kMiddle = 1 << (kBits - 1);
     std::uint64_t key = 0;
     for (int a : {2, 1, 0}) key = key << kBits | (std::uint64_t(c[a] + kMiddle) & ((1u << kBits) - 1));
     return key;
   }
-  /// Each triangle in all cells that its box meets, in the order of the cells.
+  /// Each triangle in all cells that its box overlaps, ordered by cell.
   std::vector<Binned> binned() const {
     std::vector<Binned> bins;
     for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
@@ -124,7 +124,7 @@ class Meeting {
   double voxel_;
   Mesh& mesh_;
   std::vector<Vec3d> points_;
-  std::vector<std::vector<std::uint32_t>> near_;  // triangles by point, as they were at first
+  std::vector<std::vector<std::uint32_t>> near_;  // per point: the triangles near it before any was moved
 };
 
 }  // namespace

@@ -10,11 +10,11 @@ namespace slicemorph {
 
 namespace {
 
-constexpr double kHeldPixels = 1.5;  // on both sides of a contour: value and slope
-constexpr int kIterations = 80;
-constexpr double kEnough = 1e-6;  // of the residual's square
+constexpr double kHeldPixels = 1.5;  // on both sides of a contour: fixes value and slope
+constexpr int kIterations = 80;      // at most
+constexpr double kEnough = 1e-6;     // of the squared residual, relative to the initial one
 
-/// The biharmonic operator of the plane, at the pixels that are not held.
+/// The biharmonic operator in the plane (13-point stencil), at the pixels that are not fixed.
 class ProfileSystem {
  public:
   ProfileSystem(const PlaneImage& image, double reach) : width_(image.width) {
@@ -29,7 +29,7 @@ class ProfileSystem {
   size_t size() const { return active_.size(); }
   size_t node(size_t i) const { return active_[i]; }
   float diagonal(size_t) const { return 1; }
-  /// Planes are solved beside each other, each by one task.
+  /// Serial: planes are solved in parallel, each by one task.
   Grain grain() const { return {std::numeric_limits<size_t>::max()}; }
 
   void apply(const std::vector<float>& values, std::vector<float>& product) const {

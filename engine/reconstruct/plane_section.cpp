@@ -15,7 +15,7 @@ using Loop = std::vector<Vec2d>;
 
 double cross(const Vec2d& a, const Vec2d& b) { return a[0] * b[1] - a[1] * b[0]; }
 
-/// Without points that repeat the one before.
+/// The loop without points that repeat the one before.
 Loop distinct(const Loop& loop, double tolerance) {
   Loop out;
   for (const Vec2d& p : loop)
@@ -29,7 +29,7 @@ Key keyOf(const Vec2d& p, double tolerance) {
   return {std::llround(p[0] / tolerance), std::llround(p[1] / tolerance)};
 }
 
-/// The points in the order of their places: the same for a loop that starts elsewhere or runs the other way.
+/// The points in sorted order: the same for a loop that starts elsewhere or has the opposite direction.
 std::vector<Key> signature(const Loop& loop, double tolerance) {
   std::vector<Key> keys;
   for (const Vec2d& p : loop) keys.push_back(keyOf(p, tolerance));
@@ -37,7 +37,7 @@ std::vector<Key> signature(const Loop& loop, double tolerance) {
   return keys;
 }
 
-/// Where two edges cross properly, as a share of the first; negative: they do not.
+/// Where two edges properly intersect, as a fraction of the first; negative: they do not.
 double crossing(const Edge& e, const Edge& f) {
   if (std::max(e.a[0], e.b[0]) < std::min(f.a[0], f.b[0]) ||
       std::max(f.a[0], f.b[0]) < std::min(e.a[0], e.b[0]) ||
@@ -60,7 +60,7 @@ bool inside(const std::vector<Edge>& edges, const Vec2d& p) {
   return in;
 }
 
-/// Takes away edges that are there an even number of times.
+/// Removes edges that occur an even number of times.
 std::vector<Edge> withoutKeyholes(const std::vector<Edge>& edges, double tolerance) {
   std::map<std::array<Key, 2>, int> count;
   const auto keys = [&](const Edge& e) {
@@ -106,7 +106,7 @@ bool cross(const SectionRegion& a, const SectionRegion& b) {
   return false;
 }
 
-/// The parts of a's edges that lie outside b.
+/// The parts of a's edges that are outside b.
 std::vector<Edge> outsideOf(const SectionRegion& a, const SectionRegion& b) {
   std::vector<Edge> out;
   for (const Edge& e : a.edges) {
@@ -150,7 +150,7 @@ double distanceTo(const Edge& e, const Vec2d& p) {
   return (q - t * d).length();
 }
 
-/// Hands the nearest edges on from pixel to pixel.
+/// Propagates the nearest edges from pixel to pixel.
 class Spread {
  public:
   Spread(const PlaneSection& section, PlaneImage& image) : section_(section), image_(image) {}
@@ -183,10 +183,10 @@ class Spread {
     if (edge < 0) return;
     const size_t n = index(i, j);
     if (image_.nearest[n] == edge) return;
-    const float d = float(distanceTo(section_.edges[edge], image_.place(i, j)));
+    const float d = float(distanceTo(section_.edges[edge], image_.position(i, j)));
     if (d < image_.distance[n]) image_.distance[n] = d, image_.nearest[n] = edge;
   }
-  /// Takes from row j + `from`, then along the row both ways.
+  /// Takes edges from row j + `from`, then propagates along the row in both directions.
   void sweep(int j, int from) {
     const int other = j + from;
     if (other >= 0 && other < image_.height)
@@ -204,7 +204,7 @@ class Spread {
 void setSigns(const PlaneSection& section, PlaneImage& image) {
   std::vector<double> crossings;
   for (int j = 0; j < image.height; ++j) {
-    const double y = image.place(0, j)[1];
+    const double y = image.position(0, j)[1];
     crossings.clear();
     for (const Edge& e : section.edges)
       if ((e.a[1] > y) != (e.b[1] > y))
@@ -212,7 +212,7 @@ void setSigns(const PlaneSection& section, PlaneImage& image) {
     std::sort(crossings.begin(), crossings.end());
     size_t passed = 0;
     for (int i = 0; i < image.width; ++i) {
-      const double x = image.place(i, j)[0];
+      const double x = image.position(i, j)[0];
       while (passed < crossings.size() && crossings[passed] < x) ++passed;
       if (passed % 2 == 1) image.distance[size_t(j) * image.width + i] *= -1;
     }
@@ -306,8 +306,8 @@ PlaneImage distanceImage(const PlaneSection& section, double pixel, double margi
   for (const Edge& e : section.edges)
     for (const Vec2d& p : {e.a, e.b})
       for (int a = 0; a < 2; ++a) low[a] = std::min(low[a], p[a]), high[a] = std::max(high[a], p[a]);
-  // A grid that is the same wherever the contours lie in it keeps neighbouring planes' pixels above each
-  // other.
+  // Multiples of `pixel`, wherever the contours are, so that pixels of neighbouring planes are
+  // above each other.
   for (int a = 0; a < 2; ++a) image.low[a] = pixel * std::floor((low[a] - margin) / pixel);
   image.width = int(std::ceil((high[0] + margin - image.low[0]) / pixel)) + 1;
   image.height = int(std::ceil((high[1] + margin - image.low[1]) / pixel)) + 1;

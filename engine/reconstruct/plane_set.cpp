@@ -14,15 +14,15 @@ namespace slicemorph {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-/// A next plane farther than so many gaps that is parallel, says nothing about what lies
-/// between: two lumps, not one body.
+/// A parallel next plane more than this many gaps away says nothing about the space in between: it is taken
+/// for two bodies, not one.
 constexpr double kBridgedGaps = 3;
-constexpr double kParallel = 0.99;  // cosine
-constexpr double kLeastSlant =
-    1e-3;  // cosine: two planes that meet at less are never met along each other's normal
+constexpr double kParallel = 0.99;  // cosine: 8 degrees
+// Cosine: planes closer to perpendicular than this do not meet along each other's normal.
+constexpr double kLeastSlant = 1e-3;
 /// Points of different planes closer than this share of the extent are the same.
 constexpr double kSamePoint = 1e-7;
-constexpr size_t kProbes = 4000;  // contour points that are asked for the gap
+constexpr size_t kProbes = 4000;  // contour points that are sampled to find the gap
 
 double median(std::vector<double>& values) {
   if (values.empty()) return 0;
@@ -77,8 +77,8 @@ void findOutermost(PlaneSet& planes) {
       }
 }
 
-/// How far each of a plane's corners is from another plane along the normal is linear over the plane: what
-/// holds at the corners holds between them.
+/// The distance to another plane along the normal is linear over a plane, so what holds at the image's
+/// corners holds everywhere in between.
 void findBridged(PlaneSet& planes) {
   planes.bridged.assign(planes.sections.size() * 2, 0);
   const double most = kBridgedGaps * planes.gap;
@@ -89,7 +89,7 @@ void findBridged(PlaneSet& planes) {
       for (size_t j = 0; j < planes.sections.size() && !planes.bridged[2 * i + (side > 0)]; ++j) {
         bool next = j != i;
         for (int corner = 0; corner < 4 && next; ++corner) {
-          const Vec2d q = image.place(corner & 1 ? image.width - 1 : 0, corner & 2 ? image.height - 1 : 0);
+          const Vec2d q = image.position(corner & 1 ? image.width - 1 : 0, corner & 2 ? image.height - 1 : 0);
           const double t = planes.crossing(int(i), int(j), planes.world(int(i), q), side);
           next = t > 0 && t <= most;
         }
@@ -104,10 +104,10 @@ std::string millimetres(double v) {
   return text;
 }
 
-/// Of a stack of parallel planes: gaps that are not the usual one, next to contours.
+/// Notes gaps other than the usual one, next to contours, in a stack of parallel planes.
 void noteGaps(const PlaneSet& planes, Notes& notes) {
   constexpr double kStack = 1 - 1e-6, kUneven = 0.1;  // cosine; share of the gap
-  constexpr int kNamed = 5;
+  constexpr int kNamed = 5;                           // gaps that a note lists
   const Vec3d normal = planes.sections[0].frame.normal;
   std::vector<std::pair<double, bool>> heights;  // and whether there are contours
   for (const PlaneSection& s : planes.sections) {

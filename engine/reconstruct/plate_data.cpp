@@ -13,18 +13,18 @@ namespace {
 
 using openvdb::Coord;
 
-constexpr size_t kWholeLatticeNodes = 60000;
+constexpr size_t kWholeLatticeNodes = 60000;  // 39 a side: lattices up to this size are solved as a whole
 
-// How strongly the contours, and the planes' distances around them, hold against the bending of one node.
-// Measured on tori and slanted tubes: stronger plane weights make tori rounder (0.08 % of the tube's radius
-// at 3, 0.33 % at 0.3) and slanted tubes more wavy (5.2 % and 3.9 %).
+// How strongly the contours, and the planes' distances around them, are enforced against the bending of one
+// node. Measured on tori and slanted tubes: stronger plane weights make tori rounder (error of 0.08 % of the
+// tube's radius at 3, 0.33 % at 0.3) but slanted tubes more wavy (5.2 % and 3.9 %).
 constexpr double kContourWeight = 30;
 constexpr double kPlaneWeight = 1;
-constexpr double kCapWeight = 0.3;
-constexpr double kLeastVerdict = 1;  ///< nodes: nearer to the contours, their data hold
-constexpr double kProfileGaps = 2;   ///< how far from a contour its plane's profile bends, in gaps
+constexpr double kCapWeight = 0.3;   ///< of the conditions beyond the ends
+constexpr double kLeastVerdict = 1;  ///< nodes: closer to the contours, their own data decide
+constexpr double kProfileGaps = 2;   ///< how far from a contour its plane's profile is solved, in gaps
 
-/// The distance to the surface is at most that to any contour.
+/// The distance to the surface is at most the distance to any contour.
 double bounded(const PlaneSet& planes, int plane, const Vec3d& p, double distance) {
   for (int j = 0; j < int(planes.sections.size()); ++j) {
     if (j == plane || planes.images[j].distance.empty()) continue;
@@ -36,7 +36,7 @@ double bounded(const PlaneSet& planes, int plane, const Vec3d& p, double distanc
   return distance;
 }
 
-/// What one plane says on one lattice.
+/// The conditions that one plane imposes on one lattice.
 class PlaneData {
  public:
   PlaneData(const PlaneSet& planes, int plane, const Lattice& lattice)
@@ -63,7 +63,7 @@ class PlaneData {
         const size_t n = size_t(j) * image.width + i;
         const double d = image.distance[n];
         if (std::abs(d) > reach) continue;
-        const Vec3d p = frame.toWorld(image.place(i, j));
+        const Vec3d p = frame.toWorld(image.position(i, j));
         const double target = std::copysign(bounded(planes_, plane_, p, std::abs(profile[n])), d);
         const double fade = lattice_.spacing / (lattice_.spacing + std::abs(d));
         add(p, target, kPlaneWeight * fade * fade);
@@ -74,7 +74,7 @@ class PlaneData {
   const std::vector<PlateDatum>& data() const { return data_; }
 
  private:
-  /// Outside on two virtual planes beyond an end.
+  /// Adds "outside" conditions on two virtual planes beyond an end.
   void addCaps(const Vec3d& p, double d) {
     for (int side : {-1, 1}) {
       if (!planes_.endsAt(plane_, p, side)) continue;
@@ -95,8 +95,8 @@ class PlaneData {
   std::vector<PlateDatum> data_;
 };
 
-/// The pixels of a plane that cover what it cuts out of the box of all contours, also where it has none
-/// itself.
+/// The plane's pixels that cover its intersection with the box of all contours, including those without
+/// contours nearby.
 openvdb::CoordBBox pixelsInBox(const PlaneSet& planes, const PlaneContours& frame, double pixel) {
   openvdb::CoordBBox range;
   for (int c = 0; c < 8; ++c) {

@@ -5,27 +5,29 @@
 
 namespace slicemorph {
 
-/// Half width of the band of nodes around the surface that is solved on fine lattices, in nodes.
+/// Half width, in nodes, of the band around the surface that is solved for on fine lattices. Chosen by hand;
+/// the stencil of the bending energy reaches two nodes.
 constexpr double kBandNodes = 5;
 
-/// Whether a lattice is so small that all of it is solved.
+/// Whether a lattice is small enough to be solved as a whole.
 bool isSolvedWhole(const Lattice& lattice);
 
-/// How much of the surface's steepness lies in the plane, 0 to 1, by plane and edge.
+/// Per plane and edge: the share (0 to 1) of the function's gradient that is in the plane.
 using PlaneSlopes = std::vector<std::vector<float>>;
 
-/// What the planes say about the function on a lattice: 0 on the contours, near them the distances in the planes (of
-/// every `stride`-th pixel), outside beyond the planes where the object ends.
+/// The conditions that the planes impose on the function: 0 on the contours, the distances in the planes near
+/// them (at every `stride`-th pixel), and outside beyond the planes where the object ends.
 std::vector<PlateDatum> plateData(const PlaneSet& planes, const PlaneSlopes& slopes, const Lattice& lattice,
                                   int stride);
 
 /// Pixels of planes where the function has the wrong sign.
 struct BrokenPixels {
-  std::vector<Vec3d> at;         ///< world
-  std::vector<PlateDatum> data;  ///< what sets each right
+  std::vector<Vec3d> at;         ///< positions, world space
+  std::vector<PlateDatum> data;  ///< the conditions that correct them
 };
 
-/// Of every `stride`-th pixel, those next to nodes that are `on` and off the plane's contours.
+/// The wrong pixels among every `stride`-th, of those next to nodes marked `on` and not too close to the
+/// plane's contours.
 BrokenPixels brokenPixels(const PlaneSet& planes, const Lattice& lattice, const std::vector<float>& values,
                           const std::vector<char>& on, int stride);
 

@@ -14,14 +14,15 @@ namespace slicemorph {
 
 namespace {
 
-/// Of the solver; the first guess of a band is already close.
+/// Iterations of the solver; in a band the initial guess is already close.
 constexpr int kWholeSteps = 400, kBandSteps = 40;
-constexpr int kContourReach = 3;     ///< nodes around a contour that are solved wherever the surface is
-constexpr double kLeastSlope = 0.3;  ///< of a surface that runs along a plane
-/// Of solving again around pixels where the surface contradicts their plane.
+constexpr int kContourReach = 3;     ///< nodes around a contour that are always solved for
+constexpr double kLeastSlope = 0.3;  ///< of a surface that is nearly parallel to a plane
+/// Rounds of solving again around pixels where the surface contradicts their plane.
 constexpr int kVerdictRounds = 3;
 
-/// `levels` halvings lead from a lattice as coarse as the planes' gaps to this one.
+/// The finest lattice, aligned so that it can be coarsened `levels` times, down to a spacing like
+/// the planes' gap.
 Lattice finestLattice(const PlaneSet& planes, double h, int levels) {
   const double coarse = h * (1 << levels), margin = planes.gap + 3.5 * coarse;
   Lattice lattice;
@@ -41,7 +42,7 @@ Lattice coarser(const Lattice& lattice, int level) {
   return out;
 }
 
-/// Values on the nodes of half the spacing, trilinear.
+/// Trilinear interpolation to half the spacing.
 std::vector<float> refined(const PlateSurface& coarse, const Lattice& lattice) {
   std::vector<float> values(lattice.count());
   tbb::parallel_for(0, lattice.size[2], [&](int k) {
@@ -57,8 +58,8 @@ std::vector<float> refined(const PlateSurface& coarse, const Lattice& lattice) {
   return values;
 }
 
-/// Where the surface meets a plane at an angle, the distance in the plane is larger than the distance to the surface.
-/// Where the function is flat, slopes stay as they were.
+/// Where the surface meets a plane at an oblique angle, the distance within the plane is larger than the
+/// distance to the surface. Where the function is flat, slopes are kept.
 PlaneSlopes measuredSlopes(const PlaneSet& planes, const PlateSurface& surface, PlaneSlopes slopes) {
   tbb::parallel_for(size_t(0), slopes.size(), [&](size_t i) {
     const PlaneSection& s = planes.sections[i];
@@ -82,7 +83,7 @@ void markAround(const Lattice& lattice, const Vec3d& p, int reach, std::vector<c
         if (lattice.holds({i, j, k})) on[lattice.index(i, j, k)] = 1;
 }
 
-/// Those of the marked nodes that may be solved for.
+/// The marked nodes that may be solved for: those at least two nodes from the border.
 std::vector<std::uint32_t> markedNodes(const Lattice& lattice, const std::vector<char>& on) {
   std::vector<std::vector<std::uint32_t>> slabs(lattice.size[2]);
   tbb::parallel_for(2, lattice.size[2] - 2, [&](int k) {
@@ -95,7 +96,7 @@ std::vector<std::uint32_t> markedNodes(const Lattice& lattice, const std::vector
   return active;
 }
 
-/// Nodes near the surface so far or near a contour.
+/// Nodes near the current surface or near a contour.
 std::vector<std::uint32_t> activeNodes(const PlaneSet& planes, const PlateSurface& surface) {
   const Lattice& lattice = surface.lattice;
   if (isSolvedWhole(lattice)) return markedNodes(lattice, std::vector<char>(lattice.count(), 1));
@@ -111,8 +112,8 @@ std::vector<std::uint32_t> activeNodes(const PlaneSet& planes, const PlateSurfac
   return markedNodes(lattice, on);
 }
 
-/// Far from the contours a plane still says what is inside and what outside, where no datum holds the surface: it is
-/// solved again around the pixels that it contradicts, until there are none.
+/// Far from the contours no condition fixes the surface, but a plane still tells inside from outside. Solves
+/// again around pixels that contradict their plane, until there are none or kVerdictRounds are over.
 PlateSurface withVerdicts(const PlaneSet& planes, int stride, const PlateSettings& settings,
                           std::vector<PlateDatum> data, PlateSurface surface) {
   std::vector<char> on(surface.lattice.count(), 1);

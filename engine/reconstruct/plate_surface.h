@@ -6,15 +6,17 @@
 
 namespace slicemorph {
 
-/// A function on a lattice in the world, whose zero set is the surface; about a distance near it, negative inside.
+/// A function on a lattice in world space whose zero set is the surface; about a distance near
+/// it, negative inside.
 struct PlateSurface {
   Lattice lattice;
   std::vector<float> values;
 };
 
-/// The function of least bending (thin plate) that is zero on the planes' contours and close to the planes' own
-/// signed distances near them, found from coarse to fine (after [TO99], on a lattice). `voxelSize`: of
-/// the finest lattice, whose nodes are whole multiples of it. Throws Cancelled.
+/// The function of least bending energy (thin plate) that is zero on the planes' contours and close to
+/// the planes' own signed distances near them, solved from coarse to fine (after [TO99], on a
+/// lattice). `voxelSize`: spacing of the finest lattice, world units; its nodes are at whole multiples
+/// of it. Throws Cancelled.
 PlateSurface plateSurface(const PlaneSet& planes, double voxelSize, Progress* progress);
 
 }  // namespace slicemorph

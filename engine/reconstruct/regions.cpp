@@ -9,27 +9,28 @@ namespace slicemorph {
 
 namespace {
 
-/// How far a region may go sideways per unit along the stack before another beginning is likelier: two gaps
-/// (63 degrees).
+/// How far a region may move sideways per unit along the stack before it is more likely that one region ends
+/// and another begins: two gaps (63 degrees). Chosen by hand.
 constexpr float kSteepestShift = 2;
 
 float radiusOf(const LabelRegion& r, const ScoreStack& stack) {
   return std::sqrt(float(r.count) * stack.pixel[0] * stack.pixel[1] / 3.14159265f);
 }
 
-/// Marks the regions of `a` and `b` that meet when a's pixels are carried `way` times the motion.
-void markMeeting(const LabelRegions& a, const LabelRegions& b, const SliceMotion& motion, float way,
+/// Marks the regions of `a` and `b` that overlap once a's pixels are carried by `direction` (1 or -1) times
+/// the motion.
+void markMeeting(const LabelRegions& a, const LabelRegions& b, const SliceMotion& motion, float direction,
                  std::vector<char>& meetsA, std::vector<char>& meetsB) {
   for (const RegionRun& run : a.runs)
     for (int x = run.x0; x < run.x1 && !meetsA[size_t(run.region)]; ++x) {
       const SliceMotion::Vector v = motion.at(float(x), float(run.y));
-      const int j =
-          b.at(int(std::floor(float(x) + way * v.x + .5f)), int(std::floor(float(run.y) + way * v.y + .5f)));
+      const int j = b.at(int(std::floor(float(x) + direction * v.x + .5f)),
+                         int(std::floor(float(run.y) + direction * v.y + .5f)));
       if (j >= 0) meetsA[size_t(run.region)] = meetsB[size_t(j)] = 1;
     }
 }
 
-/// Runs of pixels inside, each of them its own region.
+/// Runs of pixels inside, each as a region of its own.
 std::vector<RegionRun> findRuns(const LabelScore& score) {
   const PixelBox& box = score.box;
   std::vector<RegionRun> runs;
@@ -45,7 +46,7 @@ std::vector<RegionRun> findRuns(const LabelScore& score) {
   return runs;
 }
 
-/// Makes runs that touch those of the row above one region, which is its first run.
+/// Joins runs that touch runs of the row above; the region is the index of its first run.
 void joinRuns(std::vector<RegionRun>& runs) {
   DisjointSets regions(runs.size());
   size_t above = 0;
@@ -86,7 +87,8 @@ LabelRegions findRegions(const LabelScore& score) {
       run.region = int(result.regions.size());
       result.regions.emplace_back(), sumX.push_back(0), sumY.push_back(0);
     } else {
-      run.region = result.runs[size_t(run.region)].region;  // a run further up, which has its number already
+      // an earlier run, whose region is already numbered
+      run.region = result.runs[size_t(run.region)].region;
     }
     const size_t id = size_t(run.region), count = size_t(run.x1 - run.x0);
     LabelRegion& r = result.regions[id];

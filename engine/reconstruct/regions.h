@@ -9,10 +9,10 @@ struct LabelRegion {
   PixelBox box;
   size_t count = 0;    ///< pixels
   float x = 0, y = 0;  ///< centroid, pixels
-  float depth = 0;     ///< greatest score, world units
+  float depth = 0;     ///< largest score, world units
 };
 
-/// Pixels [x0, x1) of one row that are one region's.
+/// The pixels [x0, x1) of one row that belong to one region.
 struct RegionRun {
   int y, x0, x1, region;
 };
@@ -21,20 +21,20 @@ struct LabelRegions {
   std::vector<LabelRegion> regions;
   std::vector<RegionRun> runs;  ///< row by row, from left to right
 
-  /// The region that holds a pixel; -1: none.
+  /// Index of the region that contains a pixel; -1: none.
   int at(int x, int y) const;
 };
 
 LabelRegions findRegions(const LabelScore& score);
 
-/// A region on either plane.
+/// Indices of two matching regions, on the first and the second plane of a gap.
 struct RegionPair {
   int a, b;
 };
 
-/// Pairs the regions that meet none of their label's once the motion has carried them, by least centroid
-/// distance plus the difference of their radii, nearest first; a label none of whose regions meet keeps at
-/// least one pair, however far.
+/// Pairs regions of one label that overlap none of the label's regions on the other plane once the motion has
+/// carried them; nearest first, by the distance of their centroids plus the difference of their radii. A
+/// label none of whose regions overlap gets at least one pair, however far apart. `gap`: world units.
 std::vector<RegionPair> pairRegions(const LabelRegions& ra, const LabelRegions& rb, const SliceMotion& motion,
                                     const ScoreStack& stack, float gap);
 

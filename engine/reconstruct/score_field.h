@@ -6,14 +6,14 @@
 
 namespace slicemorph {
 
-/// Points of a plane: pixels (`box` holds them) and the parts of the way to the next ones.
+/// Points of a plane, as pixels and fractions (0 to 1) of the way to the next pixel; all pixels are in `box`.
 struct PlanePoints {
   std::vector<int> x, y;
   std::vector<float> fx, fy;
   PixelBox box;
 
-  /// `width` x `height` points, evenly between four corners (at 0, 0; at width - 1, 0; at 0, height - 1;
-  /// ...).
+  /// Sets `width` x `height` points, bilinear between four corners: those of points (0, 0), (width - 1, 0),
+  /// (0, height - 1) and (width - 1, height - 1).
   void spread(const float* cornerX, const float* cornerY, int width, int height) {
     const size_t count = size_t(width) * size_t(height);
     x.resize(count), y.resize(count), fx.resize(count), fy.resize(count);
@@ -47,8 +47,8 @@ struct PlanePoints {
   }
 };
 
-/// Reads a label's score at any point of its plane (pixels): bilinear in its box, beyond it the distance goes
-/// on.
+/// A label's score at any point of its plane (pixels): bilinear within its box, extrapolated as a distance
+/// beyond it.
 struct ScoreField {
   const float* values = nullptr;
   PixelBox box;
@@ -77,7 +77,7 @@ struct ScoreField {
     return low + fy * (high - low);
   }
 
-  /// `at` of many points.
+  /// Evaluates `at` for many points.
   void read(const PlanePoints& points, float* to) const {
     const size_t count = points.x.size();
     if (points.box.x0 < box.x0 || points.box.y0 < box.y0 || points.box.x1 >= box.x1 ||
@@ -95,8 +95,8 @@ struct ScoreField {
   }
 
  private:
-  float corner[2] = {0, 0},
-        last[2] = {0, 0};  ///< the box in floats: its first pixel, and from it to the last
+  /// The box as floats: its first pixel, and the offset from there to the last one.
+  float corner[2] = {0, 0}, last[2] = {0, 0};
   size_t row = 0;
 
   void readRim(const PlanePoints& points, float* to) const {
@@ -135,8 +135,8 @@ struct ScoreField {
     return beyond(v, x, y);
   }
 
-  /// The box is convex, so the distance grows at least by Pythagoras; beyond the domain nothing is known to
-  /// end.
+  /// The label is inside its box, which is convex, so the distance outside grows at least by Pythagoras.
+  /// Beyond the domain the label may continue, so the distance there does not grow.
   float beyond(float v, float x, float y) const {
     const float nx = std::min(std::max(x, float(domain.x0)), float(domain.x1 - 1));
     const float ny = std::min(std::max(y, float(domain.y0)), float(domain.y1 - 1));

@@ -10,9 +10,9 @@
 namespace slicemorph {
 namespace {
 
-/// Two slices that follow each other lean by less than this against each other: the cosine of 75 degrees.
+/// Consecutive slices must have an angle below 75 degrees, whose cosine this is.
 constexpr double kLeastCosine = 0.26;
-/// How far beyond the ends a place between slices lies.
+/// Value of `beyond` for positions between slices.
 constexpr double kInside = -std::numeric_limits<double>::infinity();
 
 Vec3d middleOf(const SectionPlane& plane) {
@@ -24,7 +24,7 @@ Vec3d pixelOf(const SectionPlane& plane, const Vec3d& p) {
   return {d.dot(plane.xAxis), d.dot(plane.yAxis), 0};
 }
 
-/// Squared distance from the image's middle, world units.
+/// Squared distance from the image's centre, world units.
 double offCentre(const SectionPlane& plane, const Vec3d& pixel) {
   const Vec3d d(pixel[0] - 0.5 * (plane.width - 1), pixel[1] - 0.5 * (plane.height - 1), 0);
   return d.lengthSqr() * plane.pixelSize * plane.pixelSize;
@@ -41,18 +41,18 @@ SectionSlabs::SectionSlabs(const std::vector<SectionPlane>& planes, double reach
     throw InputError(std::to_string(planes.size()) + " slice; a volume needs two or more");
   for (size_t k = 0; k + 1 < planes.size(); ++k) {
     const SectionPlane &a = planes[k], &b = planes[k + 1];
-    const Vec3d way = middleOf(b) - middleOf(a);
+    const Vec3d offset = middleOf(b) - middleOf(a);
     const Vec3d turned = a.normal.dot(b.normal) < 0 ? -b.normal : b.normal;
     Slab slab;
     slab.along = (a.normal + turned).unit();
-    if (slab.along.dot(way) < 0) slab.along = -slab.along;
+    if (slab.along.dot(offset) < 0) slab.along = -slab.along;
     slab.slope[0] = slab.along.dot(a.normal);
     slab.slope[1] = slab.along.dot(b.normal);
     if (a.normal.dot(turned) < kLeastCosine)
       throw InputError(
           "slices " + std::to_string(a.index + 1) + " and " + std::to_string(b.index + 1) +
           " stand across each other: there is nothing between them; slices are to follow each other");
-    const double half = 0.5 * std::abs(way.dot(slab.along));
+    const double half = 0.5 * std::abs(offset.dot(slab.along));
     if (k == 0) slab.before = half + reach, slab.halfGap[0] = half;
     if (k + 2 == planes.size()) slab.after = half + reach, slab.halfGap[1] = half;
     slabs_.push_back(slab);
@@ -73,7 +73,7 @@ void SectionSlabs::near(const Vec3d& centre, double radius, std::vector<size_t>&
   slabs.clear();
   for (size_t k = 0; k < slabs_.size(); ++k) {
     const Slab& slab = slabs_[k];
-    // Ways along the slab's line to its two planes; a sphere reaches as far as they lean.
+    // Distances to the two planes along the slab's direction; oblique planes extend the sphere's reach.
     const double first = planes_[k].distance(centre) / slab.slope[0];
     const double second = planes_[k + 1].distance(centre) / slab.slope[1];
     if (first >= -slab.before - radius / std::abs(slab.slope[0]) &&
@@ -82,7 +82,7 @@ void SectionSlabs::near(const Vec3d& centre, double radius, std::vector<size_t>&
   }
 }
 
-bool SectionSlabs::find(const Vec3d& p, const std::vector<size_t>& slabs, BetweenSections& place) const {
+bool SectionSlabs::find(const Vec3d& p, const std::vector<size_t>& slabs, BetweenSections& position) const {
   bool found = false;
   double nearest = 0;
   for (size_t k : slabs) {
@@ -90,25 +90,25 @@ bool SectionSlabs::find(const Vec3d& p, const std::vector<size_t>& slabs, Betwee
     if (!locate(k, p, here)) continue;
     const double off = offCentre(planes_[k], here.first) + offCentre(planes_[k + 1], here.second);
     if (found && off >= nearest) continue;
-    place = here, nearest = off, found = true;
+    position = here, nearest = off, found = true;
   }
   return found;
 }
 
-bool SectionSlabs::locate(size_t k, const Vec3d& p, BetweenSections& place) const {
+bool SectionSlabs::locate(size_t k, const Vec3d& p, BetweenSections& position) const {
   const Slab& slab = slabs_[k];
-  // How far the place lies behind the first plane and before the second one, along the slab's line.
+  // How far the point is behind the first plane and in front of the second, along the slab's direction.
   const double behind = planes_[k].distance(p) / slab.slope[0];
   const double before = -planes_[k + 1].distance(p) / slab.slope[1];
   const double gap = behind + before;
   if (behind < -slab.before || before < -slab.after || !(gap > 1e-9 * planes_[k].pixelSize)) return false;
-  place.slab = k;
-  place.share = behind / gap;
-  place.first = pixelOf(planes_[k], p - behind * slab.along);
-  place.second = pixelOf(planes_[k + 1], p + before * slab.along);
-  if (!holds(planes_[k], place.first) && !holds(planes_[k + 1], place.second)) return false;
-  place.beyond = std::max(behind < 0 ? -behind - slab.halfGap[0] : kInside,
-                          before < 0 ? -before - slab.halfGap[1] : kInside);
+  position.slab = k;
+  position.share = behind / gap;
+  position.first = pixelOf(planes_[k], p - behind * slab.along);
+  position.second = pixelOf(planes_[k + 1], p + before * slab.along);
+  if (!holds(planes_[k], position.first) && !holds(planes_[k + 1], position.second)) return false;
+  position.beyond = std::max(behind < 0 ? -behind - slab.halfGap[0] : kInside,
+                             before < 0 ? -before - slab.halfGap[1] : kInside);
   return true;
 }
 

@@ -22,30 +22,30 @@ namespace {
 using openvdb::Coord;
 using openvdb::GridBase;
 
-constexpr double kMostLeaves = double(1 << 24);
-/// The outermost voxel of a band is half clamped where it was sampled: the share of the band that still holds
-/// distances.
+constexpr double kMostLeaves = double(1 << 24);  // 2^33 voxels
+/// The share of the slices' band that holds true distances: where it was sampled, its outermost voxel is
+/// partly clamped. Two of three voxels.
 constexpr double kTrusted = 2.0 / 3;
 
-bool isLevelSet(const GridBase& like) {
-  return like.getGridClass() == openvdb::GRID_LEVEL_SET &&
-         (like.isType<FloatGrid>() || like.isType<openvdb::DoubleGrid>());
+bool isLevelSet(const GridBase& prototype) {
+  return prototype.getGridClass() == openvdb::GRID_LEVEL_SET &&
+         (prototype.isType<FloatGrid>() || prototype.isType<openvdb::DoubleGrid>());
 }
 
-double backgroundOf(const GridBase& like) {
+double backgroundOf(const GridBase& prototype) {
   double background = 0;
-  like.apply<openvdb::TypeList<FloatGrid, openvdb::DoubleGrid>>(
+  prototype.apply<openvdb::TypeList<FloatGrid, openvdb::DoubleGrid>>(
       [&](const auto& g) { background = double(g.background()); });
   return background;
 }
 
-/// Weights of the values at -1, 0, 1, 2.
+/// Weights of the values at -1, 0, 1, 2 [CR74].
 std::array<float, 4> catmullRom(float t) {
   const float t2 = t * t, t3 = t2 * t;
   return {(-t3 + 2 * t2 - t) / 2, (3 * t3 - 5 * t2 + 2) / 2, (-3 * t3 + 4 * t2 + t) / 2, (t3 - t2) / 2};
 }
 
-/// One component of one slice; beyond its pixels the background.
+/// One component of one slice; the background outside its pixels.
 struct Picture {
   const SectionPlane* plane;
   const float* values;
@@ -62,7 +62,7 @@ struct Picture {
     const float below = at(i, j + 1) + x * (at(i + 1, j + 1) - at(i, j + 1));
     return above + y * (below - above);
   }
-  /// By Catmull-Rom splines: what curves between the pixels keeps its bulge.
+  /// Catmull-Rom spline, which preserves curvature between the pixels.
   float cubic(const Vec3d& p) const {
     const int i = int(std::floor(p[0])), j = int(std::floor(p[1]));
     const std::array<float, 4> across = catmullRom(float(p[0] - i)), down = catmullRom(float(p[1] - j));
@@ -77,7 +77,7 @@ struct Picture {
   float nearest(const Vec3d& p) const { return at(int(std::floor(p[0] + 0.5)), int(std::floor(p[1] + 0.5))); }
 };
 
-/// Whether planes are parallel and as far apart from each other.
+/// Whether the planes are parallel and evenly spaced.
 bool areEven(const std::vector<SectionPlane>& planes) {
   for (size_t n = 1; n < planes.size(); ++n) {
     const double gap = planes[0].distance(planes[1].origin), here = planes[n - 1].distance(planes[n].origin);
@@ -87,7 +87,7 @@ bool areEven(const std::vector<SectionPlane>& planes) {
   return true;
 }
 
-/// The slices of one grid as a function of space.
+/// The slices of one grid as a function in space.
 class Field {
  public:
   Field(const std::vector<SectionPlane>& planes, const SlicedGrid& sliced, const Vec3d& background,
@@ -103,34 +103,34 @@ class Field {
   const SectionSlabs& slabs() const { return slabs_; }
 
   float value(const Vec3d& world, int component, const std::vector<size_t>& near) const {
-    BetweenSections place;
+    BetweenSections position;
     const float background = float(background_[component]);
-    if (!slabs_.find(world, near, place)) return background;
-    const Picture a = picture(place.slab, component, background),
-                  b = picture(place.slab + 1, component, background);
+    if (!slabs_.find(world, near, position)) return background;
+    const Picture a = picture(position.slab, component, background),
+                  b = picture(position.slab + 1, component, background);
     if (distance_) {
-      const float first = a.cubic(place.first), second = b.cubic(place.second);
-      // Beyond the ends the distances go on, up to a flat cap in the middle of the next gap.
-      float on = first + float(place.share) * (second - first);
-      if (evenly_ && place.slab > 0 && place.slab + 2 < planes_.size() && place.beyond < 0) {
+      const float first = a.cubic(position.first), second = b.cubic(position.second);
+      // Beyond the end slices the distances continue, up to a flat cap half a gap away.
+      float on = first + float(position.share) * (second - first);
+      if (evenly_ && position.slab > 0 && position.slab + 2 < planes_.size() && position.beyond < 0) {
         const float before =
-            picture(place.slab - 1, component, background).cubic(onPlane(place.slab - 1, world));
+            picture(position.slab - 1, component, background).cubic(onPlane(position.slab - 1, world));
         const float after =
-            picture(place.slab + 2, component, background).cubic(onPlane(place.slab + 2, world));
-        const std::array<float, 4> w = catmullRom(float(place.share));
+            picture(position.slab + 2, component, background).cubic(onPlane(position.slab + 2, world));
+        const std::array<float, 4> w = catmullRom(float(position.share));
         on = w[0] * before + w[1] * first + w[2] * second + w[3] * after;
       }
-      return std::clamp(std::max(on, float(place.beyond)), -background, background);
+      return std::clamp(std::max(on, float(position.beyond)), -background, background);
     }
-    if (place.beyond > 0) return background;
-    if (whole_) return place.share < 0.5 ? a.nearest(place.first) : b.nearest(place.second);
-    const float share = float(std::clamp(place.share, 0.0, 1.0));
-    const float first = a.linear(place.first), second = b.linear(place.second);
+    if (position.beyond > 0) return background;
+    if (whole_) return position.share < 0.5 ? a.nearest(position.first) : b.nearest(position.second);
+    const float share = float(std::clamp(position.share, 0.0, 1.0));
+    const float first = a.linear(position.first), second = b.linear(position.second);
     return first + share * (second - first);
   }
 
  private:
-  /// The pixel that lies nearest to a place.
+  /// Pixel coordinates of a world point's projection onto a plane.
   Vec3d onPlane(size_t n, const Vec3d& world) const {
     const SectionPlane& plane = planes_[n];
     const Vec3d d = (world - plane.origin) / plane.pixelSize;
@@ -149,7 +149,7 @@ class Field {
   SectionSlabs slabs_;
 };
 
-/// Origins of all leaves that a box of the world touches.
+/// Origins of all leaves that a world box touches.
 std::vector<Coord> leavesOf(const openvdb::BBoxd& box, double voxelSize) {
   const Vec3d lo = box.min() / (voxelSize * kLeaf), hi = box.max() / (voxelSize * kLeaf),
               n = hi - lo + Vec3d(1);
@@ -164,7 +164,7 @@ std::vector<Coord> leavesOf(const openvdb::BBoxd& box, double voxelSize) {
   return origins;
 }
 
-/// Calls visit(leaf, slabs near it) in parallel where there are any.
+/// Calls visit(leaf, slabs near it) in parallel, for leaves with slabs near them.
 template <typename Visit>
 void forLeaves(const std::vector<Coord>& origins, const SectionSlabs& slabs, double h, const Visit& visit) {
   tbb::parallel_for(tbb::blocked_range<size_t>(0, origins.size()),
@@ -227,9 +227,9 @@ void fillGrid(Grid& grid, const Field& field, double h) {
       Value value;
       if constexpr (openvdb::VecTraits<Value>::IsVec) {
         for (int c = 0; c < 3; ++c) {
-          Vec3d place = world;
-          place[c] -= face * h;
-          value[c] = typename Value::value_type(field.value(place, c, near));
+          Vec3d position = world;
+          position[c] -= face * h;
+          value[c] = typename Value::value_type(field.value(position, c, near));
         }
       } else if constexpr (std::is_same_v<Value, bool>) {
         value = field.value(world, 0, near) > 0.5f;
@@ -252,33 +252,34 @@ std::vector<size_t> orderOfSections(const std::vector<SectionPlane>& planes) {
   const bool parallel = std::all_of(planes.begin(), planes.end(), [&](const SectionPlane& plane) {
     return std::abs(plane.normal.dot(planes[0].normal)) > 1 - 1e-9;
   });
-  const auto place = [&](size_t n) {
+  const auto position = [&](size_t n) {
     return parallel ? planes[0].distance(planes[n].origin) : planes[n].index;
   };
-  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return place(a) < place(b); });
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return position(a) < position(b); });
   return order;
 }
 
-double mostVoxelSize(const GridBase& like) {
-  return isLevelSet(like) ? backgroundOf(like) / kHalfWidth : std::numeric_limits<double>::infinity();
+double mostVoxelSize(const GridBase& prototype) {
+  return isLevelSet(prototype) ? backgroundOf(prototype) / kHalfWidth
+                               : std::numeric_limits<double>::infinity();
 }
 
 GridBase::Ptr gridOfSections(const std::vector<SectionPlane>& planes, const SlicedGrid& sliced,
                              double voxelSize) {
-  const GridBase& like = *sliced.like;
-  if (!(voxelSize <= mostVoxelSize(like) * 1.001))
-    throw InputError("voxel size " + std::to_string(voxelSize) + ": the slices of '" + like.getName() +
-                     "' hold distances up to " + std::to_string(backgroundOf(like)) +
-                     ", three voxels of at most " + std::to_string(mostVoxelSize(like)));
+  const GridBase& prototype = *sliced.prototype;
+  if (!(voxelSize <= mostVoxelSize(prototype) * 1.001))
+    throw InputError("voxel size " + std::to_string(voxelSize) + ": the slices of '" + prototype.getName() +
+                     "' hold distances up to " + std::to_string(backgroundOf(prototype)) +
+                     ", three voxels of at most " + std::to_string(mostVoxelSize(prototype)));
   const auto transform = openvdb::math::Transform::createLinearTransform(voxelSize);
   GridBase::Ptr result;
-  if (isLevelSet(like)) {
-    const double band = backgroundOf(like);
+  if (isLevelSet(prototype)) {
+    const double band = backgroundOf(prototype);
     const Field field(planes, sliced, Vec3d(band), false, true, band);
     result = levelSetOf(field, *transform, voxelSize, band);
-    result->insertMeta(like);
+    result->insertMeta(prototype);
   } else {
-    result = like.copyGridWithNewTree();
+    result = prototype.copyGridWithNewTree();
     result->apply<SliceableTypes>([&](auto& typed) {
       using Grid = std::decay_t<decltype(typed)>;
       using Value = typename Grid::ValueType;

@@ -4,30 +4,30 @@
 
 namespace slicemorph {
 
-/// Slices of one grid, to be put together again.
+/// Slices of one grid, to be assembled.
 struct SlicedGrid {
-  /// Without voxels: type, class, name, background, metadata of what is made.
-  openvdb::GridBase::ConstPtr like;
+  /// Has no voxels; gives the result's type, class, name, background and metadata.
+  openvdb::GridBase::ConstPtr prototype;
   std::vector<SectionValues> slices;  ///< one per plane
 };
 
-/// Planes in the order in which they follow each other: parallel ones by place, others as they are.
-/// Throws InputError for fewer than two, and for two in a row that stand across each other.
+/// The order in which planes follow each other: parallel ones by position, others as numbered. Checks
+/// nothing: the constructor of SectionSlabs throws for planes that cannot be used.
 std::vector<size_t> orderOfSections(const std::vector<SectionPlane>& planes);
 
-/// The grid on voxels of `voxelSize` world units, parallel to the world's axes: between two slices linear
-/// along the line that stands evenly on both, in them bilinear (whole numbers and flags: the nearest pixel of
-/// the nearer slice), so that what is linear in space comes back as it was. Slices may lean; where several
-/// pairs hold a place, the one whose images have it nearest to their middle counts. Beyond the first and the
-/// last slice values hold for half the gap. `planes`: in their order. Distances are taken along Catmull-Rom
-/// splines, in the slices and, where these are parallel and as far apart, across four of them; level sets are
-/// made distances again in a band of three voxels; where they would reach too little they throw InputError
-/// naming the voxel size that they serve. Throws InputError for too many voxels.
+/// The grid on voxels of `voxelSize` world units, parallel to the world's axes. Linear between two slices,
+/// along the direction that bisects their normals, and bilinear within them, so that functions linear in
+/// space are reproduced; integers and flags take the nearest pixel of the nearer slice. Slices may be oblique
+/// to each other; where several pairs contain a position, the pair whose images have it nearest to their
+/// centres is used. Beyond the first and last slice values extend for half a gap. `planes`: in order.
+/// Distances use Catmull-Rom splines within the slices and, if these are parallel and evenly spaced, across
+/// four of them; level sets are redistanced in a band of three voxels. Throws InputError if the slices'
+/// distances reach less far than that, naming the largest possible voxel size, and for too many voxels.
 openvdb::GridBase::Ptr gridOfSections(const std::vector<SectionPlane>& planes, const SlicedGrid& sliced,
                                       double voxelSize);
 
-/// The largest voxel size at which slices of this grid make a level set, world units; infinite of other
-/// grids.
-double mostVoxelSize(const openvdb::GridBase& like);
+/// The largest voxel size, in world units, at which slices of this grid make a level set; infinite
+/// for other grids.
+double mostVoxelSize(const openvdb::GridBase& prototype);
 
 }  // namespace slicemorph

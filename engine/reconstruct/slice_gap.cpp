@@ -11,7 +11,7 @@ namespace slicemorph {
 
 namespace {
 
-/// Per plane and label.
+/// Indexed by plane and label.
 using PlaneRegions = std::vector<std::vector<LabelRegions>>;
 
 const LabelScore* findLabel(const ScorePlane& plane, int label) {
@@ -20,7 +20,7 @@ const LabelScore* findLabel(const ScorePlane& plane, int label) {
   return it != plane.labels.end() && it->label == label ? &*it : nullptr;
 }
 
-/// Adds to gap `g` the regions of a label that is about to become its next one.
+/// Adds the travelling regions of label `l` in gap `g`; `l` becomes the gap's next label.
 void addTravellers(const ScoreStack& stack, size_t g, const PlaneRegions& regions, GapLabel& l, Gap& gap) {
   const ScorePlane &pa = stack.planes[g], &pb = stack.planes[g + 1];
   const LabelScore *a = findLabel(pa, l.label), *b = findLabel(pb, l.label);

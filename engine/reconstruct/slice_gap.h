@@ -5,21 +5,22 @@
 
 namespace slicemorph {
 
-/// One label in one gap: its fields on the planes before, at, at and after it.
+/// One label in one gap, with its fields on the four planes: two on either side of the gap.
 struct GapLabel {
   int label = 0;
   ScoreField plane[4];
-  float depth[2] = {0, 0};  ///< greatest score on either plane
-  PixelBox box;             ///< holds it throughout
+  float depth[2] = {0, 0};  ///< largest score on each of the gap's own two planes
+  PixelBox box;             ///< contains the label throughout the gap
 };
 
-/// A region that goes to another place within a gap, where the smooth motion does not take it: it has the way
-/// before all that stays.
+/// A region that moves to another position within a gap, although the smooth motion does not carry it there.
+/// It takes precedence over everything that does not travel.
 struct Traveller {
-  size_t label = 0;  ///< place in the gap's list
+  size_t label = 0;  ///< index in the gap's list
   LabelScore a, b;
-  float x = 0, y = 0;  ///< from a to b, pixels
-  bool thin = false;   ///< less than two pixels thick: carried by whole pixels, or it would fall between them
+  float x = 0, y = 0;  ///< displacement from a to b, pixels
+  /// Less than two pixels thick: moved by whole pixels, or it would vanish between them.
+  bool thin = false;
   PixelBox box;
 };
 
@@ -29,7 +30,7 @@ struct Gap {
   SliceMotion motion;
 };
 
-/// A stack of planes, and what is known of the gaps between them.
+/// A stack of planes, and what was found about the gaps between them.
 struct SlicePlan {
   ScoreStack stack;
   std::vector<Gap> gaps;

@@ -4,13 +4,13 @@ namespace slicemorph {
 
 namespace {
 
-/// Of a gap's length: where scores level off.
+/// Scores level off at this share of the gap's length. Chosen by hand; guarded by label_slices_test.cpp.
 constexpr float kLevel = 0.85f;
-/// The cubic may change a slope by this share of a gap per gap: more is a label that jumps, not one that
-/// bends.
+/// Largest change of a slope by the cubic, in gaps per gap: more indicates a label that jumps, not one that
+/// bends. Chosen by hand; guarded by label_slices_test.cpp.
 constexpr float kBend = 0.7f;
-/// Slopes over a gap of few pixels are mostly the pixels' rounding: they count 1 / (1 + kRoughSlope (pixel /
-/// gap)^2).
+/// Slopes over a gap of few pixels are mostly rounding to pixels: they are weighted by 1 / (1 + kRoughSlope
+/// (pixel / gap)^2).
 constexpr float kRoughSlope = 0.5f;
 
 }  // namespace
@@ -26,8 +26,8 @@ Moment momentAt(const ScoreStack& stack, double position) {
   const float rough = std::max(stack.pixel[0], stack.pixel[1]) / h,
               trust = 1 / (1 + kRoughSlope * rough * rough);
   m.cubic[1] = 1 - t, m.cubic[2] = t;
-  // Hermite's cubic is the line plus u (slope at a - chord) - v (slope at b - chord); a slope is that of
-  // the parabola through three planes, whatever their gaps.
+  // Hermite's cubic is the linear blend plus u (slope at a - chord) - v (slope at b - chord). A slope is that
+  // of the parabola through three planes, for any gaps.
   const auto bend = [&](double gapBeyond, float by, int beyond, int here, int there) {
     const float k = float(gapBeyond), a = by * h / (k + h), q = h / k;
     m.cubic[beyond] -= a * q, m.cubic[here] += a * (q + 1), m.cubic[there] -= a;

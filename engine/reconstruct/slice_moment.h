@@ -7,14 +7,14 @@
 
 namespace slicemorph {
 
-/// A position: its gap, the part of it, and the weights of the four planes' scores.
+/// A position along the stack: its gap, the fraction of the gap, and the weights of the four planes' scores.
 struct Moment {
   size_t gap = 0;
   float t = 0;
   float cubic[4] = {0, 0, 0, 0};
-  float limit = 0;  ///< of the cubic's departure from the line
+  float limit = 0;  ///< largest allowed difference of the cubic from the linear blend
   float level = 0;
-  bool before = false, after = false;  ///< whether there are planes 0 and 3
+  bool before = false, after = false;  ///< whether planes 0 and 3 exist
 };
 
 Moment momentAt(const ScoreStack& stack, double position);
@@ -24,9 +24,9 @@ constexpr size_t kMoments = 8;
 
 /// Up to kMoments positions in one gap, side by side.
 struct Moments {
-  Moment first;  ///< what they share
+  Moment first;  ///< holds what they share
   size_t count = 0;
-  float apart = 0;  ///< greatest part of a gap from half way
+  float apart = 0;  ///< largest distance from the middle of the gap, as a fraction of the gap
   float t[kMoments] = {}, limit[kMoments] = {}, cubic[4][kMoments] = {};
 
   void add(const Moment& m) {
@@ -37,13 +37,13 @@ struct Moments {
   }
 };
 
-/// Scores level off at `level`: how far away a contour is says nothing about what comes within one gap.
+/// Levels a score off at `level`: a contour far away has no influence within one gap.
 inline float levelOff(float s, float level) {
   const float q = s / level;
   return s / std::sqrt(1 + q * q);
 }
 
-/// The cubic between planes, where it does not depart too far from the line.
+/// The cubic blend, limited to `limit` from the linear one.
 inline float limited(float cubic, float linear, float limit) {
   return std::min(std::max(cubic, linear - limit), linear + limit);
 }

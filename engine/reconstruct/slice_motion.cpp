@@ -7,24 +7,26 @@ namespace slicemorph {
 
 namespace {
 
-constexpr float kNodePixels =
-    4;  ///< from node to node: finer than what moves together, coarse enough to be quick
-constexpr float kWidest =
-    4;  ///< nodes: the widest window, and no wider than a gap; it halves from level to level
-constexpr int kLevels = 3, kRounds = 3;
-/// Weight of standing still, against one label's border along every node of the window: a border that only
-/// one label has, or that fits badly, moves little, and blending the distances does the rest.
+/// Distance between nodes, in pixels: finer than what moves together, coarse enough to be fast.
+constexpr float kNodePixels = 4;
+/// Half width of the first window in nodes, and at most a gap; it is halved from level to level.
+constexpr float kWidest = 4;
+constexpr int kLevels = 3, kRounds = 3;  // window sizes; least-squares steps with each
+/// Weight of zero motion, relative to one label's border at every node of the window. So a border that only
+/// one label has, or that matches badly, moves little, and blending the distances does the rest. Chosen by
+/// hand, like kRoughBorder; both are guarded by label_slices_test.cpp.
 constexpr float kRest = 4;
-/// ... and against borders known to a pixel only, where the gap is but a few: times (pixel / gap)^2.
+/// Additional weight of zero motion, times (pixel / gap)^2: borders are known to a pixel only, which matters
+/// where the gap is only a few pixels.
 constexpr float kRoughBorder = 20;
-/// A node this many times out of a window's reach of a contour is none of its own any more: later reaches are
-/// less.
+/// A node farther from a label's contour than this many times the window's reach is dropped for that label:
+/// later windows reach less far.
 constexpr float kAside = 1.5f;
 
-/// Normal equations of one node: A (xx, xy, yy) and right side (x, y), world units.
+/// Normal equations of one node: the matrix A (xx, xy, yy) and the right side (x, y), world units.
 using Normal = std::array<float, 5>;
 
-/// One pass of a running mean of 2 r + 1 nodes along a row, the ends repeated as nothing.
+/// One pass of a running mean over 2 r + 1 nodes along a row; values beyond the ends count as 0.
 void boxBlur(std::vector<Normal>& values, int nx, int ny, int r, bool alongX) {
   const int n = alongX ? nx : ny, rows = alongX ? ny : nx;
   const size_t stride = alongX ? 1 : size_t(nx), rowStride = alongX ? size_t(nx) : 1;
@@ -47,19 +49,19 @@ void boxBlur(std::vector<Normal>& values, int nx, int ny, int r, bool alongX) {
   }
 }
 
-/// One label on both planes, and the nodes that its contour is near.
+/// One label on both planes, and the nodes near its contour.
 struct Pair {
   ScoreField a, b;
   std::vector<int> nodes;
 };
 
-/// Adds what one label says about a node's displacement, and tells how far it is from the contour there.
+/// Adds one label's equations for a node's displacement. Returns the node's distance from the contour.
 float addLabel(const Pair& pair, const float* pixel, float ax, float ay, float bx, float by, float reach,
                Normal& n) {
   const float sa = pair.a.at(ax, ay), sb = pair.b.at(bx, by), nearest = std::min(std::abs(sa), std::abs(sb));
   if (nearest > reach) return nearest;
   const float ca = std::min(std::max(sa, -reach), reach), cb = std::min(std::max(sb, -reach), reach);
-  // Central differences over a pixel
+  // Central differences over one pixel.
   const float gx =
       0.5f / pixel[0] *
       (pair.a.at(ax + .5f, ay) - pair.a.at(ax - .5f, ay) + pair.b.at(bx + .5f, by) - pair.b.at(bx - .5f, by));
@@ -71,7 +73,7 @@ float addLabel(const Pair& pair, const float* pixel, float ax, float ay, float b
   return nearest;
 }
 
-/// All nodes of the label's box, and `margin` nodes around.
+/// All nodes of the label's box, and `margin` nodes around it.
 void findNodes(Pair& pair, const SliceMotion& motion, int margin) {
   const PixelBox box = hull(pair.a.box, pair.b.box);
   const auto nodeAt = [&](int p, int d) { return int((float(p) - motion.origin[d]) / motion.spacing[d]); };
@@ -83,7 +85,7 @@ void findNodes(Pair& pair, const SliceMotion& motion, int margin) {
     for (int i = i0; i < i1; ++i) pair.nodes.push_back(j * motion.nx + i);
 }
 
-/// The labels that both planes have.
+/// The labels present on both planes.
 std::vector<Pair> commonLabels(const ScoreStack& stack, const ScorePlane& a, const ScorePlane& b) {
   std::vector<Pair> pairs;
   for (size_t i = 0, j = 0; i < a.labels.size() && j < b.labels.size();) {
@@ -97,7 +99,7 @@ std::vector<Pair> commonLabels(const ScoreStack& stack, const ScorePlane& a, con
   return pairs;
 }
 
-/// Nodes `step` world units apart where any label is, at rest.
+/// A motion of zero, on nodes `step` world units apart that cover all labels.
 SliceMotion motionOver(const std::vector<Pair>& pairs, const ScoreStack& stack, float step) {
   PixelBox busy;
   for (const Pair& pair : pairs) busy = hull(busy, hull(pair.a.box, pair.b.box));
@@ -112,8 +114,8 @@ SliceMotion motionOver(const std::vector<Pair>& pairs, const ScoreStack& stack, 
   return motion;
 }
 
-/// What all labels say about every node within `reach` of their contours; nodes that are far from them are not asked
-/// again.
+/// Sums the equations of all labels at every node within `reach` of their contours; nodes far from a label's
+/// contour are dropped for that label.
 void addLabels(std::vector<Pair>& pairs, const ScoreStack& stack, const SliceMotion& motion, float reach,
                std::vector<Normal>& normal) {
   std::fill(normal.begin(), normal.end(), Normal{});
@@ -131,7 +133,7 @@ void addLabels(std::vector<Pair>& pairs, const ScoreStack& stack, const SliceMot
   }
 }
 
-/// One step of least squares, no longer than `limit` world units; `rest`: weight of staying.
+/// One least-squares step, no longer than `limit` world units. `rest`: weight of zero motion.
 void stepMotion(const std::vector<Normal>& normal, const ScoreStack& stack, float rest, float limit,
                 SliceMotion& motion) {
   for (size_t k = 0; k < normal.size(); ++k) {
@@ -158,7 +160,7 @@ SliceMotion findMotion(const ScoreStack& stack, size_t a) {
   for (Pair& pair : pairs) findNodes(pair, motion, int(sigma / spacing) + 1);
   for (int level = 0; level < kLevels; ++level, sigma *= 0.5f) {
     const int r = std::max(1, int(sigma / spacing + .5f));
-    // Fine windows hold little evidence, and what they add to the coarse ones' is mostly noise.
+    // Fine windows hold little evidence, and what they add to coarse ones is mostly noise.
     const float rest = kRest * (level < 2 ? 1 : 2) + kRoughBorder * rough * rough;
     for (int round = 0; round < kRounds; ++round) {
       addLabels(pairs, stack, motion, sigma, normal);

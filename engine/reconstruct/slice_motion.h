@@ -4,10 +4,10 @@
 
 namespace slicemorph {
 
-/// Smooth planar displacement from one plane to the next, in pixels, on nodes `spacing` pixels apart.
+/// A smooth displacement in the plane from one plane to the next, in pixels, on nodes `spacing` pixels apart.
 struct SliceMotion {
   float origin[2] = {0, 0}, spacing[2] = {1, 1};
-  int nx = 0, ny = 0;  ///< nodes; none: no motion
+  int nx = 0, ny = 0;  ///< number of nodes; 0: no motion
   std::vector<float> x, y;
 
   struct Vector {
@@ -28,9 +28,10 @@ struct SliceMotion {
   }
 };
 
-/// Motion that carries the labels of plane `a` onto those of the next, seen from half way, by least squares
-/// of their distances' difference over windows that narrow from coarse to fine ([LK81], on all
-/// labels at once, so that neighbours move together). Symmetric: from b to a it is the opposite.
+/// The motion that carries the labels of plane `a` onto those of the next, as a function of position half way
+/// between the planes. Least squares on the differences of the labels' distances, over windows that shrink
+/// from coarse to fine ([LK81], all labels at once, so that neighbours move together). Symmetric: the motion
+/// from b to a is its negative.
 SliceMotion findMotion(const ScoreStack& stack, size_t a);
 
 }  // namespace slicemorph

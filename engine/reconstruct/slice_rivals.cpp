@@ -4,13 +4,13 @@ namespace slicemorph {
 
 namespace {
 
-/// What a label's score can be within `reach` of a point.
+/// Bounds of a label's score within `reach` of a point.
 ScoreBounds boundsOf(const GapLabel& l, const Moments& m, const PlanePositions& p, float reach) {
   float s[4], lo[4], hi[4];
   readScores(l, p, s);
   for (int k = 0; k < 4; ++k) lo[k] = s[k] - reach, hi[k] = s[k] + reach;
   completeScores(l, m.first, lo), completeScores(l, m.first, hi);
-  const float spare = 1e-4f * m.first.level;  // rounding must not rule everyone out
+  const float spare = 1e-4f * m.first.level;  // so that rounding rules out no winner
   ScoreBounds b;
   for (size_t i = 0; i < kMoments; ++i) {
     float low = 0, high = 0;
@@ -30,8 +30,8 @@ void Rivals::narrow(const std::vector<GapLabel>& all, size_t from, const PixelBo
                     const PlanePositions& p, float reach) {
   const size_t end = labels.size();
   std::fill_n(most, kMoments, -1e30f);
-  for (int anywhere = 0; anywhere < 2 && labels.size() == end;
-       ++anywhere)  // where no label's box is, all compete
+  // Where no label's box overlaps the cell, all of them compete.
+  for (int anywhere = 0; anywhere < 2 && labels.size() == end; ++anywhere)
     for (size_t k = from; k < end; ++k) {
       const GapLabel& l = all[size_t(labels[k])];
       if (!anywhere && intersection(l.box, part).empty()) continue;

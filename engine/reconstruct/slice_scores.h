@@ -7,7 +7,7 @@
 
 namespace slicemorph {
 
-/// One label's score on a plane: signed distance to its contour, positive inside, world units; row by row
+/// One label's score on a plane: signed distance to its contour, positive inside, world units, row by row
 /// over `box`.
 struct LabelScore {
   int label = 0;
@@ -15,44 +15,44 @@ struct LabelScore {
   std::vector<float> values;
 };
 
-/// A given plane: every label drawn on it, ascending; `box` holds the label's inside with a rim of one pixel
-/// or more (none where it meets the domain's border, beyond which it is taken to go on).
+/// A given plane with the labels drawn on it, ascending. A label's box contains its inside plus a rim of one
+/// pixel or more; there is no rim at the domain's border, beyond which the label is assumed to continue.
 struct ScorePlane {
   double position = 0;  ///< along the stack, world units
   std::vector<LabelScore> labels;
 };
 
-/// Given planes at increasing positions, any gaps.
+/// Given planes at increasing positions; the gaps may differ.
 struct ScoreStack {
-  float pixel[2] = {1, 1};  ///< sides, world units
-  PixelBox domain;          ///< all there is
+  float pixel[2] = {1, 1};  ///< side lengths, world units
+  PixelBox domain;          ///< all pixels
   std::vector<ScorePlane> planes;
 };
 
 struct SlicePlan;
 
-/// A stack of given planes made ready to be asked what lies between them: the labels are carried along a
-/// smooth planar motion from plane to plane and their scores blended there by a limited cubic through four
-/// planes. A score read between planes is a distance near the contour and levels off beyond a gap's length.
+/// A stack of given planes, prepared for queries between them: labels are carried along a smooth motion in
+/// the plane from plane to plane, and their scores are blended by a limited cubic through four planes.
+/// Between planes a score is a distance near the contour and levels off at about a gap's length.
 class SliceScores {
  public:
-  /// Throws InputError for fewer than two planes or positions that do not increase.
+  /// Throws InputError for fewer than two planes, or if positions do not increase.
   explicit SliceScores(ScoreStack stack);
   ~SliceScores();
 
   const ScoreStack& stack() const;
 
-  /// Scores of every label that may be at a position from the first plane to the last, ascending; each over a
-  /// box outside of which it loses.
+  /// Scores of all labels that may be present at a position between the first and the last plane, ascending;
+  /// each over a box outside of which the label loses.
   std::vector<LabelScore> scoresAt(double position) const;
 
-  /// Half of what `label` has over the best other label; as `scoresAt`, an empty box where the label cannot
-  /// be.
+  /// Half the difference between the score of `label` and the best other label's. An empty box if the label
+  /// cannot be present.
   LabelScore marginAt(double position, int label) const;
 
-  /// The label of highest score of every pixel of the domain at ascending positions inside one gap, one slice
-  /// after the other; nearly equal ones go to the lowest label. A label that both neighbouring planes have
-  /// keeps at least the pixel where it comes closest to winning.
+  /// The label of highest score for every pixel of the domain, at ascending positions within one gap, slice
+  /// after slice; near ties go to the lowest label. A label on both neighbouring planes keeps at least the
+  /// pixel where it comes closest to winning.
   std::vector<int> labelsBetween(const std::vector<double>& positions) const;
 
  private:

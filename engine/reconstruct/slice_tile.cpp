@@ -17,7 +17,7 @@ void levelAll(const float* from, float at, float* to, size_t n) {
 void TileScores::readNear(const GapLabel& l, const Moment& m, const PlanePoints* tile) {
   const size_t n = tile->x.size();
   s.resize(4 * n), whole = false;
-  float *a = s.data(), *b = &s[3 * n];  // put off for readFar
+  float *a = s.data(), *b = &s[3 * n];  // plane 0 is left to readFar
   if (l.plane[1]) l.plane[1].read(tile[1], a);
   if (l.plane[2]) l.plane[2].read(tile[2], b);
   if (!l.plane[1]) dropBy(b, fall(l, 1), a, n);

@@ -47,7 +47,7 @@ class Specks {
 
  private:
   std::uint32_t shellOf(std::uint32_t p) { return shells_.find(p); }
-  /// A contour's point keeps the specks around it where nothing else is within a voxel.
+  /// Keeps the specks around a contour point to which nothing else is within a voxel.
   void keepFor(const Vec3d& p) {
     std::vector<std::uint32_t> around;
     for (const auto& [shell, box] : specks_)
@@ -61,8 +61,8 @@ class Specks {
 
   const Mesh& mesh_;
   double voxel_;
-  DisjointSets shells_;                             ///< of points
-  std::map<std::uint32_t, openvdb::BBoxd> specks_;  ///< boxes by shell
+  DisjointSets shells_;                             ///< of connected points
+  std::map<std::uint32_t, openvdb::BBoxd> specks_;  ///< box of each speck's shell
 };
 
 }  // namespace

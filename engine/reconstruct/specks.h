@@ -5,8 +5,8 @@
 
 namespace slicemorph {
 
-/// Without the closed shells that enclose less than a voxel, bubbles and drops of a single node that distances made
-/// anew leave next to the surface, where the rest comes as near to every contour.
+/// Removes closed shells with a volume below one voxel: bubbles and drops of a single node that redistancing
+/// leaves next to the surface. Kept are those near contour points to which nothing else is close.
 Mesh withoutSpecks(const Mesh& mesh, const ContourSet& set, double voxelSize);
 
 }  // namespace slicemorph

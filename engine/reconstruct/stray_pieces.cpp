@@ -12,13 +12,13 @@ namespace slicemorph {
 
 namespace {
 
-/// Nodes of one row of a lattice that lie on the same side of the surface.
+/// Consecutive nodes of one row of a lattice on the same side of the surface.
 struct Run {
   size_t begin = 0, end = 0;
   bool inside = false;
 };
 
-/// Runs of nodes on the same side, joined with those of the rows next to them.
+/// Runs of nodes on the same side, joined with those of neighbouring rows.
 class SidesOfSurface {
  public:
   SidesOfSurface(const Lattice& lattice, const std::vector<float>& values)
@@ -68,7 +68,7 @@ class SidesOfSurface {
 
   const Lattice& lattice_;
   std::vector<Run> runs_;
-  std::vector<size_t> first_;  ///< run of each row
+  std::vector<size_t> first_;  ///< index of each row's first run
   DisjointSets sets_{0};
 };
 

@@ -7,10 +7,10 @@ namespace slicemorph {
 
 struct WithoutStrays {
   std::vector<float> values;
-  int strays = 0;  ///< pieces that were left out
+  int strays = 0;  ///< number of pieces that were removed
 };
 
-/// Turns the sign of the pieces of a function's inside and outside that no contour touches.
+/// Flips the sign of those connected pieces of a function's inside and outside that no contour touches.
 WithoutStrays dropStrayPieces(const PlaneSet& planes, const Lattice& lattice, std::vector<float> values);
 
 }  // namespace slicemorph

@@ -12,8 +12,9 @@ namespace slicemorph {
 namespace {
 
 using Range = tbb::blocked_range<size_t>;
-constexpr size_t kGrain = 8192;
-constexpr float kCentre = 42, kFace = -12, kEdge = 2, kBeyond = 1;  // of the biharmonic operator
+constexpr size_t kGrain = 8192;  // nodes or data per task
+// coefficients of the 25-point biharmonic stencil
+constexpr float kCentre = 42, kFace = -12, kEdge = 2, kBeyond = 1;
 
 class PlateSystem {
  public:
@@ -31,9 +32,9 @@ class PlateSystem {
   float diagonal(size_t i) const { return diagonal_[i]; }
   Grain grain() const { return {kGrain}; }
 
-  /// The system's left side of a function that is `values` at every node; at the active nodes.
+  /// Left side of the system for a function with these values at all nodes, at the active nodes.
   void apply(const std::vector<float>& values, std::vector<float>& out) { product(values, 0, out); }
-  /// Right side less left side.
+  /// Right side minus left side.
   std::vector<float> residual(const std::vector<float>& values) {
     std::vector<float> out(active_.size());
     product(values, 1, out);
@@ -72,7 +73,7 @@ class PlateSystem {
     return kCentre * *v + kFace * face + kEdge * edge + kBeyond * beyond;
   }
   void listIncidence(size_t nodes, const std::vector<PlateDatum>& data) {
-    constexpr std::uint32_t kHeld = ~std::uint32_t(0);
+    constexpr std::uint32_t kHeld = ~std::uint32_t(0);  // slot of a node that is not solved for
     std::vector<std::uint32_t> slot(nodes, kHeld);
     for (size_t n = 0; n < active_.size(); ++n) slot[active_[n]] = std::uint32_t(n);
     std::copy_if(data.begin(), data.end(), std::back_inserter(data_), [&](const PlateDatum& d) {
@@ -101,11 +102,11 @@ class PlateSystem {
   }
 
   const std::vector<std::uint32_t>& active_;
-  std::vector<PlateDatum> data_;  // those that an active node has to do with
+  std::vector<PlateDatum> data_;  // those that involve an active node
   std::array<std::uint32_t, 8> corners_;
-  std::ptrdiff_t y_, z_;  // to the next node along these axes
+  std::ptrdiff_t y_, z_;  // offsets to the next node along these axes
   std::vector<float> rows_, diagonal_;
-  std::vector<std::uint32_t> first_, entries_;  // datum * 8 + corner, by node
+  std::vector<std::uint32_t> first_, entries_;  // datum * 8 + corner, grouped by node
 };
 
 }  // namespace

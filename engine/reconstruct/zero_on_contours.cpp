@@ -6,6 +6,7 @@ namespace slicemorph {
 
 namespace {
 
+/// Sweeps over the contour points: correcting one changes the values at others in the same cells.
 constexpr int kMeetingSweeps = 10;
 
 }  // namespace

@@ -5,8 +5,8 @@
 
 namespace slicemorph {
 
-/// Takes away what a function on a lattice in the world has left on the planes' contours: each of a few sweeps spreads
-/// it over the nodes around.
+/// Removes what a function on a lattice in world space still differs from zero on the planes' contours: in a
+/// few sweeps the differences are distributed to the surrounding nodes.
 std::vector<float> zeroOnContours(const PlaneSet& planes, const Lattice& lattice, std::vector<float> values);
 
 }  // namespace slicemorph

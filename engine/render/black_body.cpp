@@ -6,13 +6,13 @@
 namespace slicemorph {
 namespace {
 
-/// A bell with another width on each side.
+/// An asymmetric Gaussian, with a different width on each side.
 double bell(double x, double mean, double left, double right) {
   const double t = (x - mean) / (x < mean ? left : right);
   return std::exp(-0.5 * t * t);
 }
 
-/// X, Y, Z of a wavelength in nanometres.
+/// X, Y, Z of a wavelength in nanometres; the constants are those of [WSS13].
 Vec3d observed(double nm) {
   return {1.056 * bell(nm, 599.8, 37.9, 31.0) + 0.362 * bell(nm, 442.0, 16.0, 26.7) -
               0.065 * bell(nm, 501.1, 20.4, 26.2),
@@ -20,9 +20,9 @@ Vec3d observed(double nm) {
           1.217 * bell(nm, 437.0, 11.8, 36.0) + 0.681 * bell(nm, 459.0, 26.0, 13.8)};
 }
 
-/// Relative to that at 560 nm, which keeps cold bodies within the range of numbers.
+/// Planck's law relative to 560 nm, which keeps the values of cold bodies in range.
 double planck(double nm, double kelvin) {
-  constexpr double kSecond = 1.438776877e7;  // nanometre kelvins
+  constexpr double kSecond = 1.438776877e7;  // second radiation constant h c / k, nanometre kelvins
   const double exponent = kSecond / kelvin * (1 / nm - 1 / 560.0);
   const double bose = (1 - std::exp(-kSecond / (560.0 * kelvin))) / (1 - std::exp(-kSecond / (nm * kelvin)));
   return std::pow(560 / nm, 5) * std::exp(-exponent) * bose;

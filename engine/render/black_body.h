@@ -4,8 +4,8 @@
 
 namespace slicemorph {
 
-/// The colour of a black body, 500 to 20000 kelvin: linear sRGB (Rec. 709), of luminance 1, beyond the gamut
-/// cut off at 0. Planck's law seen by the CIE 1931 observer as fitted in [WSS13].
+/// The colour of a black body of 500 to 20000 kelvin: linear sRGB (Rec. 709) of luminance 1; components
+/// outside the gamut are clamped to 0. Planck's law as seen by the CIE 1931 observer, fitted in [WSS13].
 Colour blackBody(double kelvin);
 
 }  // namespace slicemorph

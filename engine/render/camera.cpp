@@ -22,7 +22,7 @@ ViewBasis basisOf(const Vec3d& direction, const Vec3d& up) {
   return basis;
 }
 
-/// Rodrigues' formula; the axis is a unit vector.
+/// Rodrigues' formula; the axis must be a unit vector.
 Vec3d rotate(const Vec3d& v, const Vec3d& axis, double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
   return v * c + axis.cross(v) * s + axis * (axis.dot(v) * (1 - c));
@@ -41,7 +41,7 @@ std::vector<Vec3d> cornersOf(const std::vector<openvdb::BBoxd>& boxes) {
   return corners;
 }
 
-/// Middle of the points' box along the basis.
+/// Centre of the points' bounding box along the axes of the basis.
 Vec3d middleAlong(const std::vector<Vec3d>& points, const ViewBasis& basis) {
   Vec3d lo(std::numeric_limits<double>::max()), hi(-std::numeric_limits<double>::max());
   for (const Vec3d& p : points) {
@@ -52,8 +52,8 @@ Vec3d middleAlong(const std::vector<Vec3d>& points, const ViewBasis& basis) {
   return basis.toWorld((lo + hi) / 2);
 }
 
-/// Where points come to while they turn about an axis through `centre`, every 5 degrees: at 2.5 degrees
-/// between two of them they reach 0.1 % further, which the margin holds.
+/// Positions of points that turn about an axis through `centre`, every 5 degrees. Between two of them, 2.5
+/// degrees away, points reach 0.1 % farther (1 / cos 2.5 degrees), which the margin covers.
 std::vector<Vec3d> turnedRound(const std::vector<Vec3d>& points, const Vec3d& centre, const Vec3d& axis) {
   constexpr int kSteps = 72;
   std::vector<Vec3d> all;
@@ -114,7 +114,7 @@ CameraRays::CameraRays(const Camera& camera, double aspect, const openvdb::BBoxd
       orthographic_ ? camera.orthographicHeight / 2 : std::tan(camera.verticalFov * kPi / 360);
   across_ = basis_.right * (half * aspect);
   upwards_ = basis_.up * half;
-  // An orthographic camera has no near side: start behind everything.
+  // An orthographic camera has no near side: rays start in front of everything.
   if (orthographic_ && !box.empty())
     eye_ += basis_.back * (box.extents().length() + (box.getCenter() - camera.position).length());
 }
@@ -126,6 +126,7 @@ ViewRay CameraRays::operator()(double x, double y) const {
 }
 
 openvdb::Vec2d samplePosition(int n) {
+  // 1 / p and 1 / p^2 for the plastic number p, the real root of x^3 = x + 1 [Rob18].
   const double x = 0.5 + 0.7548776662466927 * n, y = 0.5 + 0.5698402909980532 * n;
   return {x - std::floor(x), y - std::floor(y)};
 }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kGlyphWidth = 5, kGlyphHeight = 7;
 
-/// Five columns a glyph, the lowest bit on top; from the space to the tilde.
+/// A 5 x 7 font from space to tilde: five columns per glyph, the lowest bit at the top.
 constexpr unsigned char kFont[95][kGlyphWidth] = {
     {0x00, 0x00, 0x00, 0x00, 0x00}, {0x00, 0x00, 0x5F, 0x00, 0x00}, {0x00, 0x07, 0x00, 0x07, 0x00},
     {0x14, 0x7F, 0x14, 0x7F, 0x14}, {0x24, 0x2A, 0x7F, 0x2A, 0x12}, {0x23, 0x13, 0x08, 0x64, 0x62},
@@ -46,7 +46,7 @@ constexpr unsigned char kFont[95][kGlyphWidth] = {
     {0x44, 0x64, 0x54, 0x4C, 0x44}, {0x00, 0x08, 0x36, 0x41, 0x00}, {0x00, 0x00, 0x7F, 0x00, 0x00},
     {0x00, 0x41, 0x36, 0x08, 0x00}, {0x10, 0x08, 0x08, 0x10, 0x08}};
 
-/// A part of a picture: its own width and height at a place of the whole.
+/// A part of a picture: its size and its position within the whole.
 struct Window {
   int left, top, width, height;
 };
@@ -89,7 +89,7 @@ void drawCaption(Picture& sheet, const Window& tile, const std::string& caption)
   const Window text{tile.left + inset, tile.top + tile.height - inset - kGlyphHeight * scale,
                     tile.width - 2 * inset, kGlyphHeight * scale};
   if (text.width < kGlyphWidth * scale || text.top < tile.top) return;
-  // A shadow below right keeps the letters readable on light ground.
+  // A shadow at the lower right keeps the letters readable on a light background.
   const int offset = std::max(1, scale / 2);
   Window shadow = text;
   shadow.left += offset;
@@ -115,14 +115,14 @@ Picture contactSheet(const std::vector<Tile>& tiles, int columns) {
   const int count = int(tiles.size());
   const int across = columns > 0 ? std::min(columns, count) : int(std::ceil(std::sqrt(double(count))));
   const int down = (count + across - 1) / across;
-  constexpr int kGap = 2;
+  constexpr int kGap = 2;  // pixels
   Picture sheet{across * (width + kGap) - kGap, down * (height + kGap) - kGap, {}};
   sheet.rgba.resize(size_t(4) * sheet.width * sheet.height);
   fill(sheet, {0, 0, sheet.width, sheet.height}, 0.02f);
   for (int n = 0; n < count; ++n) {
-    const Window place{n % across * (width + kGap), n / across * (height + kGap), width, height};
-    copyTile(tiles[n].image, place, sheet);
-    drawCaption(sheet, place, tiles[n].caption);
+    const Window window{n % across * (width + kGap), n / across * (height + kGap), width, height};
+    copyTile(tiles[n].image, window, sheet);
+    drawCaption(sheet, window, tiles[n].caption);
   }
   return sheet;
 }

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kMostPixels = 16384, kMostSamples = 64;
 
-/// Darker above, lighter below, a little darker in the corners. `x`, `y` in -1..1.
+/// Background: darker at the top, lighter at the bottom, slightly darker in the corners. `x`, `y` in -1..1.
 Colour backgroundAt(double x, double y) {
   const float t = float(0.5 - 0.5 * y);
   const float smooth = t * t * (3 - 2 * t);
@@ -48,7 +48,7 @@ Film::Film(const RenderOptions& options) : options_(options) {
   picture_.normal.resize(3 * pixels);
 }
 
-openvdb::Vec2d Film::place(int column, int row, int n) const {
+openvdb::Vec2d Film::position(int column, int row, int n) const {
   const openvdb::Vec2d at = samplePosition(n);
   return {2 * (column + at.x()) / options_.width - 1, 1 - 2 * (row + at.y()) / options_.height};
 }
@@ -58,7 +58,7 @@ void Film::set(int column, int row, const Pixel& pixel) {
   Colour colour = pixel.colour;
   float alpha = pixel.cover;
   if (options_.background) {
-    const openvdb::Vec2d middle = place(column, row, 0);
+    const openvdb::Vec2d middle = position(column, row, 0);
     colour += backgroundAt(middle.x(), middle.y()) * (1 - pixel.cover);
     alpha = 1;
   }

@@ -8,14 +8,14 @@
 
 namespace slicemorph {
 
-/// What all pictures have in common.
+/// Options common to all pictures.
 struct RenderOptions {
   int width = 640;         ///< pixels, 1 to 16384
   int height = 480;        ///< pixels, 1 to 16384
-  int samples = 4;         ///< rays per pixel where something is to be seen, 1 to 64
+  int samples = 4;         ///< rays per pixel where something is visible, 1 to 64
   bool background = true;  ///< false: transparent (alpha 0, colour premultiplied)
-  bool channels = false;   ///< mask, depth and normal are made, too
-  /// Direction in which the key light shines, world; zero: it goes along with the camera.
+  bool channels = false;   ///< also produce mask, depth and normal
+  /// Direction in which the key light shines, world; zero: fixed to the camera.
   Vec3d light{0, 0, 0};
   double intensity = 1;  ///< of the key light, 0 or more
 };
@@ -23,26 +23,26 @@ struct RenderOptions {
 /// Throws InputError for options out of range.
 void checkRenderOptions(const RenderOptions& options);
 
-/// From where the key light comes, world, unit length.
+/// Direction towards the key light, world, unit length.
 Vec3d towardsLight(const RenderOptions& options, const ViewBasis& basis);
 
 using Colour = openvdb::Vec3s;
 
-/// What the rays of one pixel met.
+/// What the rays through one pixel met.
 struct Pixel {
-  Colour colour{0, 0, 0};  ///< premultiplied
+  Colour colour{0, 0, 0};  ///< premultiplied by the coverage
   float cover = 0;         ///< 0 to 1
   float depth = kFarAway;
   Colour normal{0, 0, 0};
 };
 
-/// A picture in the making; pixels may be set from several threads.
+/// A picture under construction; pixels may be set from several threads.
 class Film {
  public:
   explicit Film(const RenderOptions& options);
-  /// Where the n-th ray of a pixel goes, -1..1 to the right and up.
-  openvdb::Vec2d place(int column, int row, int n) const;
-  /// Lays the pixel over the background.
+  /// Position in the picture of a pixel's n-th ray, -1 to 1, to the right and up.
+  openvdb::Vec2d position(int column, int row, int n) const;
+  /// Composites the pixel over the background.
   void set(int column, int row, const Pixel& pixel);
   Picture take() { return std::move(picture_); }
 

@@ -11,7 +11,7 @@
 namespace slicemorph {
 namespace {
 
-/// Nodes along the longest side.
+/// Largest number of nodes along the longest side: limits the lattice to about 4 million nodes (16 MB).
 constexpr double kFinest = 160;
 
 float arriving(double opticalDepth) {
@@ -44,7 +44,7 @@ LightField::LightField(const FloatGrid& density, const Vec3d& towards, double ex
   spacing_ = std::max(std::min({voxel[0], voxel[1], voxel[2]}),
                       std::max({extent[0], extent[1], extent[2]}) / kFinest);
   origin_ = lo;
-  // One node more, so that every place of the fog has a cell of eight.
+  // One extra node, so that every position in the fog is in a cell of eight.
   for (int a = 0; a < 3; ++a) size_[a] = int(std::ceil(extent[a] / spacing_)) + 2;
   light_.resize(size_t(size_[0]) * size_t(size_[1]) * size_t(size_[2]));
   tbb::parallel_for(tbb::blocked_range2d<int>(0, size_[0], 8, 0, size_[1], 8), [&](const auto& range) {
@@ -52,7 +52,7 @@ LightField::LightField(const FloatGrid& density, const Vec3d& towards, double ex
     for (int i = range.rows().begin(); i < range.rows().end(); ++i) {
       for (int j = range.cols().begin(); j < range.cols().end(); ++j) {
         float* column = &light_[(size_t(i) * size_t(size_[1]) + size_t(j)) * size_t(size_[2])];
-        double passed = 0;  // optical depth to here
+        double passed = 0;  // optical depth so far
         for (int k = 0; k < size_[2]; ++k) {
           const Vec3d along = origin_ + Vec3d(i, j, k) * spacing_;
           const Vec3d world = axes_[0] * along[0] + axes_[1] * along[1] + axes_[2] * along[2];

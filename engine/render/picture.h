@@ -4,21 +4,20 @@
 
 namespace slicemorph {
 
-/// Linear light, first row on top. What lies behind is one value of depth, too: far away.
+/// Linear light, first row at the top. Where nothing was met the depth is kFarAway.
 struct Picture {
   int width = 0;
   int height = 0;
-  /// 4 * width * height: red, green, blue (premultiplied) and alpha; alpha is 1 where the background is
-  /// drawn.
+  /// 4 * width * height: red, green, blue (premultiplied) and alpha; alpha is 1 if the background is drawn.
   std::vector<float> rgba;
-  /// width * height each, or empty: made only when asked for.
+  /// The following are width * height long, or empty if not requested.
   std::vector<float> mask = {};  ///< share of the pixel that is covered, with or without a background
-  std::vector<float> depth =
-      {};  ///< world units from the camera's plane along the axis of view; kFarAway: nothing
-  std::vector<float> normal = {};  ///< 3 a pixel: world, unit length; zero: nothing
+  /// World units from the camera's plane along the viewing direction; kFarAway: nothing was met.
+  std::vector<float> depth = {};
+  std::vector<float> normal = {};  ///< 3 per pixel: world, unit length; zero: nothing was met
 };
 
-/// The depth of nothing, as Blender writes it.
+/// Depth where nothing was met; the value that Blender writes.
 constexpr float kFarAway = 1e10f;
 
 }  // namespace slicemorph

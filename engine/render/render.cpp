@@ -20,7 +20,7 @@
 namespace slicemorph {
 namespace {
 
-// Two refinements of the crossing: with none, the silhouette of one voxel shows as terraces.
+// Two refinements of the intersection; with none, the silhouette shows terraces one voxel deep.
 using Search = openvdb::tools::LinearSearchImpl<FloatGrid, 2, double>;
 using SurfaceIntersector =
     openvdb::tools::LevelSetRayIntersector<FloatGrid, Search,
@@ -29,7 +29,7 @@ using SurfaceIntersector =
 Colour mix(const Colour& a, const Colour& b, float t) { return a + (b - a) * t; }
 float mix(float a, float b, float t) { return a + (b - a) * t; }
 
-/// Two directions across a unit vector.
+/// Two directions perpendicular to a unit vector.
 struct Across {
   Vec3d a, b;
   explicit Across(const Vec3d& v) {
@@ -38,10 +38,10 @@ struct Across {
   }
 };
 
-/// Of the key light, for soft shadows.
+/// Size of the key light for soft shadows, relative to its distance.
 constexpr double kSpread = 0.33;
 
-/// Everything a task needs to colour a hit; its caches are not shared.
+/// Everything a task needs to shade a hit. Each task needs its own, because accessors cache.
 class Shader {
  public:
   Shader(const FloatGrid& grid, const ViewBasis& basis, const SurfaceIntersector& intersector,
@@ -57,12 +57,14 @@ class Shader {
     if (colors) colors_.emplace(*colors);
   }
 
-  /// Central differences, interpolated: continuous over the surface, unlike the gradient of one cell.
+  /// Normal from interpolated central differences: continuous over the surface, unlike the gradient
+  /// of one cell.
   Vec3d normalAt(const Vec3d& world) const {
     const Vec3d index = grid_.worldToIndex(world);
     const openvdb::Coord base = openvdb::Coord::floor(index);
     const Vec3d in = index - base.asVec3d();
-    // Voxels one before to two after the cell, but for those that lie beyond it along two axes.
+    // Voxels from one before to two after the cell, without those outside of it along two axes, which
+    // are not needed.
     double v[4][4][4];
     const auto row = [&](int x, int y, int first, int last) {
       constexpr int kMask = int(FloatGrid::TreeType::LeafNodeType::DIM) - 1;
@@ -89,7 +91,7 @@ class Shader {
     return normal.lengthSqr() > 0 ? normal.unit() : basis_.back;
   }
 
-  /// The share of the key light that a place sees, by so many rays to places on it.
+  /// The share of the key light visible from a point, by `rays` rays to points on the light.
   float lit(const Vec3d& world, const Vec3d& normal, int first, int rays) const {
     int free = 0;
     for (int n = 0; n < rays; ++n) {
@@ -98,13 +100,13 @@ class Shader {
           (key_ + acrossKey_.a * (kSpread * (at.x() - 0.5)) + acrossKey_.b * (kSpread * (at.y() - 0.5)))
               .unit();
       if (normal.dot(light) <= 0) continue;
-      // Two voxels off the surface, else it shadows itself in steps at the terminator.
+      // Starts two voxels off the surface, else the surface would shadow itself in steps at the terminator.
       free += !intersector_.intersectsWS(ViewRay(world + normal * (2 * voxelSize_), light));
     }
     return float(free) / float(rays);
   }
 
-  /// Clay. `shines`: the share of the key light that is seen.
+  /// Clay-like shading. `shines`: share of the key light that is visible.
   Colour operator()(const Vec3d& world, Vec3d normal, const Vec3d& viewDirection, float shines) const {
     const Colour albedo = albedoAt(world);
     static const Vec3d fillLight = Vec3d(0.85, 0.1, 0.5).unit(), rimLight = Vec3d(0.45, 0.6, -0.75).unit();
@@ -113,7 +115,7 @@ class Shader {
     const float open = openness(world, normal);
 
     const float facing = float(normal.dot(key_));
-    // Shadows are not black: what lies in them must be seen too.
+    // Shadows are not black, so that what is in them can be seen.
     const float direct = std::max(0.0f, facing) * mix(0.3f, 1.0f, shines);
     const float wrapped = std::max(0.0f, (facing + 0.4f) / 1.4f);
     const float fill = std::max(0.0f, float(normal.dot(basis_.toWorld(fillLight)) + 0.35) / 1.35f);
@@ -135,7 +137,7 @@ class Shader {
  private:
   double sample(const Vec3d& index) const { return openvdb::tools::BoxSampler::sample(accessor_, index); }
 
-  /// Colours are meant for a screen; as paint they are a little darker than white paper.
+  /// Colours are given in display space (gamma 2.2); as paint they are slightly darker than white paper.
   Colour albedoAt(const Vec3d& world) const {
     static const Colour clay(0.53f, 0.435f, 0.355f);
     if (!colors_) return clay;
@@ -184,17 +186,17 @@ void requireRenderable(const FloatGrid& levelSet, const Camera& camera) {
   }
 }
 
-/// What a ray through the middle of a pixel met.
+/// The hit of a ray through a pixel.
 struct Hit {
   bool there = false;
   float depth = kFarAway;
-  float lit = -1;  ///< share of the key light that is seen; negative: not known yet
+  float lit = -1;  ///< share of the key light that is visible; negative: not known yet
   Vec3d world, normal, direction;
 };
 
-/// A square part of a picture. Its pixels' middles are looked at, and those around them. One place of four
-/// looks for the light; where these agree, those between have as much of it. More rays go through a pixel
-/// only where the shape ends or turns in it, or a shadow's edge crosses it.
+/// A square part of a picture. First the centres of its pixels, and of those around it, are traced. The light
+/// is traced for one pixel in four; where these agree, pixels in between take the same value. Pixels get more
+/// rays only where the shape ends or turns sharply in them, or a shadow's edge crosses them.
 class Part {
  public:
   static constexpr int kSize = 64;
@@ -227,14 +229,14 @@ class Part {
 
  private:
   static constexpr int kStride = kSize + 2;
-  /// Neighbours whose normals have a smaller cosine are on different parts.
+  /// Neighbours whose normals have a smaller cosine (18 degrees) count as different parts of the surface.
   static constexpr double kSmooth = 0.95;
 
   Hit& at(int x, int y) { return hits_[size_t((y - top_ + 1) * kStride + x - left_ + 1)]; }
 
   Hit look(int x, int y, int sample) const {
-    const openvdb::Vec2d place = film_.place(x, y, sample);
-    const ViewRay ray = rays_(place.x(), place.y());
+    const openvdb::Vec2d position = film_.position(x, y, sample);
+    const ViewRay ray = rays_(position.x(), position.y());
     Hit hit;
     hit.there = intersector_.intersectsWS(ray, hit.world);
     if (!hit.there) return hit;
@@ -251,7 +253,7 @@ class Part {
   bool alike(const Hit& a, const Hit& b) const {
     if (a.there != b.there) return false;
     if (!a.there) return true;
-    // As far apart as a slope seen at a grazing angle makes neighbours, not more.
+    // Within 30 degrees of the tangent plane from each other, which allows for grazing views.
     return a.normal.dot(b.normal) > kSmooth &&
            std::abs((a.world - b.world).dot(a.normal)) < 0.5 * std::abs((a.world - b.world).length());
   }
@@ -275,7 +277,7 @@ class Part {
     const Hit& hit = at(x, y);
     for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}})
       if (!alike(hit, at(x + dx, y + dy))) return true;
-    // Shadows have soft edges; the steep ones of what is near need more.
+    // Shadows have soft edges; only the steep ones of nearby objects need more rays.
     for (const auto& [dx, dy] : {std::pair{-1, 0}, {0, -1}})
       if (hit.there && x + dx >= left_ && y + dy >= top_ && std::abs(hit.lit - at(x + dx, y + dy).lit) > 0.5)
         return true;

@@ -24,12 +24,12 @@ using FogIntersector =
     openvdb::tools::VolumeRayIntersector<BoolGrid, BoolGrid::TreeType::RootNodeType::ChildNodeType::LEVEL,
                                          ViewRay>;
 
-constexpr double kHottestKelvin = 2200;
-/// Optical depth of the thickest fog.
+constexpr double kHottestKelvin = 2200;  ///< colour temperature of the largest heat, an orange flame
+/// Optical depth of the thickest fog of a sequence: e^-4, so 2 % of the light behind it is seen.
 constexpr double kOpaque = 4;
-/// Light that the thickest fog gives off on the way through it where it is hottest.
+/// Light that the thickest fog emits along a ray through it where it is hottest.
 constexpr double kGlow = 6;
-/// Below this share nothing behind is seen.
+/// Rays end where less than this share of the background is visible.
 constexpr double kUnseen = 1e-3;
 
 void checkLinear(const openvdb::GridBase::ConstPtr& grid) {
@@ -43,7 +43,7 @@ void requireFog(const Fog& fog) {
   checkLinear(fog.colour);
 }
 
-/// Calls `visit` with boxes that hold all active voxels: of each leaf and of each tile.
+/// Calls `visit` with boxes that contain all active voxels: one per leaf and one per tile.
 template <typename Visit>
 void visitActive(const FloatGrid& grid, const Visit& visit) {
   for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
@@ -56,23 +56,23 @@ void visitActive(const FloatGrid& grid, const Visit& visit) {
     visit(tile.getBoundingBox());
 }
 
-/// Where there is anything to be met, as voxels of the density.
-BoolGrid::Ptr placesOf(const Fog& fog) {
-  BoolGrid::Ptr places = BoolGrid::create(false);
+/// A mask, on the density's voxels, of where density or heat may be found.
+BoolGrid::Ptr occupiedVoxels(const Fog& fog) {
+  BoolGrid::Ptr occupied = BoolGrid::create(false);
   for (const FloatGrid::ConstPtr& grid : {fog.density, fog.heat}) {
     if (!grid) continue;
     visitActive(*grid, [&](const openvdb::CoordBBox& box) {
       const openvdb::BBoxd world = grid->transform().indexToWorld(box);
-      // Values reach one voxel further.
+      // Interpolated values reach one voxel further.
       openvdb::CoordBBox reached = fog.density->transform().worldToIndexNodeCentered(world);
       reached.expand(1);
-      places->sparseFill(reached, true);
+      occupied->sparseFill(reached, true);
     });
   }
-  return places;
+  return occupied;
 }
 
-/// Mean over the fog itself and its size; heavy sums in the order of the leaves.
+/// Sums of values and of their squares over the active voxels, added in the order of the leaves.
 struct Sums {
   double values = 0, squares = 0;
 };
@@ -87,7 +87,8 @@ Sums sumsOf(const FloatGrid& grid) {
   return sums;
 }
 
-/// The colour of what glows at a share of the hottest, times its strength.
+/// The glow at a share of the largest heat: black-body colour times the fourth power of
+/// the share (Stefan-Boltzmann).
 class GlowTable {
  public:
   GlowTable() {
@@ -103,18 +104,18 @@ class GlowTable {
   Colour colours_[kSteps];
 };
 
-/// What the tasks share.
+/// Shared by all tasks.
 struct Scene {
   const Fog& fog;
   const FogLook& look;
   CameraRays rays;
   FogIntersector intersector;
-  std::optional<LightField> key, sky;  // none where nothing can be lit
+  std::optional<LightField> key, sky;  // not set if there is no density to be lit
   GlowTable glow;
   Colour keyColour, skyColour, groundColour;
 };
 
-/// Walks along rays; its caches are not shared.
+/// Marches along rays. Each task needs its own, because accessors cache.
 class Walker {
  public:
   explicit Walker(const Scene& scene)
@@ -123,11 +124,11 @@ class Walker {
     if (scene.fog.colour) colour_.emplace(scene.fog.colour->getConstAccessor());
   }
 
-  /// Adds what one ray meets: colour, cover, and depth times cover.
+  /// Adds what one ray meets: colour, coverage, and depth times coverage.
   void add(const ViewRay& ray, Pixel& pixel) {
     const auto& map = *scene_.fog.density->transform().baseMap();
     const Vec3d along = map.applyInverseJacobian(ray.dir());
-    const double voxels = along.length();  // a world unit along the ray
+    const double voxels = along.length();  // per world unit along the ray
     seen_ = 1;
     if (!intersector_.setIndexRay(ViewRay(map.applyInverseMap(ray.eye()), along / voxels))) return;
     double from = 0, to = 0;
@@ -171,14 +172,14 @@ class Walker {
   FloatGrid::ConstAccessor density_;
   std::optional<FloatGrid::ConstAccessor> heat_;
   std::optional<openvdb::Vec3SGrid::ConstAccessor> colour_;
-  double seen_ = 1;  // share of what is behind
+  double seen_ = 1;  // visible share of what is behind
 };
 
 Pixel pixelAt(int column, int row, const Film& film, const Scene& scene, int samples, Walker& walker) {
   Pixel pixel;
   pixel.depth = 0;
   for (int n = 0; n < samples; ++n) {
-    const openvdb::Vec2d at = film.place(column, row, n);
+    const openvdb::Vec2d at = film.position(column, row, n);
     walker.add(scene.rays(at.x(), at.y()), pixel);
   }
   pixel.depth = pixel.cover > 0 ? pixel.depth / pixel.cover : kFarAway;
@@ -224,15 +225,15 @@ FogLook lookOf(const std::vector<FogMeasure>& measures) {
 Picture renderFog(const Fog& fog, const FogLook& look, const Camera& camera, const RenderOptions& options) {
   Film film(options);
   requireFog(fog);
-  const BoolGrid::Ptr places = placesOf(fog);
-  if (places->empty()) {
+  const BoolGrid::Ptr occupied = occupiedVoxels(fog);
+  if (occupied->empty()) {
     for (int row = 0; row < options.height; ++row)
       for (int column = 0; column < options.width; ++column) film.set(column, row, Pixel());
     return film.take();
   }
   const CameraRays rays(camera, double(options.width) / options.height,
-                        fog.density->transform().indexToWorld(places->evalActiveVoxelBoundingBox()));
-  Scene scene{fog, look, rays, FogIntersector(*places, /*dilate=*/0), {}, {}, {}, {}, {}, {}};
+                        fog.density->transform().indexToWorld(occupied->evalActiveVoxelBoundingBox()));
+  Scene scene{fog, look, rays, FogIntersector(*occupied, /*dilate=*/0), {}, {}, {}, {}, {}, {}};
   if (fog.density->activeVoxelCount() > 0) {
     scene.key.emplace(*fog.density, towardsLight(options, rays.basis()), look.extinction);
     scene.sky.emplace(*fog.density, camera.up.unit(), look.extinction);
@@ -240,7 +241,7 @@ Picture renderFog(const Fog& fog, const FogLook& look, const Camera& camera, con
   scene.keyColour = Colour(1.25f, 1.19f, 1.1f) * float(options.intensity);
   scene.skyColour = Colour(0.13f, 0.155f, 0.20f);
   scene.groundColour = Colour(0.035f, 0.032f, 0.03f);
-  constexpr int kRowsATask = 4;
+  constexpr int kRowsATask = 4;  // few, because fog is unevenly distributed over the rows
   tbb::parallel_for(
       tbb::blocked_range<int>(0, options.height, kRowsATask),
       [&](const tbb::blocked_range<int>& range) {

@@ -8,7 +8,7 @@ namespace {
 using openvdb::Coord;
 using openvdb::CoordBBox;
 
-/// Runs of voxels along z, leaf by leaf.
+/// Adds the runs of consecutive voxels along z that `holds` accepts in one leaf.
 template <typename Leaf, typename Holds>
 void addRuns(const Leaf& leaf, const Holds& holds, std::vector<CoordBBox>& boxes) {
   constexpr int kSide = int(Leaf::DIM);

@@ -12,9 +12,8 @@ using SliceableTypes = openvdb::TypeList<FloatGrid, openvdb::DoubleGrid, openvdb
 /// Whether a grid is of one of these types.
 bool isSliceable(const openvdb::GridBase& grid);
 
-/// Boxes of index space that hold a grid's object: a level set's inside, in the band or not, else the active
-/// voxels. Tiles and leaves that are full are one box each, others the runs of their rows. Always in the same
-/// order.
+/// Index-space boxes that cover a grid's object: the inside of a level set (in the band or not), else the
+/// active voxels. One box per tile and per full leaf, otherwise per run along z. The order is deterministic.
 std::vector<openvdb::CoordBBox> objectBoxes(const openvdb::GridBase& grid);
 
 }  // namespace slicemorph

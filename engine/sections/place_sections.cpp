@@ -16,9 +16,9 @@ namespace {
 
 using openvdb::CoordBBox;
 
-constexpr int kMarginPixels = 3;
+constexpr int kMarginPixels = 3;  // on every side; the header promises it
 
-/// A grid's object: boxes of its index space and the way to the world.
+/// A grid's object: boxes in its index space, and the affine map from there to the world.
 struct Body {
   Mat3d jacobian;  ///< world direction = jacobian * index direction
   Vec3d offset;
@@ -91,7 +91,8 @@ struct Extents {
   Vec3d size() const { return hi - lo; }
 };
 
-/// Pixels along an edge of `length` world units. Together they must not be too many.
+/// Sets a plane's pixel size and number of pixels, for an area of `across` by `down` world units plus the
+/// margin. Throws InputError for too many pixels.
 void setSize(SectionPlane& plane, double across, double down, double pixel) {
   const double width = std::ceil(across / pixel) + 2 * kMarginPixels;
   const double height = std::ceil(down / pixel) + 2 * kMarginPixels;
@@ -103,7 +104,7 @@ void setSize(SectionPlane& plane, double across, double down, double pixel) {
   plane.height = int(height);
 }
 
-/// Covariance of all bodies in world space, each voxel by its volume.
+/// Covariance of all bodies in world space, weighted by volume.
 Mat3d covarianceOf(const std::vector<Body>& bodies) {
   double total = 0;
   Vec3d first(0.0);
@@ -135,7 +136,7 @@ Vec3d directed(const Vec3d& axis) {
   return axis[int(openvdb::math::MaxIndex(openvdb::math::Abs(axis)))] < 0 ? -axis : axis;
 }
 
-/// The world axis that is farthest from `normal`, made orthogonal to it.
+/// The world axis most nearly perpendicular to `normal`, made orthogonal to it.
 Vec3d acrossOf(const Vec3d& normal) {
   const Vec3d size = openvdb::math::Abs(normal);
   Vec3d axis(0.0);
@@ -143,7 +144,7 @@ Vec3d acrossOf(const Vec3d& normal) {
   return (axis - normal * axis.dot(normal)).unit();
 }
 
-/// In-plane axes and normal as columns.
+/// In-plane axes and normal, as columns.
 Mat3d planeAxes(const Vec3d& normal, const Vec3d& across) {
   Mat3d frame;
   frame.setCol(0, across);
@@ -163,8 +164,8 @@ Mat3d axesAlong(const std::vector<Body>& bodies, const Vec3d& wanted) {
 Extents extentsAlong(const std::vector<Body>& bodies, const Mat3d& frame) {
   Extents extents;
   for (const Body& body : bodies) {
-    // Each extent is a linear function of the index position; a box reaches half of |coefficients| to both
-    // sides.
+    // Each extent is a linear function of the index position, so a box reaches the sum of |coefficients| *
+    // half size to either side.
     const Mat3d linear = frame.transpose() * body.jacobian;
     for (const CoordBBox& box : body.boxes) {
       const Vec3d half = box.dim().asVec3d() / 2;
@@ -176,7 +177,7 @@ Extents extentsAlong(const std::vector<Body>& bodies, const Mat3d& frame) {
   return extents;
 }
 
-/// The bodies' extents in a chart, chart units: of the boxes' corners and half a voxel more.
+/// The bodies' extents in chart space: those of their boxes' corner voxels, plus half a voxel.
 Extents extentsInChart(const std::vector<Body>& bodies, const Chart& chart) {
   Extents all;
   for (const Body& body : bodies) {
@@ -189,7 +190,7 @@ Extents extentsInChart(const std::vector<Body>& bodies, const Chart& chart) {
           for (size_t n = range.begin(); n < range.end(); ++n) {
             const openvdb::Coord &lo = body.boxes[n].min(), &hi = body.boxes[n].max();
             for (int corner = 0; corner < 8; ++corner) {
-              bool same = false;  // as a corner before: the box is one voxel thick there
+              bool same = false;  // as an earlier corner: the box is one voxel thick
               Vec3d index;
               for (int a = 0; a < 3; ++a) {
                 const bool far = corner >> a & 1;
@@ -209,7 +210,7 @@ Extents extentsInChart(const std::vector<Body>& bodies, const Chart& chart) {
   return all;
 }
 
-/// Adds where the edges of a box pass through a plane, in the plane's own axes.
+/// Adds the points where the edges of a box cross a plane, in the plane's axes.
 void addCut(const Body& body, const CoordBBox& box, const Vec3d& origin, const Mat3d& frame,
             Extents& extents) {
   const Vec3d centre = frame.transpose() * (body.centre(box) - origin);
@@ -253,7 +254,7 @@ void setAxes(SectionPlane& plane, const Mat3d& frame) {
   plane.normal = frame.col(2);
 }
 
-/// Moves the first pixel so that `centre` is in the image's middle.
+/// Moves the first pixel so that `centre` is at the image's centre.
 void centreOn(SectionPlane& plane, const Vec3d& centre) {
   plane.origin = centre - plane.pixelSize * (0.5 * (plane.width - 1) * plane.xAxis +
                                              0.5 * (plane.height - 1) * plane.yAxis);
@@ -311,7 +312,7 @@ std::vector<SectionPlane> sectionPlanesAt(const std::vector<PlaneInSpace>& given
     SectionPlane plane = numbered(n, given.size());
     setAxes(plane, frame);
     setSize(plane, cut.size().x() + pixel, cut.size().y() + pixel, pixel);
-    // Whole pixels from the given origin.
+    // A whole number of pixels from the given origin.
     const double right = std::floor(cut.lo.x() / pixel) - kMarginPixels;
     const double down = std::floor(cut.lo.y() / pixel) - kMarginPixels;
     plane.origin = given[n].origin + pixel * (right * plane.xAxis + down * plane.yAxis);

@@ -16,7 +16,7 @@ namespace {
 
 using openvdb::Coord;
 
-/// Trilinear values at places that follow each other: most lie in the leaf of the one before.
+/// Trilinear sampler for consecutive points, most of which are in the same leaf as the one before.
 template <typename Tree>
 class LinearSampler {
  public:
@@ -24,11 +24,11 @@ class LinearSampler {
   explicit LinearSampler(const Tree& tree) : accessor_(tree) {}
 
   Value operator()(const Vec3d& p) {
-    int in[3];  // the first of the eight voxels, in its leaf
+    int in[3];  // first of the eight voxels, relative to its leaf
     double share[3];
     Coord leaf;
     for (int a = 0; a < 3; ++a) {
-      // std::floor is a call where the compiler may not count on SSE 4.1.
+      // std::floor is a function call unless the compiler may use SSE 4.1.
       const int towardsZero = int(p[a]), base = towardsZero - (p[a] < towardsZero);
       in[a] = base & kMask, leaf[a] = base & ~kMask;
       share[a] = p[a] - base;
@@ -37,7 +37,8 @@ class LinearSampler {
     const double yz = share[1] * share[2], xz = share[0] * share[2], xy = share[0] * share[1],
                  xyz = xy * share[2];
     const double weight[8] = {
-        0,  // of the first one; the others' differences from it count: constants stay themselves
+        // the first value itself: differences from it are weighted, so that constants are reproduced exactly
+        0,
         share[2] - xz - yz + xyz,
         share[1] - xy - yz + xyz,
         yz - xyz,
@@ -53,11 +54,11 @@ class LinearSampler {
                           from + x + y + z});
     }
     const auto at = [&](int n) {
-      const int place[3] = {in[0] + (n >> 2), in[1] + (n >> 1 & 1), in[2] + (n & 1)};
-      const int leaf = (place[0] >> kLog) << 2 | (place[1] >> kLog) << 1 | place[2] >> kLog;
+      const int voxel[3] = {in[0] + (n >> 2), in[1] + (n >> 1 & 1), in[2] + (n & 1)};
+      const int leaf = (voxel[0] >> kLog) << 2 | (voxel[1] >> kLog) << 1 | voxel[2] >> kLog;
       if ((found_ >> leaf & 1) == 0) find(leaf);
       return values_[leaf] +
-             step_[leaf] * ((place[0] & kMask) * kX + (place[1] & kMask) * kY + (place[2] & kMask) * kZ);
+             step_[leaf] * ((voxel[0] & kMask) * kX + (voxel[1] & kMask) * kY + (voxel[2] & kMask) * kZ);
     };
     return sum(weight, {at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7)});
   }
@@ -67,7 +68,8 @@ class LinearSampler {
   using Number = typename openvdb::VecTraits<Value>::ElementType;
   static constexpr int kCount = openvdb::VecTraits<Value>::Size;
   static constexpr int kLog = int(Leaf::LOG2DIM), kSide = int(Leaf::DIM), kMask = kSide - 1;
-  static constexpr int kZ = kCount, kY = kSide * kZ, kX = kSide * kY;  ///< numbers from voxel to voxel
+  /// offsets to the next voxel, in numbers
+  static constexpr int kZ = kCount, kY = kSide * kZ, kX = kSide * kY;
 
   static Value sum(const double (&weight)[8], const Number* const (&at)[8]) {
     Number result[kCount];
@@ -100,14 +102,16 @@ class LinearSampler {
 
   openvdb::tree::ValueAccessor<const Tree> accessor_;
   bool entered_ = false;
-  int found_ = 0;            ///< bits: which of the eight leaves are known
-  Coord leaf_;               ///< its first voxel
-  const Number* values_[8];  ///< of the leaf and its seven further neighbours; of a tile its one value,
-  int step_[8];              ///< and 0 instead of 1
+  int found_ = 0;  ///< bit set: which of the eight leaves are known
+  Coord leaf_;     ///< first voxel of the leaf
+  /// Of the leaf and its seven upper neighbours: the first value, and the number of values to skip per voxel
+  /// (0 for a tile, which has one value only).
+  const Number* values_[8];
+  int step_[8];
   Value tile_[8];
 };
 
-/// Index positions of a slice's pixels; the transform is linear.
+/// Index-space positions of a slice's pixels, for a linear transform.
 struct Steps {
   Vec3d origin, right, down;
   Steps(const openvdb::GridBase& grid, const SectionPlane& plane)
@@ -117,11 +121,11 @@ struct Steps {
   Vec3d at(int i, int j) const { return origin + right * double(i) + down * double(j); }
 };
 
-/// The pixels of some slices, block by block and in each block slice by slice, so that what follows each
-/// other lies in the same leaves. `sample(index place, slice, pixel)`.
+/// Visits the pixels of several slices block by block, and within a block slice by slice, so that consecutive
+/// pixels are mostly in the same leaves. Calls `sample(index position, slice, pixel)`.
 template <typename Sample>
 void forPixels(const openvdb::GridBase& grid, const std::vector<SectionPlane>& planes, const Sample& sample) {
-  constexpr int kBlock = 16;
+  constexpr int kBlock = 16;  // pixels along a side
   std::vector<Steps> steps;
   int width = 0, height = 0;
   for (const SectionPlane& plane : planes) {
@@ -136,9 +140,9 @@ void forPixels(const openvdb::GridBase& grid, const std::vector<SectionPlane>& p
             sample(steps[n].at(i, j), n, size_t(j) * size_t(planes[n].width) + size_t(i));
 }
 
-/// Whole numbers go into floats.
+/// Integers are stored as floats, which hold them exactly up to 2^24 only. Throws InputError beyond.
 void checkExact(const openvdb::GridBase& grid, double value) {
-  constexpr double kLargest = 1 << 24;
+  constexpr double kLargest = 1 << 24;  // the significand of a float has 24 bits
   if (std::abs(value) > kLargest)
     throw InputError(
         "grid '" + grid.getName() + "' holds " + std::to_string(std::int64_t(value)) +
@@ -163,7 +167,7 @@ void sampleGrid(const Grid& grid, const std::vector<SectionPlane>& planes,
     LinearSampler<typename Grid::TreeType> sampler(grid.tree());
     if (!openvdb::VecTraits<Value>::IsVec || grid.getGridClass() != openvdb::GRID_STAGGERED)
       return forPixels(grid, planes, [&](const Vec3d& p, size_t n, size_t i) { put(n, i, sampler(p)); });
-    // Component c of a voxel is on its lower face across axis c.
+    // Component c of a voxel is located on its lower face along axis c.
     if constexpr (openvdb::VecTraits<Value>::IsVec)
       for (int c = 0; c < 3; ++c) {
         Vec3d face(0.0);

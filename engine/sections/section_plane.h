@@ -4,13 +4,13 @@
 
 namespace slicemorph {
 
-/// Where a slice lies in the world: the centre of pixel (i, j), i to the right and j downwards in the image,
+/// Position of a slice in the world: the centre of pixel (i, j), i to the right and j downwards in the image,
 /// is at origin + pixelSize * (i * xAxis + j * yAxis). The axes are orthonormal and right-handed: normal =
 /// xAxis x yAxis.
 struct SectionPlane {
   int index = 0;  ///< 0 to count - 1
   int count = 0;
-  /// -1 to 1 from the first slab of equal thickness to the last; of given planes by their number.
+  /// -1 to 1 from the first to the last of the slabs of equal thickness; for given planes by their number.
   double u = 0;
   Vec3d origin{0, 0, 0};
   Vec3d xAxis{1, 0, 0};
@@ -21,7 +21,7 @@ struct SectionPlane {
   int height = 0;
 
   Vec3d toWorld(double i, double j) const { return origin + pixelSize * (i * xAxis + j * yAxis); }
-  /// World distance, positive on the normal's side.
+  /// Signed distance of a world point from the plane, positive on the normal's side.
   double distance(const Vec3d& p) const { return (p - origin).dot(normal); }
 };
 

@@ -8,14 +8,15 @@ namespace slicemorph {
 
 struct AgreedWinding {
   std::vector<openvdb::Vec3I> triangles;
-  std::vector<std::uint32_t> patch;  ///< per triangle: its set across edges with two faces
-  size_t shells = 0;                 ///< sets across any edge
+  std::vector<std::uint32_t> patch;  ///< per triangle: its set, connected across edges with two faces
+  size_t shells = 0;                 ///< number of sets connected across any edge
   size_t nonManifold = 0;            ///< edges with more than two faces
-  size_t twisted = 0;                ///< edges with two faces across which no winding agrees
+  size_t twisted = 0;                ///< edges with two faces whose windings cannot be made to agree
   size_t turned = 0;                 ///< triangles whose winding was changed
 };
 
-/// Makes the winding agree across edges with two faces; each patch follows its majority.
+/// Makes the windings of neighbours across edges with two faces agree. In each patch the winding of the
+/// majority is kept.
 AgreedWinding agreeOnWinding(std::vector<openvdb::Vec3I> triangles);
 
 }  // namespace slicemorph

@@ -13,7 +13,7 @@ using openvdb::Vec3I;
 using openvdb::Vec3s;
 using Index = std::uint32_t;
 
-/// Coordinates of a polygon in the plane of its Newell normal, wound counter-clockwise.
+/// The polygon's coordinates in the plane of its Newell normal, wound counter-clockwise.
 std::vector<Vec2d> flatten(const std::vector<Vec3s>& points, const std::vector<Index>& face) {
   Vec3d normal(0.0);
   const Vec3d origin = Vec3d(points[face[0]]);
@@ -40,7 +40,8 @@ double turn(const Vec2d& a, const Vec2d& b, const Vec2d& c) {
   return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
 }
 
-/// The corner of `ring` (positions in the face) that is best cut off: an ear, as far from flat as can be.
+/// The corner of `ring` (indices into the face) to cut off next: of the ears, the one with the largest area
+/// relative to the squared lengths of its sides.
 size_t bestEar(const std::vector<Vec2d>& flat, const std::vector<Index>& ring) {
   const size_t n = ring.size();
   size_t best = 0;
@@ -55,7 +56,7 @@ size_t bestEar(const std::vector<Vec2d>& flat, const std::vector<Index>& ring) {
     }
     const double sides = (b - a).lengthSqr() + (c - b).lengthSqr() + (a - c).lengthSqr();
     const double quality = sides > 0 ? area / sides : 0;
-    // A crossed or flat polygon may have no ear: the roundest corner then still ends the loop.
+    // A self-intersecting or flat polygon may have no ear; the best other corner then ends the loop.
     const double score = ear ? quality : quality - 10;
     if (score > bestScore) {
       bestScore = score;

@@ -9,9 +9,9 @@ namespace {
 using openvdb::Coord;
 using openvdb::Vec3s;
 
-/// A corner of a smaller share is there only by rounding.
+/// Trilinear weights below this are rounding errors.
 constexpr double kLeastWeight = 1e-6;
-/// Voxels around a point in which a colour is looked for.
+/// Radius, in voxels, of the search for the nearest colour: one more than the half width of a narrow band.
 constexpr int kReach = 4;
 
 }  // namespace

@@ -6,7 +6,7 @@
 
 namespace slicemorph {
 
-/// Weighted mean of colours that is exactly the one colour where all are the same.
+/// Weighted mean of colours. If all colours are equal it is exactly that colour, without rounding.
 class ColorMean {
  public:
   void add(const openvdb::Vec3s& color, double weight);
@@ -18,17 +18,17 @@ class ColorMean {
   double sum_ = 0;
 };
 
-/// A grid of colours at places of its index space; values that are not finite count as none. For one task.
+/// Samples a grid of colours. Values that are not finite count as missing. Each task needs its own.
 class ColorSampler {
  public:
   explicit ColorSampler(const openvdb::Vec3SGrid& grid)
       : transform_(grid.transformPtr()), values_(grid.getConstAccessor()) {}
 
-  /// Trilinear between active voxels, with their share of the place (0 to 1) as weight.
+  /// Trilinear mean of the active voxels around a point in index space; its weight is their share, 0 to 1.
   ColorMean between(const Vec3d& index) const;
-  /// That of the nearest active voxel within four voxels; none where there is none.
+  /// Colour of the nearest active voxel within four voxels; none if there is none.
   std::optional<openvdb::Vec3s> nearest(const Vec3d& index) const;
-  /// Of a world point: the one, else the other.
+  /// At a world point: between() if any voxel around is active, else nearest().
   std::optional<openvdb::Vec3s> at(const Vec3d& world) const;
   Vec3d toIndex(const Vec3d& world) const { return transform_->worldToIndex(world); }
 

@@ -13,7 +13,8 @@ namespace slicemorph {
 
 namespace {
 
-/// The band's voxels next to the surface, as points on it with their outward normals.
+/// Calls visit(surface point, outward normal, distance) for each voxel next to the surface, with the voxel
+/// projected onto it.
 template <typename Visit>
 void visitSurfacePoints(const FloatGrid& grid, const Visit& visit) {
   const double h = grid.voxelSize()[0];
@@ -22,7 +23,7 @@ void visitSurfacePoints(const FloatGrid& grid, const Visit& visit) {
   for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
     for (auto it = leaf->cbeginValueOn(); it; ++it) {
       const float f = *it;
-      if (std::abs(f) > 0.87 * h) continue;  // half a voxel's diagonal
+      if (std::abs(f) > 0.87 * h) continue;  // half the diagonal of a voxel: sqrt(3) / 2
       const openvdb::Coord c = it.getCoord();
       Vec3d g;
       for (int a = 0; a < 3; ++a) {
@@ -38,7 +39,7 @@ void visitSurfacePoints(const FloatGrid& grid, const Visit& visit) {
   }
 }
 
-/// std::floor without a call into the library, which the baseline of x86-64 needs.
+/// std::floor without the call into the library that baseline x86-64 needs.
 int floorOf(float v) {
   const int i = int(v);
   return i - (v < float(i));
@@ -66,7 +67,8 @@ DistanceField::DistanceField(FloatGrid::ConstPtr levelSet, int nodes)
   const Vec3d extent = box_.extents();
   const double longest = std::max({extent[0], extent[1], extent[2], 4 * voxelSize_});
   nodes_.spacing = std::max(voxelSize_, longest / nodes);
-  constexpr int kMargin = 6;
+  constexpr int kMargin =
+      6;  // coarse nodes around the box; beyond them coarseAt adds the distance to the outermost ones
   nodes_.origin = box_.min() - Vec3d(kMargin * nodes_.spacing);
   for (int a = 0; a < 3; ++a) nodes_.size[a] = int(std::ceil(extent[a] / nodes_.spacing)) + 2 * kMargin + 1;
   const size_t count = nodes_.count();
@@ -93,8 +95,8 @@ void DistanceField::seedFromBand() {
   });
 }
 
-/// Closest points handed from neighbour to neighbour, in eight sweeps ([Dan80], in Gauss-Seidel
-/// order).
+/// Propagates closest points from neighbour to neighbour in eight sweeps, one per octant ([Dan80], in
+/// Gauss-Seidel order).
 void DistanceField::sweep() {
   for (int pass = 0; pass < 8; ++pass) {
     const int sx = pass & 1 ? -1 : 1, sy = pass & 2 ? -1 : 1, sz = pass & 4 ? -1 : 1;
@@ -120,7 +122,7 @@ void DistanceField::sweep() {
   }
 }
 
-/// The fine grid knows the side everywhere, and the distance itself inside its band.
+/// The fine grid knows the sign everywhere; within 1.8 voxels of the surface its distance is used as well.
 void DistanceField::signDistances() {
   const Vec3d first = levelSet_->transform().worldToIndex(nodes_.origin) - band_.origin().asVec3d();
   const double step = nodes_.spacing / voxelSize_;
@@ -229,6 +231,8 @@ DistanceField::Sampler::Sampler(const DistanceField& field)
       fineOrigin_(field.levelSet_->transform().worldToIndex(field.anchor_) - field.band_.origin().asVec3d()) {
 }
 
+/// Fine values are used up to 1.8 voxels and fade into the coarse distance until 2.7 voxels, before they are
+/// clamped at 3. There the coarse distance is kept from falling below nearby fine values.
 float DistanceField::Sampler::operator()(const openvdb::Vec3s& p) const {
   const float h = voxelSize_, beyond = std::numeric_limits<float>::max();
   const float fine = field_->band_(p * fineScale_ + fineOrigin_, beyond);
@@ -286,9 +290,9 @@ void DistanceField::sampleSurface(int count) {
   size_t voxels = 0;
   visitSurfacePoints(*levelSet_, [&](const Vec3d&, const Vec3d&, double) { ++voxels; });
   const double h = voxelSize_;
-  // The shell of voxels within 0.87 h of the surface is 1.74 voxels thick.
+  // Voxels within 0.87 h of the surface form a shell 1.74 voxels thick.
   const double area = double(voxels) * h * h / 1.74;
-  // Never finer than the voxels: every bin holds some points.
+  // Not finer than the voxels, so that every bin holds some points.
   const double cell = std::max(std::sqrt(area / count) * 1.3, 1.5 * h);
   std::map<SurfaceBin, Bin> bins;
   const Vec3d origin = box_.min();

@@ -15,14 +15,14 @@ using openvdb::Vec3s;
 using Index = std::uint32_t;
 
 constexpr Index kNotInWalk = std::numeric_limits<Index>::max();
-/// The least-area search takes cubic time: of 400 edges it looks at 10 million triangles.
+/// The least-area search takes cubic time: for 400 edges it evaluates 10 million triangles.
 constexpr size_t kMostLeastAreaEdges = 400;
 
 double edgeLength(const std::vector<Vec3s>& points, Index a, Index b) {
   return (Vec3d(points[b]) - Vec3d(points[a])).length();
 }
 
-/// After [BS95]: the triangulation of a closed polygon in space that has the least area.
+/// The triangulation of least area of a closed polygon in space, by dynamic programming [BS95].
 std::vector<Vec3I> fillLeastArea(const std::vector<Vec3s>& points, const PointLoop& loop) {
   const size_t n = loop.size();
   std::vector<double> cost(n * n, 0.0);
@@ -62,7 +62,7 @@ std::vector<Vec3I> fillLeastArea(const std::vector<Vec3s>& points, const PointLo
 BoundaryLoops findBoundary(const std::vector<Vec3I>& triangles, size_t pointCount) {
   const EdgeTable edges(triangles);
   BoundaryLoops result;
-  std::vector<std::pair<Index, Index>> next;  // (from, to), a filling triangle runs against the half edge
+  std::vector<std::pair<Index, Index>> next;  // (from, to); filling triangles run against the half edge
   for (size_t e = 0; e < edges.count(); ++e) {
     if (edges.faces(e) == 1) next.emplace_back(edges.half(e, 0).to(), edges.half(e, 0).from());
   }

@@ -4,7 +4,7 @@
 
 namespace slicemorph {
 
-/// A solid as fog volume: 1 inside, falling to 0 at the surface over the half width of its band.
+/// A solid as a fog volume: 1 inside, falling to 0 at the surface across the inner half of the band.
 FloatGrid::Ptr fogOf(const FloatGrid& levelSet);
 
 }  // namespace slicemorph

@@ -17,7 +17,7 @@ using openvdb::GridBase;
 
 const char* const kTypeNames[] = {"uint8", "int16", "uint16", "int32", "float", "double"};
 
-/// The commonest value on the image's faces, which is mostly what is around the object.
+/// The most frequent value on the image's faces across j and k, which mostly is what surrounds the object.
 template <typename T>
 T commonest(const ImageLattice& lattice, const std::vector<T>& values) {
   std::map<T, size_t> counts;
@@ -98,7 +98,7 @@ WorldToVoxel::WorldToVoxel(const ImageLattice& lattice) : origin(lattice.origin)
 
 openvdb::math::Transform::Ptr transformOf(const ImageLattice& lattice) {
   openvdb::Mat4d m = openvdb::Mat4d::identity();
-  // OpenVDB's vectors are rows.
+  // OpenVDB multiplies row vectors.
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) m(r, c) = lattice.step[r][c];
   for (int c = 0; c < 3; ++c) m(3, c) = lattice.origin[c];

@@ -14,17 +14,17 @@
 
 namespace slicemorph {
 
-/// A value in an image's own number type: rounded to the nearest and clamped for whole numbers.
+/// Converts a value to an image's number type; for integers it is clamped and rounded to the nearest.
 template <typename T>
 T storedValue(double value) {
   if constexpr (!std::is_integral_v<T>) return T(value);
   const double low = double(std::numeric_limits<T>::min()), high = double(std::numeric_limits<T>::max());
-  // Counted from the lowest value, so that cutting off is rounding down.
+  // Offset to the lowest value, so that truncation rounds down.
   const double steps = std::min(std::max(value, low), high) - low + 0.5;
   return T(std::int64_t(steps) + std::int64_t(low));
 }
 
-/// The lowest value, which counts beyond an image.
+/// The lowest value of an image, used outside of it. 0 for an empty image.
 template <typename T>
 T lowestValue(const std::vector<T>& values) {
   if (values.empty()) return T(0);
@@ -37,12 +37,12 @@ T lowestValue(const std::vector<T>& values) {
       [](T a, T b) { return std::min(a, b); });
 }
 
-/// Trilinear values of an image; beyond its outermost voxel centres by half a voxel that of the nearest,
-/// further out its lowest value.
+/// Trilinear values of an image. Up to half a voxel beyond the outermost voxel centres the nearest voxels'
+/// values are used, further out the image's lowest value.
 template <typename T>
 class ImageSampler {
  public:
-  /// Numbers of up to 16 bits and floats lose nothing in single precision.
+  /// Numbers of up to 16 bits and floats are exact in single precision.
   using Real = std::conditional_t<(sizeof(T) <= 2) || std::is_same_v<T, float>, float, double>;
 
   ImageSampler(const ImageLattice& lattice, const std::vector<T>& values)
@@ -52,10 +52,10 @@ class ImageSampler {
         z_(size_t(n_[0]) * n_[1]),
         outside_(Real(lowestValue(values))) {}
 
-  /// `p`: voxels.
+  /// `p`: voxel coordinates.
   Real operator()(const openvdb::Vec3s& p) const { return within(p) ? inside(p[0], p[1], p[2]) : atFace(p); }
 
-  /// Adds the weighted values at count places that lie `step` apart.
+  /// Adds `weight` times the values at `count` positions that are `step` apart to `sum`.
   void addLine(const openvdb::Vec3s& first, const openvdb::Vec3s& step, int count, double weight,
                double* sum) const {
     if (within(first) && within(first + step * float(count - 1))) {
@@ -78,7 +78,7 @@ class ImageSampler {
     const T *v = values_ + size_t(k) * z_ + size_t(j) * y_ + size_t(i), *w = v + z_;
     const Real x = px - float(i), y = py - float(j), z = pz - float(k);
     if constexpr (sizeof(T) == 2 && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__) {
-      // The four pairs along i at once: where most of a frame's time goes.
+      // Interpolates the four pairs along i at once; most of the time of a frame is spent here.
       using Four = float __attribute__((vector_size(16)));
       using Whole = std::int32_t __attribute__((vector_size(16)));
       const Whole pairs = {pairAt(v), pairAt(v + y_), pairAt(w), pairAt(w + y_)};
@@ -95,7 +95,7 @@ class ImageSampler {
     return front + z * (back - front);
   }
 
-  /// Two values that follow each other, the first in the lower half.
+  /// Two consecutive values, the first in the lower half.
   static std::int32_t pairAt(const T* v) {
     std::int32_t pair;
     std::memcpy(&pair, v, sizeof pair);

@@ -20,13 +20,13 @@ namespace {
 
 using FloatLeaf = openvdb::FloatTree::LeafNodeType;
 
-/// What a block of 8 x 8 x 8 voxels becomes.
+/// What a block of 8 x 8 x 8 voxels becomes: a leaf, or a tile inside or outside.
 struct Block {
   std::unique_ptr<FloatLeaf> leaf;
   bool inside = false;
 };
 
-/// `value(index)`: of a voxel, above `iso` inside.
+/// `value(index)` is a voxel's value; above `iso` is inside.
 template <typename Value>
 FloatGrid::Ptr shapeOf(const ImageLattice& lattice, float iso, float outside, float inside,
                        const Value& value) {
@@ -39,7 +39,7 @@ FloatGrid::Ptr shapeOf(const ImageLattice& lattice, float iso, float outside, fl
     tbb::parallel_for(size_t(0), layer.size(), [&](size_t b) {
       const openvdb::Coord origin(int(b % size_t(blocks[0])) * kLeaf, int(b / size_t(blocks[0])) * kLeaf,
                                   bk * kLeaf);
-      // With a voxel around, so that the surface between blocks lies where the values say.
+      // Includes the voxels around the block, so that a surface between blocks gets leaves on both sides.
       const openvdb::Coord low = origin - openvdb::Coord(1), high = origin + openvdb::Coord(kLeaf);
       bool above = false, below = low[0] < 0 || low[1] < 0 || low[2] < 0 || high[0] >= n[0] ||
                                   high[1] >= n[1] || high[2] >= n[2];
@@ -126,7 +126,7 @@ FloatGrid::Ptr shapeOfLabel(const Image& labels, std::int64_t label) {
 }
 
 double otsuValue(const Image& image) {
-  constexpr size_t kBins = 1024;
+  constexpr size_t kBins = 1024;  // the threshold is exact to a thousandth of the range of values
   return std::visit(
       [&](const auto& values) {
         const Range range = rangeOf(values);
@@ -138,8 +138,8 @@ double otsuValue(const Image& image) {
         double total = 0, sum = 0;
         for (size_t b = 0; b < kBins; ++b) total += count[b], sum += count[b] * (double(b) + 0.5);
         double below = 0, sumBelow = 0, most = -1;
-        size_t first = 0,
-               last = 0;  // between two far lumps many bins part them equally well: the middle one is taken
+        // If the two classes are far apart, many bins separate them equally well; the middle one is taken.
+        size_t first = 0, last = 0;
         for (size_t b = 0; b + 1 < kBins; ++b) {
           below += count[b], sumBelow += count[b] * (double(b) + 0.5);
           if (below == 0 || below == total) continue;
@@ -156,7 +156,8 @@ double otsuValue(const Image& image) {
 }
 
 bool looksLikeLabels(const Image& image) {
-  // Label maps have 0.55 to 0.97, grey images 0 to 0.25 (25 of both kinds looked at).
+  // Share of equal neighbours, leaving out pairs of zeros: measured on 25 images of both kinds, 0.55 to 0.97
+  // in label maps and 0 to 0.25 in grey images.
   constexpr double kSame = 0.4;
   return std::visit(
       [&](const auto& values) {

@@ -4,23 +4,23 @@
 
 namespace slicemorph {
 
-/// The part of a grey image above `iso` as a fog volume on the image's own lattice: true values where the
-/// surface passes, tiles elsewhere, closed at the image's faces. Work follows the surface but for one look at
-/// every voxel. Throws GeometryError where nothing or everything is above.
+/// The part of a grey image above `iso` as a fog volume on the image's lattice: leaves with the image's
+/// values near the surface, tiles elsewhere. It is closed at the image's faces. Every voxel is read once; the
+/// rest of the work is proportional to the surface. Throws GeometryError if no or all values are above `iso`.
 FloatGrid::Ptr shapeAbove(const Image& image, double iso);
 
-/// The same of a label map, with the surface at 0.5: of all labels, or of one.
+/// The same for a label map, with the surface at 0.5: of all labels together, or of one.
 FloatGrid::Ptr shapeOfLabels(const Image& labels);
 FloatGrid::Ptr shapeOfLabel(const Image& labels, std::int64_t label);
 
-/// The value that parts an image's histogram best in two [Ots79].
+/// The threshold that best separates the histogram into two classes [Ots79].
 double otsuValue(const Image& image);
 
-/// Whether an image is a map of labels: whole numbers from 0, and next to each other mostly the same.
+/// Whether an image seems to be a label map: non-negative integers, where neighbours are mostly equal.
 bool looksLikeLabels(const Image& image);
 
-/// The labels of a map, ascending, without 0; InputError where values are no whole numbers from 0 to 2^31 or
-/// over 65535 differ.
+/// The labels of a map, ascending, without 0. Throws InputError for values that are not integers from 0 to
+/// 2^31 - 1, and for more than 65535 labels.
 std::vector<std::int64_t> labelsOf(const Image& image);
 
 }  // namespace slicemorph

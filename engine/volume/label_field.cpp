@@ -12,8 +12,9 @@
 namespace slicemorph {
 namespace {
 
-/// Voxels around a label that hold distances: beyond, the way to the box is told.
+/// Voxels around a label that store distances; beyond them the distance to the box is subtracted.
 constexpr int kLabelMargin = 3;
+/// Side of the blocks of `inBlock_` in voxels; divisions by it are shifts by 3.
 constexpr int kBlock = 8;
 
 template <typename T>

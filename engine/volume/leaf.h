@@ -4,10 +4,10 @@
 
 namespace slicemorph {
 
-/// Side of OpenVDB's leaves in voxels, and how many voxels they have.
+/// Side length of OpenVDB's leaves in voxels, and their number of voxels.
 constexpr int kLeaf = 8, kLeafSize = kLeaf * kLeaf * kLeaf;
 
-/// Where a leaf's voxel (x, y, z), each 0 to 7, stands in its buffer.
+/// Offset of voxel (x, y, z) of a leaf, each 0 to 7, in the leaf's buffer.
 constexpr size_t leafOffset(int x, int y, int z) { return size_t((x * kLeaf + y) * kLeaf + z); }
 
 }  // namespace slicemorph

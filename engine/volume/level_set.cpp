@@ -16,7 +16,7 @@
 namespace slicemorph {
 namespace {
 
-/// Relative slack of half floats, which keep 11 bits.
+/// Relative tolerance for values stored as half floats: four times their rounding error of 2^-11.
 constexpr float kHalfTolerance = 1.0f / 512;
 
 struct ValueRange {
@@ -36,7 +36,7 @@ struct ValueRange {
   }
 };
 
-/// Over active values; every field is the same in whatever order parts are joined.
+/// Over the active values. The result does not depend on the order in which parts are joined.
 ValueRange rangeOf(const FloatGrid& grid) {
   const float background = std::abs(grid.background());
   const openvdb::tree::LeafManager<const openvdb::FloatTree> leaves(grid.tree());
@@ -55,8 +55,8 @@ ValueRange rangeOf(const FloatGrid& grid) {
   return range;
 }
 
-/// Mean length of the gradient next to the surface, in value per voxel, over some hundred leaves or more; 0
-/// where there is no surface.
+/// Mean gradient length next to the surface, in value per voxel, over about a thousand leaves; 0 if there is
+/// no surface.
 double meanSlope(const FloatGrid& grid, double voxelSize) {
   const openvdb::tree::LeafManager<const openvdb::FloatTree> leaves(grid.tree());
   const size_t stride = leaves.leafCount() / 1024 + 1;
@@ -70,7 +70,7 @@ double meanSlope(const FloatGrid& grid, double voxelSize) {
           for (auto value = leaf->cbeginValueOn(); value; ++value) {
             if (std::abs(*value) > 0.75 * voxelSize) continue;
             const openvdb::Coord c = value.getCoord();
-            // Upwind: the ridge in the middle of a thin wall is no flaw of its distances.
+            // Upwind differences: the ridge in the middle of a thin wall is no defect of its distances.
             Vec3d behind, ahead;
             for (int d = 0; d < 3; ++d) {
               openvdb::Coord step(0, 0, 0);
@@ -100,7 +100,7 @@ bool isUniformAndParallel(const openvdb::math::Transform& transform) {
   return size > 0;
 }
 
-/// Why a grid is no level set by the conventions, as a part of a sentence; empty: it is one.
+/// Why a grid is not a level set as by the conventions, as part of a sentence; empty: it is one.
 std::string deviation(const FloatGrid& grid, const ValueRange& range, double voxelSize) {
   const float background = grid.background();
   if (grid.getGridClass() != openvdb::GRID_LEVEL_SET) return "it is not of class level set";
@@ -127,7 +127,7 @@ bool isFog(const FloatGrid& grid, const ValueRange& range) {
   return grid.getGridClass() == openvdb::GRID_UNKNOWN && grid.background() == 0 && range.low >= 0;
 }
 
-/// Calls `add` for all active values, how often each comes.
+/// Calls add(value, number of voxels) for all active values.
 template <typename Add>
 void forActiveValues(const FloatGrid& grid, const Add& add) {
   for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf)
@@ -137,11 +137,11 @@ void forActiveValues(const FloatGrid& grid, const Add& add) {
     add(*tile, size_t(tile.getVoxelCount()));
 }
 
-/// The value above which three quarters of a fog's total lie: the body that is seen, whatever its densest
-/// spot. At most half the largest value, so that fog of one density throughout has its surface inside its
-/// ramp.
+/// The value above which three quarters of a fog's total lie: it bounds the visible body, however dense
+/// its densest spot. At most half the largest value, so that fog of uniform density has its surface
+/// within its ramp.
 double fogSurfaceValue(const FloatGrid& grid, double largest) {
-  constexpr size_t kBins = 4096;
+  constexpr size_t kBins = 4096;  // the value is exact to 1/4096 of the largest one
   constexpr double kShare = 0.75;
   std::vector<size_t> count(kBins, 0);
   forActiveValues(grid, [&](float value, size_t voxels) {
@@ -189,7 +189,7 @@ LevelSetReading readingOf(const FloatGrid& grid, double voxelSize, double iso) {
   reading.fog = isFog(grid, range);
   if (reading.fog && iso == 0 && range.finite && range.high > 0)
     reading.iso = fogSurfaceValue(grid, range.high);
-  // Where the active values lie on one side of the surface only, the background may lie on the other.
+  // If all active values are on one side of the surface, the background may be on the other.
   const float low = std::min(range.low, grid.background()), high = std::max(range.high, grid.background());
   if (!range.finite) {
     reading.problem = "the grid holds values that are not finite";

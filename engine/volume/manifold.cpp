@@ -19,11 +19,12 @@ using openvdb::Vec3I;
 using openvdb::Vec3s;
 using Index = std::uint32_t;
 
-/// How far split points move towards their own faces, relative to these: readers that weld equal coordinates
-/// must not join them again.
+/// How far split points move towards their own faces, relative to the faces' size. Enough that readers that
+/// weld equal coordinates do not join them again.
 constexpr double kApart = 0.05;
 
-/// The corners of all triangles, sorted by point; corner 3 t + k is corner k of triangle t.
+/// The corners of all triangles grouped by point, with offsets in `starts`. Corner 3 t + k is corner k of
+/// triangle t.
 struct Corners {
   std::vector<Index> starts, corners;
 };
@@ -43,7 +44,7 @@ Corners cornersByPoint(const Mesh& mesh) {
   return result;
 }
 
-/// The side of a corner's triangle that does not touch its point, `from` -> `to`.
+/// The side from -> to of a triangle that is opposite to its corner at a given point.
 struct Side {
   Index from, to, corner;
 };
@@ -64,7 +65,7 @@ std::vector<Side> sidesAround(const Mesh& mesh, const Corners& corners, size_t p
 
 enum class Fault : unsigned char { kNone, kEdge, kPoint, kOpen };
 
-/// Cycles of sides around a point, one per fan; empty where the sides do not close.
+/// Splits the sides around a point into cycles, one per fan; empty if they do not close.
 std::vector<std::vector<Side>> fansOf(const std::vector<Side>& sides) {
   std::vector<std::vector<Side>> fans;
   std::vector<bool> used(sides.size(), false);
@@ -120,7 +121,7 @@ std::vector<size_t> pointsWith(Fault fault, const Mesh& mesh, const Corners& cor
   return found;
 }
 
-/// A triangle at an edge a-b, with the angle of its third point about a -> b.
+/// A triangle at the edge a-b, with the angle of its third point (`apex`) about a -> b.
 struct EdgeFace {
   Index triangle, apex;
   bool forward;  // the triangle runs from a to b
@@ -148,8 +149,8 @@ std::vector<EdgeFace> facesAtEdge(const Mesh& mesh, const Corners& corners, Inde
   return faces;
 }
 
-/// Pairs of faces that bound the same solid wedge: turning about a -> b, a wedge of the inside begins at a
-/// triangle running b -> a and ends at one running a -> b.
+/// Pairs of faces that bound the same solid wedge: turning about a -> b, the inside begins at a triangle that
+/// runs b -> a and ends at one that runs a -> b.
 std::vector<std::pair<EdgeFace, EdgeFace>> pairWedges(const std::vector<EdgeFace>& faces) {
   std::vector<std::pair<EdgeFace, EdgeFace>> pairs;
   std::vector<bool> used(faces.size(), false);
@@ -176,7 +177,7 @@ void splitTriangle(Mesh& mesh, Index triangle, Index a, Index b, Index middle) {
   mesh.triangles.push_back(second);
 }
 
-/// Gives each pair of triangles at the edge a-b its own middle point.
+/// Splits the edge a-b, with a separate middle point for each pair of triangles.
 void splitEdge(Mesh& mesh, const std::vector<EdgeFace>& faces, Index a, Index b) {
   const Vec3d middle = 0.5 * (Vec3d(mesh.points[a]) + Vec3d(mesh.points[b]));
   for (const auto& [left, right] : pairWedges(faces)) {
@@ -201,13 +202,13 @@ std::vector<std::pair<Index, Index>> crowdedEdges(const Mesh& mesh, const Corner
   return edges;
 }
 
-/// One round over the edges with more than two faces; false where there were none.
+/// One pass over the edges with more than two faces; returns false if there were none.
 bool splitEdges(Mesh& mesh) {
   const Corners corners = cornersByPoint(mesh);
   const std::vector<std::pair<Index, Index>> edges = crowdedEdges(mesh, corners);
   if (edges.empty()) return false;
-  // `corners` belongs to the mesh as it was: an edge at a triangle split in this round waits for the next
-  // one.
+  // `corners` describes the mesh before this pass: an edge at a triangle that was split already is left to
+  // the next one.
   const Mesh before = mesh;
   std::vector<bool> touched(mesh.triangles.size(), false);
   for (const auto& [a, b] : edges) {
@@ -220,7 +221,7 @@ bool splitEdges(Mesh& mesh) {
   return true;
 }
 
-/// A point moved a little towards the middle of its fan's rim.
+/// The point, moved a little towards the centroid of its fan's rim.
 Vec3s towards(const Mesh& mesh, const std::vector<Side>& fan, size_t point) {
   const Vec3d centre(mesh.points[point]);
   Vec3d rim(0.0);
@@ -232,7 +233,8 @@ void splitPoints(Mesh& mesh) {
   const Corners corners = cornersByPoint(mesh);
   for (size_t point : pointsWith(Fault::kPoint, mesh, corners)) {
     const std::vector<std::vector<Side>> fans = fansOf(sidesAround(mesh, corners, point));
-    // The first fan keeps the point, the others get copies; all are moved from where it was.
+    // The first fan keeps the point, the others get copies. All are moved from the original position, so the
+    // first is processed last.
     for (size_t i = fans.size(); i-- > 0;) {
       const Vec3s moved = towards(mesh, fans[i], point);
       const Index target = i == 0 ? Index(point) : Index(mesh.points.size());
@@ -246,7 +248,7 @@ void splitPoints(Mesh& mesh) {
   }
 }
 
-/// Points that have the coordinates of another with a smaller index.
+/// Points with the same coordinates as another of smaller index.
 std::vector<Index> coincidentPoints(const std::vector<Vec3s>& points) {
   std::vector<Index> order(points.size());
   std::iota(order.begin(), order.end(), 0);
@@ -262,13 +264,13 @@ std::vector<Index> coincidentPoints(const std::vector<Vec3s>& points) {
   return found;
 }
 
-/// Returns how many points still have the coordinates of another.
+/// Returns the number of points that still share their coordinates with another.
 size_t separatePoints(Mesh& mesh) {
   std::vector<Index> coincident = coincidentPoints(mesh.points);
   if (coincident.empty()) return 0;
   const Corners corners = cornersByPoint(mesh);
-  // Each round moves points a little further; a surface that has shrunk to a point or line cannot be pulled
-  // apart.
+  // Each round moves points a little further. A surface that has shrunk to a point or line
+  // cannot be separated.
   for (int round = 0; round < 8 && !coincident.empty(); ++round) {
     for (Index point : coincident)
       mesh.points[point] = towards(mesh, sidesAround(mesh, corners, point), point);

@@ -6,16 +6,16 @@ namespace slicemorph {
 
 struct ManifoldMesh {
   Mesh mesh;
-  size_t coincident =
-      0;  ///< points that could not be parted from another: they lie on a surface without extent
+  /// Points that could not be separated from another: the surface there has no extent.
+  size_t coincident = 0;
 };
 
-/// Makes a closed, consistently wound mesh manifold without moving its surface by more than a small share of
-/// a face: edges with four faces or more are cut along the outside, so that bodies touching there part, and
-/// points where several fans of faces meet become one point per fan. Points with the coordinates of another
-/// are moved apart, so that the mesh stays manifold in formats that store none but coordinates (STL). A mesh
-/// that is all that already comes back unchanged. Precondition: every edge has as many faces in one direction
-/// as in the other; else throws GeometryError.
+/// Makes a closed, consistently wound mesh manifold, moving its surface by no more than a small share of a
+/// face. Edges with four or more faces are split so that the bodies that touch there separate; points where
+/// several fans of faces meet are split into one point per fan. Points with equal coordinates are moved
+/// apart, so that the mesh stays manifold in formats that store coordinates only (STL). A mesh that is
+/// already manifold is returned unchanged. Throws GeometryError unless every edge has as many faces in one
+/// direction as in the other.
 ManifoldMesh makeManifold(Mesh mesh);
 
 }  // namespace slicemorph

@@ -10,7 +10,7 @@ namespace slicemorph {
 
 namespace {
 
-/// Calls visit(position, share inside) for every coarse node whose cell is not all outside.
+/// Calls visit(position, share inside) for every coarse node whose cell is at least partly inside.
 template <typename Visit>
 void visitInside(const DistanceField& field, const Visit& visit) {
   const auto& n = field.size();

@@ -11,10 +11,11 @@ struct Moments {
   Mat3d covariance = Mat3d::zero();
 };
 
-/// From the coarse distances, each node counted by the share of its cell that lies inside.
+/// Computed from the coarse distances; each node is weighted by the share of its cell that is inside. Throws
+/// GeometryError if nothing is.
 Moments insideMoments(const DistanceField& field);
 
-/// Eigenvectors as columns of a rotation, largest eigenvalue first, with the eigenvalues.
+/// Eigenvectors as the columns of a rotation, in the order of descending eigenvalues.
 struct PrincipalAxes {
   Mat3d axes = Mat3d::identity();
   Vec3d variances{1, 1, 1};

@@ -27,7 +27,7 @@ std::string number(double value) {
   return text.str();
 }
 
-/// A mesh made ready to have its holes filled, and what was found on the way.
+/// A mesh ready for hole filling, and what was found on the way.
 struct Cleaned {
   Mesh mesh;
   AgreedWinding winding;

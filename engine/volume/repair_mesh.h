@@ -6,8 +6,8 @@
 
 namespace slicemorph {
 
-/// Connections of a mesh after exact duplicate points and faces are gone and winding agrees, before holes are
-/// filled.
+/// Connectivity of a mesh after duplicate points and faces are removed and windings agree, before
+/// holes are filled.
 struct MeshTopology {
   size_t shells = 0;         ///< parts connected through shared edges
   size_t boundaryEdges = 0;  ///< edges with one face
@@ -15,31 +15,32 @@ struct MeshTopology {
   double longestLoop = 0;       ///< world units, along the edges
   double diagonal = 0;          ///< of the bounding box, world units
   size_t nonManifoldEdges = 0;  ///< edges with three faces or more
-  size_t twistedEdges = 0;  ///< edges across which no winding agrees: > 0 on surfaces that are not orientable
-  double signedVolume = 0;  ///< world units cubed, of the faces as found
+  /// Edges across which windings cannot be made to agree; above 0 only on surfaces that are not orientable.
+  size_t twistedEdges = 0;
+  double signedVolume = 0;  ///< world units cubed, with the winding as found
   size_t weldedPoints = 0, unusedPoints = 0;
 };
 
 struct RepairedMesh {
-  Mesh mesh;  ///< closed; every shell that is closed by itself wound outwards
+  Mesh mesh;  ///< closed; every shell that is closed by itself is wound outwards
   MeshTopology found;
   Notes notes;  ///< what was changed, with counts
 };
 
-/// Longest boundary loop that repairMesh fills, relative to the diagonal of the bounding box. (The largest
-/// hole of the Stanford bunny, in its base, is 0.45; the open end of a tube as long as it is wide is 2.2.)
+/// Longest boundary loop that repairMesh fills, relative to the diagonal of the bounding box. The largest
+/// hole of the Stanford bunny, in its base, measures 0.45; the open end of a tube as long as it is wide, 2.2.
 constexpr double kLargestHole = 0.5;
 
-/// Makes a closed triangle mesh: triangulates faces (concave ones by ear clipping), welds points of equal
-/// coordinates, drops unused points, degenerate and duplicate faces, makes winding agree across edges with
-/// two faces, fills holes of at most kLargestHole with the triangulation of least area [BS95], turns
-/// inside-out shells. Faces must index `points`. Shells may touch or cross each other: voxelise
-/// takes whatever cannot be reached from outside as inside. For the same reason a cavity (a shell inside
-/// another) becomes solid; a note says so. Throws GeometryError, with the numbers, where the surface is open,
-/// not orientable, or has no faces.
+/// Makes a closed triangle mesh: triangulates faces (concave ones by ear clipping), welds points with equal
+/// coordinates, drops unused points and degenerate and duplicate faces, makes windings agree across edges
+/// with two faces, fills holes of at most kLargestHole with the triangulation of least area [BS95], and turns
+/// inside-out shells. Faces must index `points`. Shells may touch or intersect: voxelise treats whatever
+/// cannot be reached from outside as inside. For the same reason a cavity (a shell inside another) becomes
+/// solid; a note says so. Throws GeometryError, with the numbers, if the surface is open, not orientable, or
+/// has no faces.
 RepairedMesh repairMesh(const PolygonMesh& mesh);
 
-/// What repairMesh finds, without changing anything; throws nothing but std::bad_alloc.
+/// What repairMesh finds, without changing anything. Throws nothing but std::bad_alloc.
 MeshTopology inspectMesh(const PolygonMesh& mesh);
 
 }  // namespace slicemorph

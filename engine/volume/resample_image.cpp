@@ -18,7 +18,7 @@ bool sameLattice(const ImageLattice& a, const ImageLattice& b) {
   return true;
 }
 
-/// Places of one lattice's voxels in another's, straight.
+/// Affine map from one lattice's voxels to another's voxel coordinates.
 class Straight {
  public:
   Straight(const ImageLattice& from, const ImageLattice& to) {
@@ -26,7 +26,7 @@ class Straight {
     origin_ = voxel(from.origin);
     for (int d = 0; d < 3; ++d) {
       step_[d] = voxel.inverse * from.step[d];
-      // Voxels that coincide do so exactly.
+      // Rounded, so that voxels that coincide do so exactly.
       for (int e = 0; e < 3; ++e) {
         step_[d][e] = snapped(step_[d][e], 1e-7);
         origin_[e] = snapped(origin_[e], 1e-4);

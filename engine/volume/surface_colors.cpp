@@ -25,18 +25,18 @@ using openvdb::Vec3SGrid;
 using VectorLeaf = openvdb::Vec3STree::LeafNodeType;
 using Leaves = openvdb::tree::LeafManager<openvdb::Vec3STree>;
 
-/// Voxels beyond the level set's band in which triangles are looked for: its distances are not exact ones.
+/// Voxels beyond the level set's band in which triangles are searched, because its distances are not exact.
 constexpr double kColorMargin = 1;
-/// Stands in voxels that have no colour yet.
+/// Marks voxels without a colour yet.
 const Vec3s kNone(std::numeric_limits<float>::quiet_NaN());
 
-/// Finds the nearest of some voxels. A balanced tree: the middle one of each range divides the others along
-/// an axis.
+/// Nearest-neighbour search among voxels. A balanced k-d tree in an array: the middle element of each range
+/// splits it along one axis.
 class VoxelTree {
  public:
   explicit VoxelTree(std::vector<Coord> voxels) : voxels_(std::move(voxels)) { build(0, voxels_.size(), 0); }
 
-  /// Of equally near ones the first in the order of coordinates.
+  /// Ties go to the voxel with the smallest coordinates.
   Coord nearest(const Coord& to) const {
     Nearest best;
     search(to, 0, voxels_.size(), 0, best);
@@ -81,7 +81,7 @@ class VoxelTree {
   std::vector<Coord> voxels_;
 };
 
-/// A grid "Cd" on the active voxels of a level set.
+/// A vec3s grid "Cd" on the active voxels of a level set.
 Vec3SGrid::Ptr gridOn(const FloatGrid& levelSet) {
   const auto tree =
       std::make_shared<openvdb::Vec3STree>(levelSet.tree(), Vec3s(0.f), openvdb::TopologyCopy());
@@ -100,7 +100,7 @@ std::vector<Coord> voxelsWith(const Leaves& leaves, bool color) {
   return voxels;
 }
 
-/// Gives voxels without a colour that of the nearest one with a colour. False where none has one.
+/// Gives voxels without a colour that of the nearest voxel with one. Returns false if there is none.
 bool fillFromNearest(Vec3SGrid& grid) {
   const Leaves leaves(grid.tree());
   const std::vector<Coord> missing = voxelsWith(leaves, false);
@@ -120,13 +120,13 @@ bool fillFromNearest(Vec3SGrid& grid) {
   return true;
 }
 
-/// The faces of a mesh cut into fans of triangles, in index space.
+/// The faces of a mesh as fans of triangles, in index space.
 struct ColoredTriangles {
   Mesh mesh;
-  std::vector<Vec3I> corners;  ///< per triangle, where its colours are among those of the polygons
+  std::vector<Vec3I> corners;  ///< per triangle: indices of its corners among the polygons' corners
 };
 
-/// Faces outside of the box are left out: repair has dropped them, and they might be as large as they like.
+/// Faces outside the box are left out: repair has dropped them, and they may be arbitrarily large.
 ColoredTriangles trianglesOf(const PolygonMesh& polygons, const openvdb::math::Transform& transform,
                              const openvdb::BBoxd& box) {
   ColoredTriangles result;
@@ -149,23 +149,23 @@ ColoredTriangles trianglesOf(const PolygonMesh& polygons, const openvdb::math::T
   return result;
 }
 
-/// The place of a triangle nearest to a voxel, as weights of its corners.
-struct Place {
+/// The point of a triangle nearest to a voxel, in barycentric coordinates.
+struct TrianglePoint {
   int triangle = -1;
   Vec3d weights;
   double squared = std::numeric_limits<double>::max();  ///< of the distance, voxels
 };
 
-/// Finds it among the triangles of the voxel and its 26 neighbours: OpenVDB hands them on from voxel to
-/// voxel, and where several faces are near it may have lost the nearest. For one task.
-class NearestPlace {
+/// Searches the triangles stored at a voxel and its 26 neighbours: OpenVDB propagates triangles from voxel to
+/// voxel and may lose the nearest one where several are near. Each task needs its own.
+class NearestTrianglePoint {
  public:
-  NearestPlace(const Mesh& mesh, const openvdb::Int32Grid& triangles)
+  NearestTrianglePoint(const Mesh& mesh, const openvdb::Int32Grid& triangles)
       : mesh_(mesh), triangles_(triangles.getConstAccessor()) {}
 
-  Place at(const Coord& voxel) {
+  TrianglePoint at(const Coord& voxel) {
     tried_.clear();
-    Place best;
+    TrianglePoint best;
     tryTriangle(triangles_.getValue(voxel), voxel.asVec3d(), best);
     for (auto c = openvdb::CoordBBox(voxel.offsetBy(-1), voxel.offsetBy(1)).begin(); c; ++c)
       tryTriangle(triangles_.getValue(*c), voxel.asVec3d(), best);
@@ -173,17 +173,17 @@ class NearestPlace {
   }
 
  private:
-  void tryTriangle(int triangle, const Vec3d& p, Place& best) {
+  void tryTriangle(int triangle, const Vec3d& p, TrianglePoint& best) {
     if (triangle < 0 || std::find(tried_.begin(), tried_.end(), triangle) != tried_.end()) return;
     tried_.push_back(triangle);
     const Vec3I& t = mesh_.triangles[size_t(triangle)];
     const Vec3d a(mesh_.points[t[0]]), b(mesh_.points[t[1]]), c(mesh_.points[t[2]]);
     if (squaredDistanceToBox(p, a, b, c) > best.squared) return;
-    Place place;
-    place.triangle = triangle;
-    place.squared = (openvdb::math::closestPointOnTriangleToPoint(a, b, c, p, place.weights) - p).lengthSqr();
-    if (place.squared < best.squared || (place.squared == best.squared && triangle < best.triangle))
-      best = place;
+    TrianglePoint point;
+    point.triangle = triangle;
+    point.squared = (openvdb::math::closestPointOnTriangleToPoint(a, b, c, p, point.weights) - p).lengthSqr();
+    if (point.squared < best.squared || (point.squared == best.squared && triangle < best.triangle))
+      best = point;
   }
 
   static double squaredDistanceToBox(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
@@ -201,23 +201,24 @@ class NearestPlace {
   std::vector<int> tried_;
 };
 
-/// Hands triangles on once more.
+/// Propagates the triangles to neighbours once more.
 openvdb::Int32Grid::Ptr improved(const openvdb::Int32Grid& triangles, const Mesh& mesh) {
   const openvdb::Int32Grid::Ptr result = triangles.deepCopy();
   openvdb::tree::LeafManager<openvdb::Int32Tree>(result->tree()).foreach ([&](auto& leaf, size_t) {
-    NearestPlace nearest(mesh, triangles);
+    NearestTrianglePoint nearest(mesh, triangles);
     for (auto value = leaf.beginValueOn(); value; ++value)
       value.setValue(nearest.at(value.getCoord()).triangle);
   });
   return result;
 }
 
-Vec3s colorOf(const Place& place, const ColoredTriangles& triangles, const std::vector<Vec3s>& colors) {
-  if (place.triangle < 0) return kNone;
-  const Vec3I& corners = triangles.corners[size_t(place.triangle)];
+Vec3s colorOf(const TrianglePoint& point, const ColoredTriangles& triangles,
+              const std::vector<Vec3s>& colors) {
+  if (point.triangle < 0) return kNone;
+  const Vec3I& corners = triangles.corners[size_t(point.triangle)];
   ColorMean mean;
   for (int k = 0; k < 3; ++k)
-    if (place.weights[k] > 0) mean.add(colors[corners[k]], place.weights[k]);
+    if (point.weights[k] > 0) mean.add(colors[corners[k]], point.weights[k]);
   return mean.value().value_or(colors[corners[0]]);
 }
 
@@ -232,7 +233,7 @@ Vec3SGrid::Ptr colorsAround(const FloatGrid& levelSet, const PolygonMesh& mesh) 
       *nearestTriangles(triangles.mesh, levelSet.transform(), kHalfWidth + kColorMargin), triangles.mesh);
   const Vec3SGrid::Ptr grid = gridOn(levelSet);
   Leaves(grid->tree()).foreach ([&](VectorLeaf& leaf, size_t) {
-    NearestPlace nearest(triangles.mesh, *near);
+    NearestTrianglePoint nearest(triangles.mesh, *near);
     for (auto value = leaf.beginValueOn(); value; ++value)
       value.setValue(colorOf(nearest.at(value.getCoord()), triangles, mesh.colors));
   });

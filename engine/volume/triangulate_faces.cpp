@@ -24,7 +24,7 @@ std::vector<Index> distinctCorners(const PolygonMesh& mesh, const WeldedPoints& 
 
 bool isDegenerate(const Vec3I& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
-/// Keeps the first of the triangles with the same three points, whatever their winding.
+/// Drops triangles with the same three points as an earlier one, whatever the winding; returns how many.
 size_t dropDuplicates(std::vector<Vec3I>& triangles) {
   using Key = std::array<Index, 4>;
   std::vector<Key> keys(triangles.size());

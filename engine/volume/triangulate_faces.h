@@ -6,11 +6,12 @@ namespace slicemorph {
 
 struct TriangulatedFaces {
   std::vector<openvdb::Vec3I> triangles;
-  size_t polygons = 0, degenerate = 0, duplicate = 0;  ///< faces of more than three corners; faces left out
+  /// Faces with more than three corners; faces that were dropped.
+  size_t polygons = 0, degenerate = 0, duplicate = 0;
 };
 
-/// The faces of a mesh as triangles of its welded points, without degenerate ones and those whose three points another
-/// one has, whatever the winding.
+/// The faces of a mesh as triangles of its welded points. Degenerate triangles are dropped, and those with
+/// the same three points as an earlier one, whatever the winding.
 TriangulatedFaces triangulateFaces(const PolygonMesh& mesh, const WeldedPoints& welded);
 
 }  // namespace slicemorph

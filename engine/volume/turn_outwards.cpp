@@ -37,7 +37,7 @@ std::vector<Part> partsOf(const Mesh& mesh, const std::vector<Index>& patch) {
   const EdgeTable edges(mesh.triangles);
   for (size_t e = 0; e < edges.count(); ++e) {
     if (edges.faces(e) == 2) continue;
-    // Patches meet here: one is closed by itself where it has two of the faces, in opposite directions.
+    // Patches meet here. One is closed by itself if its faces at the edge balance in direction.
     for (size_t i = 0; i < edges.faces(e); ++i) {
       const Index own = partOf[patch[edges.half(e, i).triangle()]];
       int balance = 0;
@@ -50,7 +50,7 @@ std::vector<Part> partsOf(const Mesh& mesh, const std::vector<Index>& patch) {
   return parts;
 }
 
-/// Winding number of a closed part about a point, by solid angles [VS83].
+/// Winding number of a closed part around a point, summed from solid angles [VS83].
 double windingNumber(const Mesh& mesh, const Part& part, const Vec3d& point) {
   double sum = 0;
   for (Index t : part.triangles) {

@@ -6,19 +6,19 @@
 
 namespace slicemorph {
 
-/// Volume of the tetrahedron from a point to a triangle: positive where the triangle is seen from its back. Summed over
-/// a closed mesh, the volume that it encloses.
+/// Signed volume of the tetrahedron from `origin` to a triangle: positive if the triangle faces away from it.
+/// Summed over a closed mesh it is the enclosed volume.
 double signedVolume(const std::vector<openvdb::Vec3s>& points, const openvdb::Vec3I& triangle,
                     const Vec3d& origin);
 
 struct TurnedParts {
-  size_t insideOut = 0;  ///< parts that were turned
-  size_t cavities = 0;   ///< parts inside others
+  size_t insideOut = 0;  ///< parts that were turned outwards
+  size_t cavities = 0;   ///< parts inside other parts
 };
 
-/// A closed part is a cavity where it lies inside a part of the opposite sense; any other is turned outwards. Triangles
-/// outside closed parts keep their winding: they have no inside of their own. `patch`: per triangle, that of
-/// AgreedWinding.
+/// Turns closed parts outwards. A part that lies inside one of the opposite orientation is counted as a
+/// cavity; it is turned outwards, too. Triangles that are not in closed parts keep their winding, because
+/// they enclose nothing. `patch`: per triangle, from AgreedWinding.
 TurnedParts turnOutwards(Mesh& mesh, const std::vector<std::uint32_t>& patch);
 
 }  // namespace slicemorph

@@ -22,11 +22,11 @@ using openvdb::Vec3s;
 using openvdb::Vec4I;
 using Index = std::uint32_t;
 
-/// Larger grids are a mistyped voxel size: the band of 4e8 voxels takes some 3 GiB, and more while it is
-/// built.
+/// Larger grids come from a mistyped voxel size. A band of 4e8 voxels takes about 3 GiB, and more while
+/// it is built.
 constexpr double kMostVoxelsAlong = 8192;
 constexpr double kMostBandVoxels = 4e8;
-/// Coordinates beyond it lose their fraction in single precision and come near the limits of 32-bit indices.
+/// Beyond this coordinate single precision has no fraction left, and 32-bit indices come near their limit.
 constexpr double kFarthestVoxel = 1 << 24;
 
 openvdb::BBoxd boundsOf(const Mesh& mesh) {
@@ -44,7 +44,7 @@ double areaOf(const Mesh& mesh) {
   return twice / 2;
 }
 
-/// Checked before anything is allocated.
+/// Throws before anything is allocated.
 void refuseAbsurdSize(const Mesh& mesh, double voxelSize) {
   std::ostringstream why;
   if (!(voxelSize > 0) || !std::isfinite(voxelSize)) {
@@ -76,7 +76,7 @@ bool hasInside(const FloatGrid& grid) {
   return false;
 }
 
-/// Where (in `items`) each point's quads are listed.
+/// The quads at each point, grouped by point, with offsets in `starts`.
 struct QuadsByPoint {
   std::vector<Index> starts, items;
 
@@ -93,7 +93,7 @@ struct QuadsByPoint {
   }
 };
 
-/// True where no quad but `own` has both points: a diagonal between them is an edge of its own.
+/// Whether no quad but `own` contains both points, so that a diagonal between them would be a new edge.
 bool isFree(const QuadsByPoint& by, const std::vector<Vec4I>& quads, Index own, Index a, Index b) {
   for (Index i = by.starts[a]; i < by.starts[a + 1]; ++i) {
     const Vec4I& q = quads[by.items[i]];
@@ -102,7 +102,8 @@ bool isFree(const QuadsByPoint& by, const std::vector<Vec4I>& quads, Index own, 
   return true;
 }
 
-/// Splits along the shorter diagonal, the first of equal ones, unless only the other is an edge of its own.
+/// Splits each quad along its shorter diagonal (of equal ones the first), unless that is already an edge and
+/// the other is not.
 std::vector<Vec3I> splitQuads(const std::vector<Vec3s>& points, const std::vector<Vec4I>& quads) {
   const QuadsByPoint by(quads, points.size());
   std::vector<Vec3I> triangles(quads.size() * 2);
@@ -124,7 +125,8 @@ std::vector<Vec3I> splitQuads(const std::vector<Vec3s>& points, const std::vecto
   return triangles;
 }
 
-/// volumeToMesh winds faces inwards seen from values below the iso value; a fog volume is inside above it.
+/// volumeToMesh winds faces inwards as seen from values below the isovalue, but a fog volume's inside is
+/// above it.
 bool windsInwards(const FloatGrid& grid) {
   const bool fog = grid.getGridClass() == openvdb::GRID_FOG_VOLUME;
   const Vec3d origin = grid.indexToWorld(Vec3d(0.0));
@@ -144,8 +146,8 @@ Mesh rawSurface(const FloatGrid& grid, double iso) {
   return mesh;
 }
 
-/// A copy whose values keep clear of `iso` by a thousandth of the smaller step to either side. Voxels that
-/// lie exactly on the surface can shrink parts of it to a point, where faces have no extent.
+/// A copy whose values differ from `iso` by at least a thousandth of the smaller range on either side of it.
+/// Voxels exactly on the surface could shrink parts of it to a point, with faces of no extent.
 FloatGrid::Ptr awayFrom(const FloatGrid& grid, double iso) {
   double below = 0, above = 0;
   for (auto value = grid.cbeginValueOn(); value; ++value) {

@@ -4,9 +4,9 @@
 
 namespace slicemorph {
 
-/// The index of the triangle nearest to each voxel that is less than `halfWidth` voxels from one, whichever
-/// side it is on (or of one that is hardly further away: see MeshToVolume.h); below 0 elsewhere. `mesh`: in
-/// the index space of `transform`, open or closed.
+/// For each voxel less than `halfWidth` voxels from the mesh, on either side, the index of its nearest
+/// triangle (or of one hardly further away: see OpenVDB's MeshToVolume.h); below 0 elsewhere. `mesh`: in the
+/// index space of `transform`, open or closed.
 openvdb::Int32Grid::Ptr nearestTriangles(const Mesh& mesh, const openvdb::math::Transform& transform,
                                          double halfWidth);
 

@@ -10,12 +10,14 @@ namespace slicemorph {
 constexpr std::uint32_t kNoPoint = std::numeric_limits<std::uint32_t>::max();
 
 struct WeldedPoints {
-  std::vector<openvdb::Vec3s> points;   ///< distinct coordinates, in the order of first use
+  std::vector<openvdb::Vec3s> points;   ///< distinct positions, in the order of first use
   std::vector<std::uint32_t> newIndex;  ///< of every old point; kNoPoint: no face uses it
-  size_t unused = 0, merged = 0;        ///< with what the importer dropped; without what it copied
+  /// Unused points, including those that the importer dropped; merged points, without those
+  /// that it duplicated.
+  size_t unused = 0, merged = 0;
 };
 
-/// Makes points of equal coordinates one, and drops those that no face uses.
+/// Merges points with equal coordinates and drops those that no face uses.
 WeldedPoints weldPoints(const PolygonMesh& mesh);
 
 }  // namespace slicemorph

@@ -35,8 +35,8 @@ std::vector<Feature> legLines(const Swing& a, const Swing& b) {
     for (int half = 0; half < 2; ++half) {
       Feature line{"leg " + std::to_string(leg) + (half ? " below" : " above"), Feature::Kind::kLine, {}};
       for (const Swing& s : {a, b})
-        line.places.push_back({Quadruped::onLeg(leg, s[size_t(leg)], 0.5 * half),
-                               Quadruped::onLeg(leg, s[size_t(leg)], 0.5 * half + 0.5)});
+        line.positions.push_back({Quadruped::onLeg(leg, s[size_t(leg)], 0.5 * half),
+                                  Quadruped::onLeg(leg, s[size_t(leg)], 0.5 * half + 0.5)});
       lines.push_back(std::move(line));
     }
   return lines;

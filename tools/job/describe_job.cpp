@@ -20,7 +20,7 @@ Json toJson(const Vec3d& v) { return {v[0], v[1], v[2]}; }
 Json toJson(const Feature& feature) {
   const char* kinds[] = {"point", "line", "disk"};
   Json json = {{"name", feature.name}, {"kind", kinds[int(feature.kind)]}, {"places", Json::array()}};
-  for (const std::vector<Vec3d>& ofInput : feature.places) {
+  for (const std::vector<Vec3d>& ofInput : feature.positions) {
     json["places"].push_back(Json::array());
     for (const Vec3d& place : ofInput) json["places"].back().push_back(toJson(place));
   }

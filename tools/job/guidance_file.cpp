@@ -81,7 +81,7 @@ void addDisk(Feature& feature, const toml::node& node, const std::string& what, 
   const toml::table& disk = read.table(node, what, example);
   read.checkKeys(disk, {"center", "normal", "radius"});
   const toml::node& normal = read.needed(disk, "normal", example);
-  feature.places.push_back({read.vector(read.needed(disk, "center", example), what + ": center")});
+  feature.positions.push_back({read.vector(read.needed(disk, "center", example), what + ": center")});
   feature.normals.push_back(read.vector(normal, what + ": normal"));
   if (feature.normals.back().length() == 0)
     read.refuse(normal, what + ": normal " + shortText(normal) + " has no length; give a direction");
@@ -100,9 +100,9 @@ Feature featureOf(const toml::table& table, size_t number, const InputTexts& inp
   for (const toml::node& item : read.perInput(*table.get(kind), kind, inputs.size())) {
     const std::string what = kind + " of input " + std::to_string(++input);
     if (kind == "point")
-      feature.places.push_back({read.vector(item, what)});
+      feature.positions.push_back({read.vector(item, what)});
     else if (kind == "line")
-      feature.places.push_back(lineOf(item, what, read));
+      feature.positions.push_back(lineOf(item, what, read));
     else
       addDisk(feature, item, what, read);
   }

@@ -117,9 +117,9 @@ std::string describe(const std::vector<WeightKey>& keys, const std::vector<std::
 
 std::string describe(const Feature& feature) {
   std::vector<std::string> items;
-  for (size_t k = 0; k < feature.places.size(); ++k) {
+  for (size_t k = 0; k < feature.positions.size(); ++k) {
     std::vector<std::string> places;
-    for (const Vec3d& place : feature.places[k]) places.push_back(placeOf(place));
+    for (const Vec3d& place : feature.positions[k]) places.push_back(placeOf(place));
     if (feature.kind == Feature::Kind::kPoint)
       items.push_back(places[0]);
     else if (feature.kind == Feature::Kind::kLine)

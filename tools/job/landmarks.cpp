@@ -81,7 +81,7 @@ std::vector<Feature> featuresOf(const std::vector<Landmark>& landmarks) {
   for (const Landmark& landmark : landmarks) {
     Feature feature;
     feature.name = "landmark " + std::to_string(features.size() + 1);
-    for (const Vec3d& place : landmark) feature.places.push_back({place});
+    for (const Vec3d& place : landmark) feature.positions.push_back({place});
     features.push_back(feature);
   }
   return features;

@@ -89,13 +89,13 @@ SparseLabels readSparse(const ReconstructJob& job) {
   return sparse;
 }
 
-StackPlace placeOf(const ImageLattice& lattice, int axis) {
-  StackPlace place;
-  place.origin = lattice.origin;
-  place.stepX = lattice.step[axis == 0 ? 1 : 0];
-  place.stepY = lattice.step[axis == 2 ? 1 : 2];
-  place.along = lattice.step[axis].unit();
-  return place;
+StackPlacement placeOf(const ImageLattice& lattice, int axis) {
+  StackPlacement placement;
+  placement.origin = lattice.origin;
+  placement.stepX = lattice.step[axis == 0 ? 1 : 0];
+  placement.stepY = lattice.step[axis == 2 ? 1 : 2];
+  placement.along = lattice.step[axis].unit();
+  return placement;
 }
 
 void writeLabelSurfaces(const ReconstructJob& job, const SparseLabels& sparse, JobEvents& events) {
@@ -103,7 +103,7 @@ void writeLabelSurfaces(const ReconstructJob& job, const SparseLabels& sparse, J
   const std::vector<double> values = ranked.values;
   const SliceScores scores(std::move(ranked.stack));
   const ImageLattice& lattice = sparse.image.lattice;
-  const StackPlace place = placeOf(lattice, sparse.given.axis);
+  const StackPlacement placement = placeOf(lattice, sparse.given.axis);
   std::string list;
   for (double v : values)
     if (v != 0) list += (list.empty() ? "" : ", ") + formatNumber(v);
@@ -112,7 +112,7 @@ void writeLabelSurfaces(const ReconstructJob& job, const SparseLabels& sparse, J
   for (size_t rank = 0; rank < values.size(); ++rank) {
     if (values[rank] == 0) continue;
     events.throwIfCancelled();
-    const FloatGrid::Ptr field = labelLevelSet(scores, int(rank), place);
+    const FloatGrid::Ptr field = labelLevelSet(scores, int(rank), placement);
     Structure structure;
     structure.number = int(values[rank]);
     structure.name = "label_" + formatNumber(values[rank]);

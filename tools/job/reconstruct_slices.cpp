@@ -26,17 +26,18 @@ VoxelChoice voxelSizeFor(const ExrSlices& slices, const SlicedGrid& sliced, cons
   if (job.voxelSize > 0) return {job.voxelSize, {}};
   double pixel = slices.planes[0].pixelSize;
   for (const SectionPlane& plane : slices.planes) pixel = std::min(pixel, plane.pixelSize);
-  const double most = mostVoxelSize(*sliced.like);
+  const double most = mostVoxelSize(*sliced.prototype);
   if (pixel <= most * 1.001) return {pixel, {}};
   return {most,
           {{"reconstruct.finer-voxels", Severity::kNote, job.input,
-            "'" + sliced.like->getName() + "' gets voxels of " + formatNumber(most) +
+            "'" + sliced.prototype->getName() + "' gets voxels of " + formatNumber(most) +
                 ", finer than the pixels of " + formatNumber(pixel) + ": its distances reach no farther"}}};
 }
 
 std::string namesOf(const ExrSlices& slices) {
   std::string names;
-  for (const SlicedGrid& sliced : slices.grids) names += (names.empty() ? "" : ", ") + sliced.like->getName();
+  for (const SlicedGrid& sliced : slices.grids)
+    names += (names.empty() ? "" : ", ") + sliced.prototype->getName();
   return names;
 }
 

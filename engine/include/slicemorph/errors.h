@@ -8,7 +8,7 @@
 
 namespace slicemorph {
 
-/// The base of all that the library throws on purpose. The note has what `what()` says, in parts.
+/// Base of all exceptions that the library throws on purpose. The note contains the parts of what().
 class Error : public std::runtime_error {
  public:
   explicit Error(Note note) : std::runtime_error(note.sentence()), note_(std::move(note)) {
@@ -25,22 +25,22 @@ class Error : public std::runtime_error {
   Note note_;
 };
 
-/// An option or a call that cannot be carried out: the message names it, its value and what would be right.
+/// An option or a call that cannot be carried out. The message names it, its value and what would be right.
 struct InputError : Error {
   using Error::Error;
 };
 
-/// A file that cannot be read or written: the message names the file and the reason.
+/// A file that cannot be read or written. The message names the file and the reason.
 struct IoError : Error {
   using Error::Error;
 };
 
-/// Data that is readable but is no usable shape (open, empty, not orientable ...).
+/// Data that can be read but is not a usable shape (open, empty, not orientable ...).
 struct GeometryError : Error {
   using Error::Error;
 };
 
-/// The caller's cancel token was set.
+/// The caller requested cancellation.
 struct Cancelled : Error {
   Cancelled() : Error("cancelled") {}
 };

@@ -2,9 +2,9 @@
 
 #include <openvdb/openvdb.h>
 
-/// OpenVDB's grids, whose code is not made anew in every source. OpenVDB's headers are templates: whoever creates a grid
-/// compiles hundreds of functions for reading, writing, merging and the like, some ten seconds of work for each type and
-/// source. Here they are declared to be somewhere else: in engine/volume/grid_code_*.cpp, once for each type.
+/// Explicit instantiations of OpenVDB's grids. OpenVDB is header-only: every source that creates a grid
+/// compiles hundreds of functions for reading, writing, merging and the like, about ten seconds of work per
+/// type and source. These declarations leave that to engine/volume/grid_code_*.cpp, once per type.
 #define SLICEMORPH_GRID_CODE(EXTERN, TREE)                                                       \
   EXTERN template class Grid<TREE>;                                                              \
   EXTERN template class tree::Tree<TREE::RootNodeType>;                                          \

@@ -4,29 +4,31 @@
 
 namespace slicemorph {
 
-/// How deep inside every label of a map each place is: one signed distance per label, in a box around it.
+/// Depth inside each label of a label map: one signed distance field per label, in a box around it.
 class LabelField {
  public:
-  /// Throws InputError where the image's values are no labels.
+  /// Throws InputError if the image's values are not labels (see labelsOf in engine/volume/image_shape.h).
   explicit LabelField(const Image& labels);
 
   struct Label {
     std::int64_t value = 0;
-    openvdb::CoordBBox box;       ///< voxels that hold distances
+    openvdb::CoordBBox box;       ///< voxels for which distances are stored: the label's own and a margin
     std::vector<float> distance;  ///< world units, positive inside; i fastest
     float deepest = 0;            ///< the largest of them
   };
 
   const ImageLattice& lattice() const { return lattice_; }
   const std::vector<Label>& labels() const { return labels_; }
-  /// Depth inside all of them together: where labels meet, none of them alone is deep.
+  /// The union of all labels: where labels meet, none of them alone is deep.
   const Label& all() const { return all_; }
   const Label* find(std::int64_t value) const;
 
-  /// Depth inside a label at a place in voxels, trilinear; beyond its box less by the way to the box.
+  /// Signed depth inside a label (world units, positive inside) at a point in voxel coordinates, trilinear.
+  /// Beyond the label's box the distance to the box is subtracted.
   float depth(const Label& label, const openvdb::Vec3f& voxel) const;
 
-  /// Labels (indices into labels(), ascending) that have voxels in a box of voxels, or near it.
+  /// Appends to `found`, and sorts, the labels (indices into labels()) with voxels in or near a
+  /// box of voxels.
   void labelsNear(const openvdb::CoordBBox& box, std::vector<int>& found) const;
 
  private:
@@ -35,7 +37,7 @@ class LabelField {
   std::vector<Label> labels_;
   Label all_;
   openvdb::Coord blocks_;
-  std::vector<std::vector<int>> inBlock_;  ///< labels with voxels in a block
+  std::vector<std::vector<int>> inBlock_;  ///< per block of voxels: the labels with voxels in it
 };
 
 }  // namespace slicemorph

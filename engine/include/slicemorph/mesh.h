@@ -8,7 +8,7 @@ namespace slicemorph {
 struct Mesh {
   std::vector<openvdb::Vec3s> points;
   std::vector<openvdb::Vec3I> triangles;
-  std::vector<openvdb::Vec3s> colors = {};  ///< per point, red, green, blue as the input has them; or none
+  std::vector<openvdb::Vec3s> colors = {};  ///< per point: red, green, blue as in the input; or empty
 };
 
 }  // namespace slicemorph

@@ -2,7 +2,8 @@
 
 namespace slicemorph {
 
-/// Progress sink and cancel token of long work; the default does nothing. Calls may come from any thread.
+/// Progress sink and cancel token for long work; by default it does nothing. Methods may be called
+/// from any thread.
 class Progress {
  public:
   virtual ~Progress() = default;

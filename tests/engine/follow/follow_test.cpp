@@ -1,4 +1,4 @@
-// Meshes that keep their triangles over a morph's frames: points ride to where a closed form has them, and
+// Meshes that keep their triangles over a morph's frames: points move to where a closed form has them, and
 // onto surfaces.
 #include "engine/follow/moving_mesh.h"
 #include "engine/follow/onto_surface.h"
@@ -43,7 +43,7 @@ TEST(CarryPoints, ABallThatMovesAndGrowsTakesItsPointsStraightAlong) {
     double most = 0;
     for (size_t i = 0; i < start.size(); ++i)
       most = std::max(most, (there[i] - (start[i] * (1 + t) + t * b)).length());
-    // The map is matched, not told: half a voxel of the larger ball.
+    // The map is matched, not prescribed: half a voxel of the larger ball.
     EXPECT_LT(most, 0.5 * kVoxel * 2) << t;
     const std::vector<Vec3d> back = plan.carryPoints(there, {1 - t, t}, {1, 0});
     most = 0;
@@ -56,7 +56,8 @@ TEST(CarryPoints, ABallThatMovesAndGrowsTakesItsPointsStraightAlong) {
 TEST(CarryPoints, ABarThatTurnsCarriesItsEndsAlongTheArc) {
   const shapes::Distance bar = shapes::box({1, 0.25, 0.15}, 0.1);
   const double angle = 1;
-  const Mat3d turn = openvdb::math::rotation<Mat3d>(Vec3d(0, 0, 1), -angle);  // OpenVDB's are for rows
+  // OpenVDB's matrices are for row vectors
+  const Mat3d turn = openvdb::math::rotation<Mat3d>(Vec3d(0, 0, 1), -angle);
   const MorphPlan plan(
       {object(shapes::levelSet(bar, shapes::cube({0, 0, 0}, 1.3), kVoxel)),
        object(shapes::levelSet(shapes::placed(bar, turn, {0, 0, 0}), shapes::cube({0, 0, 0}, 1.3), kVoxel))});
@@ -83,9 +84,9 @@ TEST(OntoSurface, PointsNearAndFarComeToRestOnASphere) {
   }
   const std::vector<Vec3d> there = ontoSurface(points, *grid);
   for (size_t i = 0; i < points.size(); ++i) {
-    // A voxel's trilinear distance differs by its square over eight radii, in each direction.
+    // Trilinear interpolation of a distance loses a voxel's square over eight radii, in each direction.
     EXPECT_NEAR((there[i] - centre).length(), 1, 3 * kVoxel * kVoxel / 8 + 2e-3 * kVoxel);
-    // Up to two voxels aside for those from afar, which go to the nearest of the surface's points first.
+    // Up to two voxels aside for points from far away, which go to the nearest surface point first.
     EXPECT_LT((there[i] - centre - (points[i] - centre).unit()).length(), 2 * kVoxel);
   }
 }

@@ -50,7 +50,7 @@ TEST(FeaturePoints, DisksAreAStarOfMarks) {
   const Mat3d turn = rotationFromVector({0, 0, M_PI / 2});  // the least that takes one normal to the other
   for (size_t k = 0; k < 2; ++k) {
     const Vec3d centre = kScale * placed.marks[0].at[k], normal = disk.normals[k].unit();
-    EXPECT_LE((centre - disk.places[k][0]).length(), 1e-9);
+    EXPECT_LE((centre - disk.positions[k][0]).length(), 1e-9);
     for (size_t i = 1; i < placed.marks.size(); ++i) {
       const Vec3d off = kScale * placed.marks[i].at[k] - centre;
       EXPECT_NEAR(off.length(), (i < 3 ? 0.5 : 1) * disk.radii[k], 1e-9) << i;

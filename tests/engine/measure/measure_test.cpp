@@ -1,5 +1,5 @@
-// Measures against closed forms. A surface of curvature radius R on a grid of spacing h is wrong by a share
-// of h^2 / R; the tolerances follow from that.
+// Measures against closed forms. A surface of curvature radius R on a grid of spacing h has an error of h^2 /
+// R, from which the tolerances are derived.
 #include "engine/measure/measure.h"
 #include "engine/volume/voxelise.h"
 #include "slicemorph/errors.h"
@@ -36,7 +36,7 @@ Distance without(Distance a, Distance b) {
   return [=](const Vec3d& p) { return std::max(a(p), -b(p)); };
 }
 
-/// Level set of a distance function over the cube [-half, half]^3.
+/// Level set of a distance function in the cube [-half, half]^3.
 FloatGrid::Ptr levelSet(const Distance& distance, double h, double half) {
   const float band = float(kHalfWidth * h);
   auto grid = FloatGrid::create(band);
@@ -54,7 +54,7 @@ FloatGrid::Ptr levelSet(const Distance& distance, double h, double half) {
   return grid;
 }
 
-/// Axis-parallel box as a mesh; `outwards` false makes it a cavity.
+/// Axis-aligned box as a mesh; if `outwards` is false it is a cavity.
 void addBox(Mesh& mesh, const Vec3d& low, const Vec3d& high, bool outwards = true) {
   const auto base = openvdb::Index32(mesh.points.size());
   for (int i = 0; i < 8; ++i)
@@ -113,8 +113,8 @@ TEST(MeasureShape, SphereAndTorus) {
   const double h = 1.0 / 32;
   const ShapeMeasures s = measureShape(*levelSet(sphere({0.1, 0, 0}, 1), h, 1.3));
   // Vertices are means of points on the edges of a cell, at most h / sqrt 2 away along the surface: h^2 / 4 R
-  // too deep. Facets of side h lie h^2 / 6 R deeper in the mean. Being wrong by e changes the volume by area
-  // times e.
+  // too deep. Facets of side h are another h^2 / 6 R deeper in the mean. An error of e changes the volume by
+  // area times e.
   const double e = h * h * 5 / 12;
   EXPECT_NEAR(s.volume, 4 * kPi / 3, 4 * kPi * e);
   EXPECT_NEAR(s.area, 4 * kPi, 4 * kPi * 4 * e);
@@ -159,7 +159,7 @@ TEST(SurfaceDistance, ConcentricSpheresAndMovedBox) {
 }
 
 TEST(SurfaceDistance, AgreesWithBruteForce) {
-  // The distance of a point to a triangle by a dense scan of its barycentric coordinates.
+  // Reference: the distance of a point to a triangle by a dense scan of its barycentric coordinates.
   std::mt19937 random(7);
   std::uniform_real_distribution<float> unit(-1, 1);
   const auto soup = [&](int triangles) {
@@ -194,12 +194,12 @@ TEST(SurfaceDistance, AgreesWithBruteForce) {
 
 TEST(Overlap, ShiftedSpheresAgreeWithTheLens) {
   const double h = 1.0 / 32, shift = 0.5;
-  // Common part of two unit spheres at a distance d: pi (4 + d) (2 - d)^2 / 12.
+  // Intersection of two unit spheres at a distance d: pi (4 + d) (2 - d)^2 / 12.
   const double lens = kPi * (4 + shift) * (2 - shift) * (2 - shift) / 12, volume = 4 * kPi / 3;
   const auto a = levelSet(sphere({0, 0, 0}, 1), h, 1.8);
   const auto b = levelSet(sphere({shift, 0, 0}, 1), h, 1.8);
   const auto coarse = levelSet(sphere({shift, 0, 0}, 1), 2 * h, 1.8);
-  // The ramp across a voxel is exact for planes; curvature leaves h^2 / 24 R or so, trilinear sampling (2
+  // The ramp across a voxel is exact for planes; curvature leaves about h^2 / 24 R, trilinear sampling (2
   // h)^2 / 8 R.
   const double fine = 4 * kPi * h * h / 4, mixed = 4 * kPi * 4 * h * h / 4;
   const Overlap same = overlap(*a, *b), other = overlap(*a, *coarse);

@@ -14,7 +14,8 @@ double splined(const Function& f, double a) {
   return w[0] * f(-1) + w[1] * f(0) + w[2] * f(1) + w[3] * f(2);
 }
 
-/// The cubic that passes nodes 0 and 1 with the slopes of their neighbours' chords.
+/// Reference: the cubic through nodes 0 and 1 whose slopes there are those of the chords
+/// between their neighbours.
 template <typename Function>
 double hermite(const Function& f, double a) {
   const double m0 = 0.5 * (f(1) - f(-1)), m1 = 0.5 * (f(2) - f(0)), b = a * a, c = b * a;
@@ -26,7 +27,7 @@ TEST(CatmullRom, IsTheHermiteCubicOfItsNodes) {
   for (double a : {0.0, 0.125, 0.4, 0.5, 0.77, 1.0}) EXPECT_NEAR(splined(f, a), hermite(f, a), 1e-14) << a;
 }
 
-/// Chords of a parabola have its slopes, so that it is met exactly; weights sum to 1.
+/// A parabola's chords have its slopes, so it is reproduced exactly; weights sum to 1.
 TEST(CatmullRom, MeetsParabolas) {
   for (double a = 0; a <= 1; a += 0.0625) {
     EXPECT_NEAR(splined([](double) { return 1.0; }, a), 1, 1e-15);

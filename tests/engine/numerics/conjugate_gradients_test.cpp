@@ -9,7 +9,7 @@
 namespace slicemorph {
 namespace {
 
-/// A dense matrix whose unknowns stand at some nodes of a longer field.
+/// A dense matrix whose unknowns are some nodes of a longer field.
 class DenseSystem {
  public:
   DenseSystem(Eigen::MatrixXd a, std::vector<size_t> nodes, bool preconditioned, size_t grain)
@@ -35,7 +35,7 @@ class DenseSystem {
   Grain grain_;
 };
 
-/// Eigenvalues from 1 to about 5, rows of very different size where `scaled`.
+/// Eigenvalues from 1 to about 5; if `scaled`, rows of very different magnitude.
 Eigen::MatrixXd matrix(int n, bool scaled) {
   std::srand(1);
   const Eigen::MatrixXd r = Eigen::MatrixXd::Random(n, n);
@@ -53,7 +53,7 @@ std::vector<size_t> everySecond(size_t n) {
   return nodes;
 }
 
-/// `field` starts as zero but for the held nodes, which hold 5.
+/// `field` is zero except for the fixed nodes, which are 5.
 std::vector<float> solved(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, bool preconditioned,
                           size_t grain, GradientSettings settings, int* steps = nullptr) {
   const size_t n = size_t(b.size());
@@ -77,14 +77,14 @@ TEST(ConjugateGradients, SolveWhatADirectSolverSolves) {
         off = std::max(off, std::abs(double(field[size_t(2 * i + 1)]) - x[i]));
         EXPECT_EQ(field[size_t(2 * i)], 5) << "held";
       }
-      // A residual of a millionth leaves the solution off by that times the condition, 250 where scaled, and single
-      // precision adds about as much.
+      // A relative residual of a millionth leaves an error of that times the condition number, 250 if scaled;
+      // single precision adds about as much.
       EXPECT_LT(off, 1e-6 * (scaled ? 500 : 10) * x.norm()) << scaled << preconditioned;
     }
 }
 
-/// In exact arithmetic as many steps as the matrix has different eigenvalues; preconditioned by its own diagonal a
-/// diagonal matrix takes one.
+/// In exact arithmetic the number of steps is that of different eigenvalues; a diagonal matrix,
+/// preconditioned by its diagonal, takes one.
 TEST(ConjugateGradients, TakeAStepForEachEigenvalue) {
   Eigen::VectorXd diagonal(30);
   for (int i = 0; i < 30; ++i) diagonal[i] = 1 + i % 3;

@@ -7,8 +7,8 @@
 namespace slicemorph {
 namespace {
 
-/// The same by relabelling everything at every join: each number knows its set's smallest number, and whether it is
-/// opposite to it.
+/// Reference by relabelling everything at every join: each number knows its set's smallest number, and
+/// whether it is opposite to it.
 struct BruteSets {
   std::vector<unsigned> root;
   std::vector<bool> flip;
@@ -59,7 +59,7 @@ TEST(OrientedSets, AreThoseOfRelabelling) {
       }
     }
   }
-  EXPECT_GT(refused, 20);  // contradictions did come up
+  EXPECT_GT(refused, 20);  // contradictions did occur
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ size_t indexIn(const openvdb::Coord& size, int i, int j, int k) {
   return (size_t(k) * size_t(size[1]) + size_t(j)) * size_t(size[0]) + size_t(i);
 }
 
-/// The nearest voxel of the other kind, by looking at all.
+/// Reference: the nearest voxel of the other kind, by trying all.
 double nearestOfOtherKind(const std::vector<char>& inside, const openvdb::Coord& size, const Vec3d& spacing,
                           int i, int j, int k) {
   const char kind = inside[indexIn(size, i, j, k)];
@@ -25,7 +25,7 @@ double nearestOfOtherKind(const std::vector<char>& inside, const openvdb::Coord&
   return std::sqrt(least);
 }
 
-/// Few inside voxels (far from each other), half of all, and nearly all; voxels of three different sides.
+/// Few inside voxels (far from each other), half of all, and nearly all; a different spacing along each axis.
 TEST(DistanceTransform, AgreesWithLookingAtAllVoxels) {
   const openvdb::Coord size(9, 7, 6);
   const Vec3d spacing(0.7, 1.3, 2.1);
@@ -40,7 +40,7 @@ TEST(DistanceTransform, AgreesWithLookingAtAllVoxels) {
         for (int i = 0; i < size[0]; ++i) {
           const size_t n = indexIn(size, i, j, k);
           const double d = nearestOfOtherKind(inside, size, spacing, i, j, k);
-          // Squares are kept in single precision.
+          // Squares are stored in single precision.
           ASSERT_NEAR(distances[n], inside[n] ? d : -d, 1e-5 * d)
               << share << " " << i << " " << j << " " << k;
         }

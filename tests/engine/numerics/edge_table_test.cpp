@@ -18,7 +18,7 @@ TEST(EdgeTable, HoldsEverySideOfEveryTriangleOnce) {
       const Vec3I t(random() % points, random() % points, random() % points);
       if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) triangles.push_back(t);
     }
-    // A map is in the order of the points, and each list in that of the triangles.
+    // A map is ordered by points, and each of its lists by triangle.
     std::map<std::pair<unsigned, unsigned>, std::vector<unsigned>> expected;
     for (unsigned corner = 0; corner < 3 * triangles.size(); ++corner) {
       const Vec3I& t = triangles[corner / 3];

@@ -13,10 +13,10 @@ using openvdb::Coord;
 
 Lattice lattice() { return {Vec3d(-1, 2, 0.5), 0.25, Coord(7, 9, 8)}; }
 
-/// Tri-linear values and weights are single precision: a few units in the last place of values around 10.
+/// Trilinear values and weights are single precision: a few units in the last place for values around 10.
 constexpr double kRounding = 1e-5;
 
-/// Points of the lattice's box.
+/// Random points in the lattice's box.
 std::vector<Vec3d> pointsIn(const Lattice& l) {
   std::mt19937 random(17);
   std::uniform_real_distribution<double> share(0, 1);
@@ -76,7 +76,7 @@ TEST(Tetrahedra, SixFillACell) {
   Vec3d corners[8];
   for (int c = 0; c < 8; ++c) corners[c] = Vec3d(c & 1, c >> 1 & 1, c >> 2);
   for (const auto& t : kKuhnTetrahedra) EXPECT_EQ(parallelepipedVolume(corners, t), 1);
-  // Every point is in exactly one: on the inner side of all four faces.
+  // Every point is in exactly one tetrahedron, on the inner side of its four faces.
   for (const Vec3d& p : pointsIn({Vec3d(0.0), 1, Coord(2)})) {
     int holders = 0;
     for (const auto& t : kKuhnTetrahedra) {

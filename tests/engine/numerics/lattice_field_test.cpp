@@ -10,7 +10,7 @@ namespace {
 
 const Lattice kLattice{{-1.2, 0.4, 2}, 0.25, {9, 8, 7}};
 
-/// Trilinear functions, products of one linear function an axis, are met exactly between the nodes.
+/// Trilinear functions (products of one linear function per axis) are reproduced exactly.
 Vec3d trilinear(const Vec3d& p) {
   return {1 + p[0] * p[1] * p[2], 2 - p[0] * p[1] + p[2], p[1] * p[2] - 3 * p[0]};
 }
@@ -50,7 +50,7 @@ TEST(LatticeField, EndsInNothingOrGoesOn) {
   }
 }
 
-/// Catmull-Rom splines meet products of parabolas; near the rim the zeros beyond count.
+/// Catmull-Rom splines reproduce products of parabolas; near the border the zeros beyond it contribute.
 TEST(LatticeField, ResamplesParabolasExactly) {
   const auto f = [](const Vec3d& p) {
     return Vec3d(p[0] * p[0] - p[1], p[1] * p[1] * p[2], 1 + p[2] * p[2] * p[0] * p[0]);

@@ -54,8 +54,9 @@ TEST(MaskDistance, IsThatOfBruteForce) {
             if (bool(mask[box.index(u, v)]) != own)
               nearest = std::min(nearest, std::hypot((u - x) * double(stepX), (v - y) * double(stepY)));
         const double expected = nearest > 1e299 ? far : nearest - 0.5 * step;
-        // Where two are about as near, single precision may take the other one: squares are known to 1.2e-7 of the
-        // image's, so that distances, a step or more, are off by half of that over the distance.
+        // Where two pixels are nearly equidistant, single precision may choose the other one: squares are
+        // exact to 1.2e-7 of the image's, so distances, which are a step or more, may differ by half of that
+        // over the distance.
         EXPECT_NEAR(found[box.index(x, y)], own ? expected : -expected, 1.2e-7 * longest * longest / step);
       }
   }

@@ -14,7 +14,7 @@ FloatGrid::Ptr unitSphere() {
   return openvdb::tools::createLevelSetSphere<FloatGrid>(1.f, openvdb::Vec3f(0.f), 0.1f);
 }
 
-/// One colour on all active voxels of a level set.
+/// The same colour on all active voxels of a level set.
 openvdb::Vec3SGrid::Ptr painted(const FloatGrid& surface, const openvdb::Vec3s& color) {
   const auto grid = openvdb::Vec3SGrid::create(std::make_shared<openvdb::Vec3STree>(
       surface.tree(), openvdb::Vec3s(0.f), color, openvdb::TopologyCopy()));
@@ -28,7 +28,7 @@ TEST(Dissolve, HasNoSurfaceWhoseColorsItCouldBlend) {
   Pullback half = dissolve({0.5, 0.5});
   EXPECT_THROW(half.colors(*sphere, {red, blue}), InputError);
   EXPECT_THROW(half.colors(*sphere, {red}), InputError);
-  // Also where the only object that counts has none, and the others would have to lend theirs.
+  // Also if the only object with weight has no colours, so that the others' would be used.
   EXPECT_THROW(dissolve({1, 0}).colors(*sphere, {nullptr, blue}), InputError);
 }
 
@@ -40,7 +40,7 @@ TEST(Dissolve, OfOneObjectAloneHasItsColors) {
   for (auto color = colors->cbeginValueOn(); color; ++color) EXPECT_EQ(*color, openvdb::Vec3s(0, 0, 1));
 }
 
-/// Two constants: the in-between is their weighted mean, exactly for weights that are powers of two.
+/// Two constants: the in-between is their weighted mean, exact for weights that are powers of two.
 TEST(Dissolve, BlendsValuesWhereTheyAre) {
   std::vector<openvdb::GridBase::ConstPtr> grids;
   for (const float value : {2.f, 6.f}) {

@@ -7,7 +7,8 @@
 namespace slicemorph {
 namespace {
 
-/// Whether a box meets a block of 8 x 8 x 8 voxels that holds an active one, by looking at all.
+/// Reference: whether a box overlaps a block of 8 x 8 x 8 voxels with an active one, by looking
+/// at every voxel.
 bool meetsAny(const FloatGrid& grid, const openvdb::BBoxd& box) {
   for (auto it = grid.cbeginValueOn(); it; ++it) {
     openvdb::CoordBBox voxels;
@@ -30,12 +31,12 @@ TEST(ActiveBlocks, AgreeWithLookingAtAllVoxels) {
   for (int n = 0; n < 12; ++n)
     grid->tree().setValue({int(random() % 80) - 40, int(random() % 80) - 40, int(random() % 80) - 40}, 1.f);
   grid->tree().addTile(1, {24, 24, 24}, 1.f, true);
-  grid->tree().setValueOff({-100, 0, 0}, 3.f);  // a leaf with nothing active
+  grid->tree().setValueOff({-100, 0, 0}, 3.f);  // a leaf without active voxels
   const ActiveBlocks blocks(grid->tree());
-  std::uniform_real_distribution<> place(-60, 60), side(0, 24);
+  std::uniform_real_distribution<> position(-60, 60), side(0, 24);
   int met = 0;
   for (int n = 0; n < 400; ++n) {
-    const Vec3d low(place(random), place(random), place(random));
+    const Vec3d low(position(random), position(random), position(random));
     const openvdb::BBoxd box(low, low + Vec3d(side(random), side(random), side(random)));
     EXPECT_EQ(blocks.meets(box), meetsAny(*grid, box)) << low;
     met += blocks.meets(box);

@@ -8,7 +8,8 @@ namespace {
 
 Vec3d field(const Vec3d& p) { return {1 + p[0] - 2 * p[1], 0.5 * p[2], 3 - p[0] + p[2]}; }
 
-/// Linear vectors on voxels 0 .. 20 of a side; of staggered ones each component on the face before its voxel.
+/// A linear vector field on voxels 0 .. 20 along each axis; staggered components are located on the face
+/// before their voxel.
 template <typename GridType>
 typename GridType::Ptr linearVectors(double voxel, const Vec3d& offset, bool staggered) {
   auto grid = GridType::create();
@@ -28,7 +29,7 @@ typename GridType::Ptr linearVectors(double voxel, const Vec3d& offset, bool sta
   return grid;
 }
 
-/// On other voxels than those of the vectors that are added: linear ones are found exactly between theirs.
+/// The voxels differ from those of the added grid; trilinear sampling of a linear field is exact.
 template <typename GridType>
 void expectAdded(bool staggered) {
   auto to = openvdb::Vec3SGrid::create();
@@ -40,7 +41,7 @@ void expectAdded(bool staggered) {
   for (auto it = to->cbeginValueOn(); it; ++it)
     ASSERT_LE((Vec3d(*it) - (Vec3d(1, 2, 3) - 2.0 * field(to->indexToWorld(it.getCoord())))).length(), 1e-4)
         << it.getCoord();
-  EXPECT_EQ(to->tree().getValue({2, 2, 2}), openvdb::Vec3s(9.f));  // not active: not touched
+  EXPECT_EQ(to->tree().getValue({2, 2, 2}), openvdb::Vec3s(9.f));  // inactive, hence unchanged
 }
 
 TEST(AddVectors, AreSampledWhereTheyAreAdded) {

@@ -8,7 +8,7 @@
 namespace slicemorph {
 namespace {
 
-/// Oblique, with voxels of three different sides.
+/// Oblique, with a different spacing along each axis.
 ImageLattice oblique() {
   const Mat3d turn = rotationFromVector({0.2, -0.4, 0.7});
   ImageLattice lattice{{23, 11, 8}, {10, -4, 3}};
@@ -17,7 +17,7 @@ ImageLattice oblique() {
   return lattice;
 }
 
-/// As an object that stays where it is.
+/// A map that leaves the object where it is.
 Carrying still(const Vec3d& anchor) {
   Carrying carrying;
   carrying.anchor = anchor;
@@ -29,12 +29,12 @@ TEST(ImageNodes, ARowOfVoxelsLiesWhereItsImageHasIt) {
   const Vec3d anchor(9, -2, 4);
   const ImageNodes nodes = imageNodes(lattice, still(anchor), 3.2);
   EXPECT_EQ(nodes.step, openvdb::Vec3i(6, 4, 2));  // 3.2 over 0.5, 0.8 and 1.7, rounded
-  PlaceRow row(nodes, 0);
+  PositionRow row(nodes, 0);
   for (int k = 0; k < lattice.size[2]; ++k)
     for (int j = 0; j < lattice.size[1]; ++j) {
       row.begin(0, lattice.size[0] - 1, j, k);
       for (int i = 0; i < lattice.size[0]; ++i) {
-        const PlaceRow::Stretch stretch = row.from(i);
+        const PositionRow::Stretch stretch = row.from(i);
         EXPECT_EQ(stretch.length, 6 - i % 6);
         for (int n = 0; n < stretch.length && i + n < lattice.size[0]; ++n)
           ASSERT_LE(
@@ -45,13 +45,13 @@ TEST(ImageNodes, ARowOfVoxelsLiesWhereItsImageHasIt) {
     }
 }
 
-/// Between nodes that lie anywhere, places are trilinear.
-TEST(ImageNodes, PlacesAreLinearBetweenNodes) {
+/// Nodes at random positions: between them, positions are trilinear.
+TEST(ImageNodes, PositionsAreLinearBetweenNodes) {
   ImageNodes nodes = imageNodes(oblique(), still({0, 0, 0}), 3.2);
   std::mt19937 random(2);
   for (openvdb::Vec3s& v : nodes.map.at)
     for (int a = 0; a < 3; ++a) v[a] = std::uniform_real_distribution<float>(-1, 1)(random);
-  PlaceRow row(nodes, 0);
+  PositionRow row(nodes, 0);
   for (int k : {0, 3, 7})
     for (int j : {0, 4, 10}) {
       row.begin(5, 17, j, k);
@@ -68,14 +68,14 @@ TEST(ImageNodes, PlacesAreLinearBetweenNodes) {
     }
 }
 
-TEST(ImageNodes, PlacesAreFoundBackInTheImage) {
+TEST(ImageNodes, PositionsAreFoundBackInTheImage) {
   const ImageLattice lattice = oblique();
   const Vec3d anchor(9, -2, 4);
-  const PlaceToVoxel toVoxel(lattice, anchor);
+  const PositionToVoxel toVoxel(lattice, anchor);
   for (const Vec3d& voxel : {Vec3d(0, 0, 0), Vec3d(3, 7, 1), Vec3d(-2, 0.5, 9)}) {
     EXPECT_LE((Vec3d(toVoxel(openvdb::Vec3s(lattice.toWorld(voxel) - anchor))) - voxel).length(), 1e-4);
-    const Vec3d way = lattice.toWorld(voxel) - lattice.toWorld(Vec3d(0.0));
-    EXPECT_LE((Vec3d(toVoxel.way(openvdb::Vec3s(way))) - voxel).length(), 1e-4);
+    const Vec3d vector = lattice.toWorld(voxel) - lattice.toWorld(Vec3d(0.0));
+    EXPECT_LE((Vec3d(toVoxel.vector(openvdb::Vec3s(vector))) - voxel).length(), 1e-4);
   }
 }
 

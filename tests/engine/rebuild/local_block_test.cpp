@@ -1,4 +1,4 @@
-// A block of a grid's values against the grid's own, one by one.
+// A block of copied grid values compared with the grid itself.
 #include "engine/rebuild/local_block.h"
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 namespace slicemorph {
 namespace {
 
-/// Random values, half of them active, with a tile.
+/// Random values, half of them active, and a tile.
 template <typename GridType>
 typename GridType::Ptr randomGrid() {
   using Value = typename GridType::ValueType;
@@ -41,7 +41,7 @@ std::vector<Vec3d> pointsIn(const openvdb::BBoxd& box) {
 
 const openvdb::BBoxd kBox(Vec3d(-7.3, -2.1, 6.5), Vec3d(10.2, 7.8, 15.9));
 
-/// Hat function of a voxel at a point.
+/// The hat function of a voxel, evaluated at a point.
 double hat(const Vec3d& p, const openvdb::Coord& c) {
   double w = 1;
   for (int a = 0; a < 3; ++a) w *= std::max(0.0, 1 - std::abs(p[a] - c[a]));
@@ -93,8 +93,8 @@ TEST(LocalBlock, AmongActiveVoxelsOnlyTheyCount) {
   }
 }
 
-/// Parabolas along every axis are met where they rise all the way; and a spline never leaves the range of the
-/// values around.
+/// Parabolas along every axis are reproduced where they are monotonic; and a spline never leaves the range of
+/// the values around it.
 TEST(LocalBlock, SplinesMeetParabolasAndKeepTheirRange) {
   openvdb::DoubleGrid::Ptr grid = openvdb::DoubleGrid::create(0);
   const auto f = [](const Vec3d& p) { return (p[0] + 20) * (p[0] + 20) + (p[1] + 30) * (p[2] + 25); };

@@ -1,4 +1,4 @@
-// Two balls of different sizes about one centre: which places are of like depth is known.
+// Two concentric balls of different radii: the positions of equal depth are known.
 #include "engine/rebuild/match_depths.h"
 #include "tests/support/fields.h"
 
@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kVoxel = 0.05;
 
-/// Balls of radius 1 and 1.2, half of each, that are laid on each other without a displacement.
+/// Balls of radius 1 and 1.2, each of weight 0.5, that the map aligns without displacement.
 class MatchDepthsOfBalls : public testing::Test {
  protected:
   void SetUp() override {
@@ -33,10 +33,10 @@ class MatchDepthsOfBalls : public testing::Test {
         nodes.map.at[2 * nodes.map.index((*c)[0], (*c)[1], (*c)[2]) + k] =
             openvdb::Vec3s(kSpacing * (*c).asVec3d() - images[k].anchor);
   }
-  std::vector<MatchDepths::Place> placesAt(const Vec3d& p) const {
-    std::vector<MatchDepths::Place> places(2);
-    for (size_t k = 0; k < 2; ++k) places[k].at = openvdb::Vec3s(p - images[k].anchor);
-    return places;
+  std::vector<MatchDepths::Position> positionsAt(const Vec3d& p) const {
+    std::vector<MatchDepths::Position> positions(2);
+    for (size_t k = 0; k < 2; ++k) positions[k].at = openvdb::Vec3s(p - images[k].anchor);
+    return positions;
   }
   static constexpr double kSpacing = 0.2;
   Fields fields;
@@ -44,35 +44,35 @@ class MatchDepthsOfBalls : public testing::Test {
   ImageNodes nodes;
 };
 
-/// The in-between is a ball of radius 1.1. On its surface every image is looked up on its own object's surface, in
-/// the same direction.
+/// The in-between is a ball of radius 1.1. On its surface every image is sampled on its own object's surface,
+/// in the same direction.
 TEST_F(MatchDepthsOfBalls, OnTheSurfaceAllAreOnTheirOwn) {
   const MatchDepths depths(images, nodes);
-  for (const Vec3d& way : {Vec3d(1, 0, 0), Vec3d(0.6, 0, -0.8), Vec3d(1, 2, 3).unit()}) {
-    auto places = placesAt(1.1 * way);
-    depths.measure(places);
-    EXPECT_NEAR(places[0].distance, 0.1, 0.1 * kVoxel);
-    EXPECT_NEAR(places[1].distance, -0.1, 0.1 * kVoxel);
-    EXPECT_NEAR(depths.match(places), 0, 0.1 * kVoxel);
+  for (const Vec3d& direction : {Vec3d(1, 0, 0), Vec3d(0.6, 0, -0.8), Vec3d(1, 2, 3).unit()}) {
+    auto positions = positionsAt(1.1 * direction);
+    depths.measure(positions);
+    EXPECT_NEAR(positions[0].distance, 0.1, 0.1 * kVoxel);
+    EXPECT_NEAR(positions[1].distance, -0.1, 0.1 * kVoxel);
+    EXPECT_NEAR(depths.match(positions), 0, 0.1 * kVoxel);
     for (size_t k = 0; k < 2; ++k) {
-      const Vec3d at = Vec3d(places[k].at) + images[k].anchor;
-      // By way of the nearest surface point, which is exact to about a voxel along the surface.
-      EXPECT_NEAR(at.length(), k == 0 ? 1 : 1.2, 0.2 * kVoxel) << way;
-      EXPECT_LE((at - at.length() * way).length(), 1.5 * kVoxel) << way;
+      const Vec3d at = Vec3d(positions[k].at) + images[k].anchor;
+      // The nearest surface point is exact to about a voxel along the surface.
+      EXPECT_NEAR(at.length(), k == 0 ? 1 : 1.2, 0.2 * kVoxel) << direction;
+      EXPECT_LE((at - at.length() * direction).length(), 1.5 * kVoxel) << direction;
     }
   }
 }
 
-/// Half a voxel inside, every image is half a voxel inside; far from the surface nothing moves.
+/// Half a voxel inside, every image is sampled half a voxel inside; far from the surface nothing moves.
 TEST_F(MatchDepthsOfBalls, DepthsAreThoseOfTheInBetween) {
   const MatchDepths depths(images, nodes);
-  auto places = placesAt({0, 1.1 - 0.5 * kVoxel, 0});
-  depths.measure(places);
-  EXPECT_NEAR(depths.match(places), -0.5 * kVoxel, 0.1 * kVoxel);
-  depths.measure(places);
-  for (const auto& place : places) EXPECT_NEAR(place.distance, -0.5 * kVoxel, 0.2 * kVoxel);
+  auto positions = positionsAt({0, 1.1 - 0.5 * kVoxel, 0});
+  depths.measure(positions);
+  EXPECT_NEAR(depths.match(positions), -0.5 * kVoxel, 0.1 * kVoxel);
+  depths.measure(positions);
+  for (const auto& position : positions) EXPECT_NEAR(position.distance, -0.5 * kVoxel, 0.2 * kVoxel);
   for (double r : {0.5, 1.7}) {
-    auto far = placesAt({r, 0, 0});
+    auto far = positionsAt({r, 0, 0});
     const auto before = far;
     depths.measure(far);
     EXPECT_NEAR(depths.match(far), r - 1.1, 0.2 * kVoxel);
@@ -80,34 +80,36 @@ TEST_F(MatchDepthsOfBalls, DepthsAreThoseOfTheInBetween) {
   }
 }
 
-/// Further in depths are matched less and less, to nothing at three voxels: half at three quarters of that. The ways
-/// are short there and go by the gradient.
+/// Matching fades with depth and ends at three voxels: at three quarters of that it is half. The moves are
+/// short there and follow the gradient.
 TEST_F(MatchDepthsOfBalls, MatchingFadesWithDepth) {
   const MatchDepths depths(images, nodes);
   const double blended = -0.75 * kHalfWidth * kVoxel;
-  auto places = placesAt({0, 0, 1.1 + blended});
-  depths.measure(places);
-  const auto before = places;
-  EXPECT_NEAR(depths.match(places), blended, 0.1 * kVoxel);
-  depths.measure(places);
+  auto positions = positionsAt({0, 0, 1.1 + blended});
+  depths.measure(positions);
+  const auto before = positions;
+  EXPECT_NEAR(depths.match(positions), blended, 0.1 * kVoxel);
+  depths.measure(positions);
   for (size_t k = 0; k < 2; ++k)
-    EXPECT_NEAR(places[k].distance, before[k].distance + 0.5 * (blended - before[k].distance), 0.15 * kVoxel)
+    EXPECT_NEAR(positions[k].distance, before[k].distance + 0.5 * (blended - before[k].distance),
+                0.15 * kVoxel)
         << k;
 }
 
-/// Between the two surfaces one image shows its inside where the in-between is outside: it is taken outside.
+/// Between the two surfaces one image would show its inside although the in-between is outside; it
+/// is sampled outside.
 TEST_F(MatchDepthsOfBalls, NothingIsSeenFromTheOtherSide) {
   const MatchDepths depths(images, nodes);
   for (double r : {1.03, 1.07, 1.13, 1.17}) {
-    auto places = placesAt({r, 0, 0});
-    depths.measure(places);
-    const float blended = depths.match(places);
-    depths.measure(places);
-    for (const auto& place : places) EXPECT_EQ(place.distance < 0, blended < 0) << r;
+    auto positions = positionsAt({r, 0, 0});
+    depths.measure(positions);
+    const float blended = depths.match(positions);
+    depths.measure(positions);
+    for (const auto& position : positions) EXPECT_EQ(position.distance < 0, blended < 0) << r;
   }
 }
 
-/// No cell that a surface passes may be left out.
+/// No cell through which a surface passes may be missed.
 TEST_F(MatchDepthsOfBalls, CellsNearASurfaceAreFound) {
   const MatchDepths depths(images, nodes);
   size_t far = 0;
@@ -128,18 +130,18 @@ TEST_F(MatchDepthsOfBalls, CellsNearASurfaceAreFound) {
 TEST_F(MatchDepthsOfBalls, LinesThroughASurfaceAreNearIt) {
   const MatchDepths depths(images, nodes);
   const auto near = [&](double from, double to) {
-    auto first = placesAt({from, 0, 0}), last = placesAt({to, 0, 0});
+    auto first = positionsAt({from, 0, 0}), last = positionsAt({to, 0, 0});
     depths.measure(first), depths.measure(last);
     return depths.near(first, last);
   };
   EXPECT_TRUE(near(0.9, 1.05));
   EXPECT_TRUE(near(1.05, 1.3));
-  EXPECT_TRUE(near(0.9, 0.95));  // within reach of three voxels
+  EXPECT_TRUE(near(0.9, 0.95));  // within the reach of three voxels
   EXPECT_FALSE(near(0.3, 0.4));
   EXPECT_FALSE(near(1.6, 1.7));
 }
 
-/// One image alone, and images without an object, have nothing to be matched with.
+/// With one image alone, or images without an object, there is nothing to match.
 TEST_F(MatchDepthsOfBalls, NothingToMatchIsNowhereNear) {
   images[1].field = nullptr;
   EXPECT_FALSE(MatchDepths(images, nodes).near({5, 0, 0}));

@@ -1,4 +1,4 @@
-// Values that ride with the shapes, against closed forms: Gaussian puffs that travel, turn and grow.
+// Values carried with the shapes against closed forms: Gaussian puffs that travel, turn and grow.
 #include "engine/spine/chart.h"
 #include "engine/volume/level_set.h"
 #include "engine/volume/voxelise.h"
@@ -50,7 +50,7 @@ Object shapeOf(const FloatGrid::Ptr& fog) { return {"puff", toLevelSet(fog, 0, 0
 struct Figures {
   double total = 0, peak = 0;
   Vec3d middle{0, 0, 0};
-  double spread = 0;  ///< root of the mean square distance from the middle
+  double spread = 0;  ///< root mean square distance from the middle
 };
 
 Figures figuresOf(const FloatGrid& grid) {
@@ -90,7 +90,7 @@ TEST(Carry, APuffTravelsWhole) {
   }
 }
 
-/// Half way it has turned by half: its long axis lies at 45 degrees.
+/// Half way it has turned by half the angle: its long axis is at 45 degrees.
 TEST(Carry, APuffTurns) {
   const Vec3d widths(2, 0.9, 0.6);
   const Mat3d turn = rotationFromVector({0, 0, kPi / 2});
@@ -108,14 +108,14 @@ TEST(Carry, APuffTurns) {
   std::printf("  turned: off by %.4f at most, total %.4f, peak %.4f\n", std::min(off, offOther),
               f.total / start.total, f.peak / start.peak);
   // A quarter turn may go either way round: these puffs look the same after half a turn. Off by a tenth of a
-  // voxel at the steepest place is 0.1 * 0.2 / 0.6 * 0.61 = 0.02; the interpolation of a peak of width 3
+  // voxel at the steepest position is 0.1 * 0.2 / 0.6 * 0.61 = 0.02; the interpolation of a peak of width 3
   // voxels adds 1/8 / 3^2.
   EXPECT_LE(std::min(off, offOther), 0.035);
   EXPECT_NEAR(f.total / start.total, 1, 0.02);
 }
 
-/// Twice the size: without `conserve` values stay and the total follows the volume, with it the total stays
-/// linear.
+/// Twice the size: without `conserve` the values are kept and the total follows the volume; with it the total
+/// is linear in time.
 TEST(Carry, APuffGrows) {
   const FloatGrid::Ptr a = puff({0, 0, 0}, Vec3d(kWidth), kVoxel),
                        b = puff({0, 0, 0}, Vec3d(2 * kWidth), kVoxel);
@@ -133,7 +133,7 @@ TEST(Carry, APuffGrows) {
   }
 }
 
-/// Vectors turn with the shape that carries them.
+/// Vectors turn with their shape.
 TEST(Carry, VectorsTurn) {
   const Vec3d widths(2, 0.9, 0.6);
   const FloatGrid::Ptr a = puff({0, 0, 0}, widths, kVoxel);
@@ -153,9 +153,9 @@ TEST(Carry, VectorsTurn) {
   EXPECT_LE((v - wanted).length(), 0.02) << v;
 }
 
-/// What leaves a block of voxels through its sides is what its total loses: d rho / dt + div(rho v) is only
-/// the exchange of the one fog for the other, which has no motion. Printed for the pair as it is and with
-/// that exchange left out.
+/// What flows out of a block of voxels is what its total loses: d rho / dt + div(rho v) is only the
+/// exchange of one fog for the other, which is no motion. Printed for the pair as it is and with that
+/// exchange left out.
 void expectContinuity(const std::vector<GridBase::ConstPtr>& grids, const char* name, double limit) {
   const auto fog = [&](size_t k) { return openvdb::gridConstPtrCast<FloatGrid>(grids[k]); };
   const MorphPlan plan({{"a", toLevelSet(fog(0)).grid}, {"b", toLevelSet(fog(1)).grid}});
@@ -214,7 +214,7 @@ TEST(Carry, MassFlowsAsTheVelocitiesSay) {
   expectContinuity(grids, "smoke", 0.25);
 }
 
-/// Points of a frame that go where its velocities point arrive on the next frame.
+/// Points of a frame moved by their velocities arrive on the next frame.
 TEST(Carry, FramesFollowTheirVelocities) {
   constexpr int kFrames = 24;
   constexpr double h = 2.0 / 128;
@@ -231,10 +231,10 @@ TEST(Carry, FramesFollowTheirVelocities) {
     double worst = 0, farthest = 0;
     for (const openvdb::Vec3s& p : points.points) {
       const Vec3d at = here->worldToIndex(Vec3d(p));
-      const Vec3d way = step * Vec3d(openvdb::tools::BoxSampler::sample(v->tree(), at));
-      farthest = std::max(farthest, way.length() / h);
+      const Vec3d displacement = step * Vec3d(openvdb::tools::BoxSampler::sample(v->tree(), at));
+      farthest = std::max(farthest, displacement.length() / h);
       worst = std::max(worst, std::abs(double(openvdb::tools::BoxSampler::sample(
-                                  next->tree(), next->worldToIndex(Vec3d(p) + way)))) /
+                                  next->tree(), next->worldToIndex(Vec3d(p) + displacement)))) /
                                   h);
     }
     std::printf("  frame %d: moved by up to %.2f voxels, lands within %.3f of the next\n", i, farthest,
@@ -244,7 +244,7 @@ TEST(Carry, FramesFollowTheirVelocities) {
   }
 }
 
-/// Staggered vectors turn with their shape, each component found on its own face.
+/// Staggered vectors turn with their shape; each component is sampled on its own face.
 TEST(Carry, StaggeredFacesStay) {
   const Vec3d widths(2, 0.9, 0.6);
   const auto field = [](const Mat3d& turn, const Vec3d& p) {
@@ -288,7 +288,7 @@ TEST(Carry, StaggeredFacesStay) {
   EXPECT_EQ(frame->getGridClass(), openvdb::GRID_STAGGERED);
 }
 
-/// Labels keep their numbers: those of the heavier object, one voxel's as it was.
+/// Labels are not averaged: the heavier object's are taken, each from a single voxel.
 TEST(Carry, LabelsAreNotBlended) {
   const FloatGrid::Ptr a = puff({0, 0, 0}, Vec3d(kWidth), kVoxel), b = puff({4, 0, 0}, Vec3d(kWidth), kVoxel);
   const auto labels = [](const FloatGrid& like, int label) {
@@ -325,7 +325,7 @@ TEST(Carry, EndsAreTheInputs) {
   EXPECT_EQ(plan.pullback({0, 1}).carry({a, b}), b);
 }
 
-/// What the call says when it refuses; empty where it does not.
+/// The message of the exception that the call throws; empty if it throws none.
 std::string refusalOf(const std::function<void()>& call) {
   try {
     call();
@@ -344,7 +344,7 @@ TEST(Carry, RatesThatAreNoneAreRefused) {
   EXPECT_NE(refusalOf([&] { pullback.velocity(*a, {-1, std::nan("")}); }), "");
   EXPECT_NE(refusalOf([&] { pullback.velocity(*a, {0.5, 0.5}); }).find("must sum to 0"), std::string::npos);
   EXPECT_NE(refusalOf([&] { pullback.velocity(*a, {-1, 1}, -0.1); }), "");
-  // Slopes of splines sum to 0 but for the last digits.
+  // Derivatives of spline weights sum to 0 up to rounding.
   EXPECT_EQ(refusalOf([&] { pullback.velocity(*a, {-24.1, 24.1 + 1e-12}); }), "");
 }
 

@@ -1,4 +1,4 @@
-// Level sets rebuilt through node maps that are known: balls that are shifted and sized.
+// Level sets rebuilt through known node maps: balls that are shifted and scaled.
 #include "engine/rebuild/rebuild.h"
 #include "tests/support/fields.h"
 #include "tests/support/same_values.h"
@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kVoxel = 0.05;
 
-/// Nodes that lie at size[k] p + offset[k] on object k, in voxels of `kVoxel`.
+/// Nodes that map p to size[k] p + offset[k] on object k, on voxels of kVoxel.
 NodeMap nodesOf(const std::vector<double>& size, const std::vector<Vec3d>& offset, const Fields& fields) {
   NodeMap nodes;
   nodes.step = 4, nodes.objects = size.size(), nodes.origin = openvdb::Coord(-9),
@@ -32,7 +32,7 @@ double missOf(const FloatGrid& grid, double radius) {
   size_t count = 0;
   for (auto it = grid.cbeginValueOn(); it; ++it, ++count)
     most = std::max(most, std::abs(*it - (grid.indexToWorld(it.getCoord()).length() - radius)) / kVoxel);
-  // All voxels of the band, 6 voxels thick.
+  // All voxels of the band, which is 6 voxels thick.
   EXPECT_NEAR(double(count), 6 * 4 * M_PI * radius * radius / (kVoxel * kVoxel), 0.02 * double(count));
   EXPECT_LT(grid.tree().getValue({0, 0, 0}), 0);
   return most;
@@ -43,12 +43,13 @@ Fields ballsOf(double first, double second, const Vec3d& to) {
           shapes::fieldOf(shapes::sphere(to, second), shapes::cube(to, second + 0.3), kVoxel)};
 }
 
-/// What is lost: between voxels a distance of radius r loses the square of a voxel times 2 / r over 8, when it is
-/// sampled and when it is made a distance again (r is 16 voxels and more). Beyond 1.8 voxels of an object's surface the
-/// way to the nearest of its points counts, which lie a voxel apart: 0.5 / (2 d) at a distance d.
+/// Error bound in voxels. Trilinear interpolation of a distance with curvature 2 / r loses 2 / (8 r), once
+/// when it is sampled and once when it is redistanced (r is 16 voxels or more). Beyond 1.8 voxels of an
+/// object's surface, distances are those to the nearest of surface points a voxel apart: 0.5 / (2 d) at
+/// distance d.
 constexpr double kLost = 2 * 2 / (8 * 16.0) + 0.5 / (2 * 1.8);
 
-/// Objects that lie on each other by the map give the same ball.
+/// Objects that the map aligns exactly give the same ball.
 TEST(Rebuild, LikeObjectsGiveTheSame) {
   const Vec3d to(3, -1, 2);
   const Fields fields = ballsOf(1, 1, to);
@@ -62,7 +63,7 @@ TEST(Rebuild, LikeObjectsGiveTheSame) {
   withThreads(1, [&] { EXPECT_TRUE(sameValues(*grid, *rebuildLevelSet(nodes, fields, blend, *transform))); });
 }
 
-/// Distances count in units of each object's own size: balls of 0.8 and 1.6 that the map makes alike.
+/// Distances count in units of each object's own size: balls of 0.8 and 1.6 that the map scales to one size.
 TEST(Rebuild, DistancesCountInSizes) {
   const Fields fields = ballsOf(0.8, 1.6, {0, 0, 0});
   const auto transform = openvdb::math::Transform::createLinearTransform(kVoxel);
@@ -82,7 +83,7 @@ TEST(Rebuild, WhatIsNotMatchedIsBlended) {
   }
 }
 
-/// One that counts nowhere is not looked at.
+/// The distances of an object of weight 0 are not read.
 TEST(Rebuild, ObjectsThatDoNotCountAreLeftOut) {
   Fields fields = ballsOf(1, 1, {0, 0, 0});
   const NodeMap nodes = nodesOf({1, 1}, {{0, 0, 0}, {0, 0, 0}}, fields);

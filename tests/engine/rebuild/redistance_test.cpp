@@ -1,4 +1,4 @@
-// Functions that are distances but for a factor become distances again; signs are kept.
+// Functions that are distances up to a factor become distances again, with their signs kept.
 #include "engine/rebuild/redistance.h"
 #include "tests/support/shapes.h"
 
@@ -12,8 +12,8 @@ namespace {
 
 constexpr float kVoxel = 0.1f;
 
-/// `function` on all leaves within `reach` voxels of the shape's surface, a box of +-`leaves` leaves about the
-/// world's origin.
+/// `function` on all leaves within `reach` voxels of the shape's surface, in a box of +-`leaves` leaves about
+/// the world's origin.
 SparseValues valuesOf(const shapes::Distance& shape, const shapes::Distance& function, int leaves = 4) {
   std::vector<openvdb::Coord> origins;
   for (auto c = openvdb::CoordBBox(openvdb::Coord(-leaves), openvdb::Coord(leaves - 1)).begin(); c; ++c) {
@@ -35,8 +35,8 @@ FloatGrid::Ptr made(const SparseValues& values) {
 
 bool everywhere(const Vec3d&) { return true; }
 
-/// Values are the shape's distances within `tolerance` voxels where that `counts`, all voxels nearer than `whole` of
-/// them are active, and every sign is the shape's.
+/// Expects the shape's distances within `tolerance` voxels where `counts` says so, all voxels nearer than
+/// `whole` active, and the shape's sign everywhere.
 void expectDistance(const FloatGrid& grid, const shapes::Distance& shape, double tolerance, double whole,
                     bool (*counts)(const Vec3d&) = everywhere) {
   EXPECT_EQ(grid.getGridClass(), openvdb::GRID_LEVEL_SET);
@@ -59,13 +59,13 @@ void expectDistance(const FloatGrid& grid, const shapes::Distance& shape, double
   EXPECT_EQ(wrongSide, 0u);
 }
 
-/// A plane, of any slope: both steps are exact.
+/// A plane with any gradient: both steps are exact.
 TEST(Redistance, PlanesAreExact) {
   const Vec3d normal = Vec3d(1, 2, -0.5).unit();
   const shapes::Distance plane = [=](const Vec3d& p) { return p.dot(normal) - 0.04; };
   for (double factor : {0.7, 1.0, 1.3}) {
     const FloatGrid::Ptr grid = made(valuesOf(plane, [&](const Vec3d& p) { return factor * plane(p); }));
-    // Where the values end, at the box's sides, what is around is not known.
+    // At the box's sides, where the values end, neighbours are unknown.
     const auto within = [](const Vec3d& p) {
       return std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])}) < 2.3;
     };
@@ -78,8 +78,8 @@ TEST(Redistance, PlanesAreExact) {
   }
 }
 
-/// Of radius 20 voxels: central differences and trilinear values lose a voxel's square over 8 radii in each of
-/// three directions, twice.
+/// A sphere of radius 20 voxels: central differences and trilinear values lose a voxel's square over 8 radii
+/// in each of three directions, twice.
 constexpr double kOfASphere = 2 * 3 / (8 * 20.0 - 3);
 
 TEST(Redistance, SpheresOfAnySlope) {
@@ -89,9 +89,10 @@ TEST(Redistance, SpheresOfAnySlope) {
                    kOfASphere, kHalfWidth - 2 * kOfASphere);
 }
 
-/// A factor k that changes by up to k' = 0.2 / 4 a voxel. The first step is off by d^2 k' / k, at three voxels and the
-/// least factor by 0.56; voxels which it lays beyond the band are left out. The second leaves of that the share by which
-/// the slope differs on the way, 2 d k' / k = 0.38, and the sphere's own error.
+/// A factor k that changes by up to k' = 0.2 / 4 per voxel. The first step is off by d^2 k' / k: 0.56 at
+/// three voxels and the smallest factor; voxels that it places beyond the band are left out. After the second
+/// step the relative change of the gradient along the way remains of that, 2 d k' / k = 0.38, and the
+/// sphere's own error.
 TEST(Redistance, FactorsMayChange) {
   const shapes::Distance sphere = shapes::sphere({0, 0, 0}, 2);
   const auto warped = [&](const Vec3d& p) { return sphere(p) * (1 + 0.2 * std::sin(p[0] / 0.4)); };
@@ -100,14 +101,14 @@ TEST(Redistance, FactorsMayChange) {
 
 bool awayFromEdges(const Vec3d& p) { return std::abs(p[1]) < 0.7 && std::abs(p[2]) < 0.5; }
 
-/// Behind and before a box's faces distances are exact. Inside along its edges, where the values' differences are
-/// those of neither face, they come out longer; signs are right everywhere.
+/// In front of and behind a box's faces distances are exact. Inside, along its edges, the differences belong
+/// to neither face and the distances come out longer; signs are right everywhere.
 TEST(Redistance, BoxesKeepTheirFaces) {
   const shapes::Distance box = shapes::box({1.5, 1.23, 0.97}, 0.001);
   expectDistance(*made(valuesOf(box, box)), box, 1e-2, kHalfWidth - 1e-2, awayFromEdges);
 }
 
-/// A gap of one voxel's width stays open: signs are kept whatever gradients say.
+/// A gap one voxel wide stays open: signs are kept whatever the gradients are.
 TEST(Redistance, ThinGapsStayOpen) {
   const shapes::Distance sheets = [](const Vec3d& p) { return 0.05 - std::abs(std::abs(p[0]) - 0.1); };
   const FloatGrid::Ptr grid = made(valuesOf(shapes::sphere({0, 0, 0}, 1), sheets));

@@ -1,4 +1,4 @@
-// Parts of the inside against flood fill, voxel by voxel.
+// Components of the inside compared with a flood fill voxel by voxel.
 #include "engine/rebuild/small_components.h"
 #include "tests/support/same_values.h"
 #include "tests/support/shapes.h"
@@ -14,7 +14,7 @@ namespace {
 constexpr double kVoxel = 0.1;
 constexpr int kReach = 36;
 
-/// Voxels of every part that is connected over faces, in a box that holds them all.
+/// Voxels of every face-connected component within a box that encloses them all.
 std::vector<std::set<openvdb::Coord>> partsOf(const FloatGrid& grid) {
   std::set<openvdb::Coord> left;
   for (auto c = openvdb::CoordBBox(openvdb::Coord(-kReach), openvdb::Coord(kReach)).begin(); c; ++c)
@@ -47,17 +47,17 @@ FloatGrid::Ptr balls(const std::vector<std::pair<Vec3d, double>>& list) {
 
 TEST(SmallComponents, PiecesAreThoseOfFloodFill) {
   std::mt19937 random(3);
-  std::uniform_real_distribution<> place(-2.2, 2.2), size(0.3, 0.9);
+  std::uniform_real_distribution<> position(-2.2, 2.2), size(0.3, 0.9);
   for (int repeat = 0; repeat < 8; ++repeat) {
     std::vector<std::pair<Vec3d, double>> list;
     for (int n = 0; n < 12; ++n)
-      list.push_back({{place(random), place(random), place(random)}, size(random)});
+      list.push_back({{position(random), position(random), position(random)}, size(random)});
     const FloatGrid::Ptr grid = balls(list);
     EXPECT_EQ(countPieces(*grid), int(partsOf(*grid).size())) << repeat;
   }
 }
 
-/// Inside tiles, which hold no leaf, join what touches them.
+/// Inside tiles, which are no leaves, connect what touches them.
 TEST(SmallComponents, LargePartsHaveTiles) {
   const FloatGrid::Ptr grid = balls({{{-1.2, 0, 0}, 1.9}, {{2.6, 0, 0}, 0.5}});
   ASSERT_LT(grid->tree().getValue({-12, 0, 0}), 0);
@@ -65,7 +65,7 @@ TEST(SmallComponents, LargePartsHaveTiles) {
   EXPECT_EQ(countPieces(*grid), 2);
 }
 
-/// Touching over an edge or a corner is not being connected.
+/// Components that touch along an edge or at a corner only are not connected.
 TEST(SmallComponents, PartsAreConnectedOverFacesAlone) {
   for (const openvdb::Coord& step :
        {openvdb::Coord(4, 4, 0), openvdb::Coord(4, 4, 4), openvdb::Coord(4, 0, 0)}) {
@@ -77,7 +77,7 @@ TEST(SmallComponents, PartsAreConnectedOverFacesAlone) {
   }
 }
 
-/// Fewer than 27 voxels and a thousandth of all are dust and no piece; nothing at all still counts as one.
+/// Components below 27 voxels and 0.1 % of all are not counted; an empty inside still counts as one piece.
 TEST(SmallComponents, DustIsNoPiece) {
   FloatGrid::Ptr grid = balls({{{0, 0, 0}, 2}});
   grid->tree().setValue({30, 30, 30}, -0.05f);
@@ -85,8 +85,8 @@ TEST(SmallComponents, DustIsNoPiece) {
   EXPECT_EQ(countPieces(*FloatGrid::create(1.f)), 1);
 }
 
-/// The smallest go first, until as many are left as are allowed; the others keep every value, and around what was
-/// removed there is nothing left of its band.
+/// The smallest are removed first, until as many are left as are allowed. The others keep every value, and
+/// nothing remains of the narrow band around removed ones.
 TEST(SmallComponents, TheSmallestAreRemoved) {
   const std::vector<std::pair<Vec3d, double>> list{
       {{0, 0, 0}, 2}, {{2.9, 0, 0}, 0.25}, {{0, 2.9, 0}, 0.35}, {{0, 0, -2.9}, 0.3}};
@@ -106,7 +106,7 @@ TEST(SmallComponents, TheSmallestAreRemoved) {
         ASSERT_EQ(grid->tree().getValue(it.getCoord()), *it) << it.getCoord();
       }
     for (auto it = grid->cbeginValueOn(); it; ++it) {
-      // Nothing of a band further than it reaches from the inside that is left.
+      // No active voxel is further from the remaining inside than the band reaches.
       double nearest = 1e30;
       for (const auto& [middle, radius] : rest)
         nearest = std::min(nearest, (grid->indexToWorld(it.getCoord()) - middle).length() - radius);
@@ -115,7 +115,7 @@ TEST(SmallComponents, TheSmallestAreRemoved) {
   }
 }
 
-/// What is not small stays, however many are allowed.
+/// Large components are kept, however few are allowed.
 TEST(SmallComponents, LargePartsStay) {
   FloatGrid::Ptr grid = balls({{{-1, 0, 0}, 0.9}, {{1, 0, 0}, 0.7}});
   const FloatGrid::Ptr before = grid->deepCopy();

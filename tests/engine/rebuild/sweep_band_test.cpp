@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kVoxel = 0.1;
 
-/// Fast sweeping is of first order: half a voxel over a band, on a sphere of 20 voxels.
+/// Fast sweeping is first order: half a voxel over a band, on a sphere of 20 voxels.
 constexpr double kFirstOrder = 0.5;
 
 void expectBand(const FloatGrid& grid, const shapes::Distance& shape, float band) {
@@ -23,7 +23,7 @@ void expectBand(const FloatGrid& grid, const shapes::Distance& shape, float band
     most = std::max(most, std::abs(double(*it) - shape(grid.indexToWorld(it.getCoord()))) / kVoxel);
   }
   EXPECT_LE(most, kFirstOrder);
-  // All of the band, whatever way its surface faces.
+  // The whole band, in every direction of the surface normal.
   size_t missing = 0;
   for (auto c = openvdb::CoordBBox(openvdb::Coord(-30), openvdb::Coord(30)).begin(); c; ++c)
     missing += std::abs(shape(grid.indexToWorld(*c))) < double(band) - kFirstOrder * kVoxel &&
@@ -48,8 +48,8 @@ TEST(SweepBand, ANarrowBandIsWidened) {
   const float band = float(5 * kVoxel);
   const FloatGrid::Ptr wide = widenedLevelSet(*narrow, 3, band);
   expectBand(*wide, sphere, band);
-  // What it had is kept but where it was swept anew: the same within the sweeping's error, and at the surface
-  // the same number.
+  // Existing values are kept except where they were swept anew: equal within the sweeping's error, and
+  // identical at the surface.
   for (auto it = narrow->cbeginValueOn(); it; ++it)
     if (std::abs(*it) < 0.5 * kVoxel) {
       EXPECT_NEAR(wide->tree().getValue(it.getCoord()), *it, 1e-6);

@@ -1,4 +1,4 @@
-// Colours ride with the surface. 128 voxels along the longest side.
+// Colours carried with the surface, at 128 voxels along the longest side.
 #include "engine/volume/surface_colors.h"
 #include "slicemorph/errors.h"
 #include "slicemorph/slicemorph.h"
@@ -26,7 +26,7 @@ Vec3SGrid::Ptr painted(const FloatGrid& levelSet, const Color& color) {
   return grid;
 }
 
-/// Along an axis in the plane z = 0, thick towards its end, thin at its beginning.
+/// Along an axis in the plane z = 0, thin at its start and thick at its end.
 shapes::Distance tapered(double angle) {
   const Vec3d axis(std::cos(angle), std::sin(angle), 0);
   return [=](const Vec3d& p) {
@@ -39,8 +39,8 @@ shapes::Distance tapered(double angle) {
 constexpr double kVoxel = 3.0 / 128;
 const openvdb::BBoxd kBox = shapes::cube({0, 0, 0}, 1.8);
 
-/// Thick half red, thin half blue, turned by 90 degrees: at every time the colours' border is the turned
-/// border.
+/// The thick half is red, the thin half blue; turned by 90 degrees. At every time the border of the colours
+/// is the turned border.
 TEST(Colors, BorderTurnsWithTheBar) {
   std::vector<Object> objects;
   std::vector<Vec3SGrid::ConstPtr> colors;
@@ -90,12 +90,12 @@ TEST(Colors, GreysBlendByTheirWeights) {
     EXPECT_EQ(cd->activeVoxelCount(), surface->activeVoxelCount());
   };
   check({0.25, 0.75, 0}, 0.65f);
-  check({0.3, 0.3, 0.4}, 0.5f);  // one without colours has none to give
+  check({0.3, 0.3, 0.4}, 0.5f);  // an object without colours contributes none
   check({1, 0, 0}, 0.2f);
-  check({0, 0, 1}, 0.5f);  // and where it alone counts, the others lend theirs
+  check({0, 0, 1}, 0.5f);  // and where it alone has weight, the others' are used
 }
 
-/// The colours of a grid that rides with fog: what is not active is no colour.
+/// The colours of a grid carried with fog: inactive voxels have no colour.
 TEST(Colors, FogsColoursDoNotBleed) {
   std::vector<Object> objects;
   std::vector<openvdb::GridBase::ConstPtr> colors;
@@ -111,7 +111,7 @@ TEST(Colors, FogsColoursDoNotBleed) {
   const auto cd = openvdb::gridConstPtrCast<Vec3SGrid>(MorphPlan(objects).pullback({0.5, 0.5}).carry(colors));
   ASSERT_GT(cd->activeVoxelCount(), 1000u);
   for (auto v = cd->cbeginValueOn(); v; ++v) {
-    // On the line between the two colours, and nowhere darker.
+    // On the line between the two colours, hence nowhere darker.
     const double s = ((*v)[0] - own[1][0]) / (own[0][0] - own[1][0]);
     ASSERT_GE(s, -1e-5);
     ASSERT_LE(s, 1 + 1e-5);

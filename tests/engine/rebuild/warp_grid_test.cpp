@@ -1,4 +1,4 @@
-// Grids that are carried by node maps made by hand: shifts, turns and sizes in closed form.
+// Grids carried by hand-made node maps: shifts, turns and scales in closed form.
 #include "engine/rebuild/warp_grid.h"
 #include "engine/spine/chart.h"
 #include "slicemorph/errors.h"
@@ -17,7 +17,7 @@ using Transform = openvdb::math::Transform;
 constexpr double kVoxel = 0.1;
 const openvdb::CoordBBox kBox({-20, -20, -20}, {20, 20, 20});
 
-/// Object k's place of a world point p is m[k] p + offset[k].
+/// Maps the world point p to m[k] p + offset[k] on object k.
 NodeMap affineNodes(const std::vector<Mat3d>& m, const std::vector<Vec3d>& offset) {
   NodeMap nodes;
   nodes.step = 4, nodes.objects = m.size();
@@ -57,7 +57,8 @@ const Mat3d kStill = Mat3d::identity(), kTurn = rotationFromVector({0, 0, M_PI /
 
 double parabola(const Vec3d& p) { return 5 + p[0] - 2 * p[1] + p[2] * p[2]; }
 
-/// sum_k w_k g_k(M_k(p)); Catmull-Rom splines meet parabolas between the voxels (where their range allows it).
+/// sum_k w_k g_k(M_k(p)); Catmull-Rom splines reproduce parabolas between voxels where clamping to the range
+/// of neighbours allows it.
 TEST(WarpGrid, ValuesAreTheWeightedSumOfTheirs) {
   const auto a = filled<FloatGrid>([](const Vec3d& p) { return float(parabola(p)); });
   const auto b = filled<FloatGrid>([](const Vec3d& p) { return float(3 - p[1] + 0.5 * p[0]); });
@@ -68,13 +69,13 @@ TEST(WarpGrid, ValuesAreTheWeightedSumOfTheirs) {
   for (auto c = openvdb::CoordBBox(openvdb::Coord(-14), openvdb::Coord(14)).begin(); c; ++c) {
     const Vec3d p = kVoxel * (*c).asVec3d(), q = kTurn * p - shift;
     const double wanted = 0.3 * parabola(p + shift) + 0.7 * (3 - q[1] + 0.5 * q[0]);
-    // At the parabola's turning point the range of the voxels around cuts off h^2 / 4 at most.
+    // At the parabola's vertex the clamping cuts off at most h^2 / 4.
     ASSERT_NEAR(result->tree().getValue(*c), wanted, 0.3 * kVoxel * kVoxel / 4 + 1e-4) << *c;
     ASSERT_TRUE(result->tree().isValueOn(*c)) << *c;
   }
 }
 
-/// What is missing to a sum of weights of 1 is background, and where nothing is active nothing becomes so.
+/// What the weights lack to a sum of 1 is filled with background, and inactive regions stay inactive.
 TEST(WarpGrid, MissingWeightIsBackground) {
   auto a = filled<FloatGrid>([](const Vec3d&) { return 2.f; }, {{-4, -4, -4}, {4, 4, 4}});
   openvdb::tools::changeBackground(a->tree(), 0.5f);
@@ -86,7 +87,7 @@ TEST(WarpGrid, MissingWeightIsBackground) {
   EXPECT_NEAR(result->tree().getValue({12, 0, 0}), 0.5, 1e-6);
 }
 
-/// Densities that are conserved thin out by the volume that the map gives them: here eightfold.
+/// Conserved densities are divided by the map's change of volume, here 8.
 TEST(WarpGrid, ConservedDensitiesThinOut) {
   const auto a = filled<FloatGrid>([](const Vec3d&) { return 1.f; });
   const NodeMap nodes = affineNodes({kStill * 0.5}, {{0, 0, 0}});  // the in-between is twice as large
@@ -96,7 +97,7 @@ TEST(WarpGrid, ConservedDensitiesThinOut) {
               1, 1e-5);
 }
 
-/// Vectors turn back with the map; colours and texture coordinates, by their names, do not.
+/// Vectors are turned back by the map; colours and texture coordinates, recognised by name, are not.
 TEST(WarpGrid, VectorsTurnButColoursDoNot) {
   const NodeMap nodes = affineNodes({kTurn}, {{0, 0, 0}});
   for (const char* name : {"v", "Cd", "uv"}) {
@@ -108,7 +109,7 @@ TEST(WarpGrid, VectorsTurnButColoursDoNot) {
   }
 }
 
-/// Numbers that are labels are the nearest voxel's.
+/// Integers are labels: the nearest voxel's value is taken.
 TEST(WarpGrid, LabelsAreTheNearestVoxels) {
   const auto label = [](const Vec3d& p) {
     return int(std::lround(p[0] / kVoxel)) + 100 * int(std::lround(p[1] / kVoxel));
@@ -139,7 +140,7 @@ TEST(WarpGrid, KnowsWhatItCanCarry) {
   EXPECT_TRUE(canCarry(*openvdb::Vec3IGrid::create()) && !isBlended(*openvdb::Vec3IGrid::create()));
 }
 
-/// Shifts leave the axes what they are; turned ones go onto the world's, with the mean of their voxels.
+/// A common transform up to a shift is kept; otherwise the world's axes and the mean voxel size are used.
 TEST(WarpGrid, TransformsAreSharedWhereAxesAgree) {
   const auto a = FloatGrid::create(), b = FloatGrid::create();
   a->setTransform(Transform::createLinearTransform(0.2));
@@ -157,20 +158,21 @@ TEST(WarpGrid, TransformsAreSharedWhereAxesAgree) {
       1e-12);
 }
 
-/// One object that stays where it is: its box is its own, a voxel wider, and its nodes lie in its voxels.
+/// One object that does not move: its box is its own, one voxel wider, and the nodes are located
+/// at its voxels.
 TEST(WarpGrid, AStillObjectKeepsItsBox) {
   const auto a = filled<FloatGrid>([](const Vec3d&) { return 1.f; }, {{-3, 2, 5}, {7, 9, 11}});
   Carrying still;
   still.anchor = {0.5, 0, 0};
   const openvdb::CoordBBox box = boxOf({carried(a, 0, 1)}, still, a->transform());
-  // Rounding may take a voxel more.
+  // Rounding may add a voxel.
   EXPECT_TRUE(box.isInside(openvdb::CoordBBox({-4, 1, 4}, {8, 10, 12}))) << box;
   EXPECT_TRUE(openvdb::CoordBBox({-5, 0, 3}, {9, 11, 13}).isInside(box)) << box;
   EXPECT_TRUE(boxOf({carried(FloatGrid::create(), 0, 1)}, still, a->transform()).empty());
   const NodeMap nodes = carryingNodes(box, still, a->transform(), 4);
   for (int i : {-1, 0, 1, 2}) {
-    const Vec3d place = Vec3d(nodes.at[nodes.index(i, 1, 2)]) + still.anchor;
-    EXPECT_LE((place - kVoxel * 4 * Vec3d(i, 1, 2)).length(), 1e-6);
+    const Vec3d position = Vec3d(nodes.at[nodes.index(i, 1, 2)]) + still.anchor;
+    EXPECT_LE((position - kVoxel * 4 * Vec3d(i, 1, 2)).length(), 1e-6);
   }
 }
 

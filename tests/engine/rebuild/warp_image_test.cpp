@@ -1,4 +1,4 @@
-// Dense images carried by places that are known: linear ones are found exactly.
+// Dense images carried by known maps: linear ones are reproduced exactly.
 #include "engine/rebuild/warp_image.h"
 #include "tests/support/fields.h"
 
@@ -25,14 +25,14 @@ Image imageOf(const ImageLattice& lattice, const std::function<double(const Vec3
   return {lattice, values};
 }
 
-/// Nodes of two objects whose places are those of the in-between, shifted.
+/// Nodes of two objects; positions on them are those of the in-between, shifted.
 ImageNodes shiftedNodes(const ImageLattice& on, const std::vector<Vec3d>& shifts) {
   Carrying still;
   ImageNodes nodes = imageNodes(on, still, 3 * on.spacing()[0]);
-  const std::vector<openvdb::Vec3s> places = nodes.map.at;
+  const std::vector<openvdb::Vec3s> positions = nodes.map.at;
   nodes.map.objects = shifts.size();
   nodes.map.at.clear();
-  for (const openvdb::Vec3s& p : places)
+  for (const openvdb::Vec3s& p : positions)
     for (const Vec3d& s : shifts) nodes.map.at.push_back(p + openvdb::Vec3s(s));
   return nodes;
 }
@@ -63,7 +63,7 @@ TEST(WarpImage, ValuesAreTheWeightedSumOfTheirs) {
       }
 }
 
-/// Beyond an image by more than half a voxel is its lowest value.
+/// More than half a voxel beyond an image its lowest value is used.
 TEST(WarpImage, BeyondAnImageIsItsLowestValue) {
   const ImageLattice small = latticeOf({4, 4, 4}, {0, 0, 0}, 1), on = latticeOf({12, 5, 5}, {-4, 0, 0}, 1);
   const Image a = imageOf<float>(small, linear);
@@ -93,7 +93,7 @@ size_t typeOf() {
   return result.values.index();
 }
 
-/// Of the images' own number type, else of the smallest that holds both.
+/// The images' own number type if they share it, else the smallest that holds both.
 TEST(WarpImage, NumberTypesHoldBoth) {
   const auto index = [](const ImageValues& v) { return v.index(); };
   const size_t u8 = index(std::vector<std::uint8_t>()), s16 = index(std::vector<std::int16_t>()),
@@ -108,8 +108,8 @@ TEST(WarpImage, NumberTypesHoldBoth) {
   EXPECT_EQ((typeOf<double, float>()), f64);
 }
 
-/// Balls of radius 1 and 1.2 with values of 1000 inside and 0 outside: half way it is a ball of radius 1.1, and on
-/// its two sides no ghost of one of them is seen.
+/// Balls of radius 1 and 1.2 with values of 1000 inside and 0 outside: half way it is a ball of radius 1.1,
+/// without a ghost of either on the two sides of its surface.
 TEST(WarpImage, SurfacesAreOfLikeDepth) {
   constexpr double kSpacing = 0.08;
   const ImageLattice on = latticeOf({37, 37, 37}, {-1.44, -1.44, -1.44}, kSpacing);
@@ -134,7 +134,7 @@ TEST(WarpImage, SurfacesAreOfLikeDepth) {
     for (int j = 0; j < on.size[1]; ++j)
       for (int i = 0; i < on.size[0]; ++i) {
         const double r = on.toWorld(Vec3d(i, j, k)).length(), value = values[on.index(i, j, k)];
-        // The edge is a voxel wide and read between voxels; where it passes is known to a fraction of one.
+        // The edge is a voxel wide and interpolated, so its position is known to a fraction of a voxel.
         if (r < 1.1 - 1.5 * kSpacing) {
           ASSERT_GT(value, 900) << r;
         }
@@ -147,8 +147,8 @@ TEST(WarpImage, SurfacesAreOfLikeDepth) {
       }
 }
 
-/// A skin that is darker than the surface's value does not open the in-between: where its shape is inside values stay
-/// above, and outside below.
+/// A skin darker than the isovalue opens no hole in the in-between: values stay above it inside the shape,
+/// and below it outside.
 TEST(WarpImage, TheSurfaceStaysWhereTheShapeHasIt) {
   constexpr double kSpacing = 0.08;
   const ImageLattice on = latticeOf({33, 33, 33}, {-1.28, -1.28, -1.28}, kSpacing);

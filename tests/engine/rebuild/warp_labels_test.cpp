@@ -1,4 +1,4 @@
-// Label maps carried by places that are known.
+// Label maps carried by known maps.
 #include "engine/rebuild/warp_labels.h"
 
 #include <gtest/gtest.h>
@@ -24,10 +24,10 @@ Image labelled(const ImageLattice& lattice, const std::function<int(const Vec3d&
 
 ImageNodes shiftedNodes(const ImageLattice& on, const std::vector<Vec3d>& shifts) {
   ImageNodes nodes = imageNodes(on, Carrying(), 4);
-  const std::vector<openvdb::Vec3s> places = nodes.map.at;
+  const std::vector<openvdb::Vec3s> positions = nodes.map.at;
   nodes.map.objects = shifts.size();
   nodes.map.at.clear();
-  for (const openvdb::Vec3s& p : places)
+  for (const openvdb::Vec3s& p : positions)
     for (const Vec3d& s : shifts) nodes.map.at.push_back(p + openvdb::Vec3s(s));
   return nodes;
 }
@@ -37,10 +37,10 @@ std::vector<int> numbersOf(const Image& image) {
                     image.values);
 }
 
-/// A ball of label 3 in one of label 500.
+/// A ball of label 3 inside one of label 500.
 int nested(const Vec3d& p, double size) { return p.length() < 0.5 * size ? 3 : p.length() < size ? 500 : 0; }
 
-/// By a whole number of voxels: the same labels, elsewhere.
+/// Shifted by a whole number of voxels: the same labels, elsewhere.
 TEST(WarpLabels, ShiftsMoveLabels) {
   const ImageLattice lattice = latticeOf(24, -11.5);
   const LabelField field(labelled(lattice, [](const Vec3d& p) { return nested(p, 8); }));
@@ -56,8 +56,8 @@ TEST(WarpLabels, ShiftsMoveLabels) {
         ASSERT_EQ(numbers[lattice.index(i, j, k)], nested(lattice.toWorld(Vec3d(i, j, k)) + shift, 8));
 }
 
-/// Half way between balls of 6 and 10 voxels they are of 8, within the half voxel by which distances to voxels'
-/// centres may be off on either side.
+/// Half way between balls of 6 and 10 voxels: 8, within the half voxel by which distances to voxel centres
+/// may be off on either side.
 TEST(WarpLabels, DepthsAreBlended) {
   const ImageLattice lattice = latticeOf(28, -13.5);
   const LabelField small(labelled(lattice, [](const Vec3d&p) { return nested(p, 6); })),
@@ -78,7 +78,7 @@ TEST(WarpLabels, DepthsAreBlended) {
       }
 }
 
-/// Two boxes that share a face: however far it moves, there is no gap between them, not even in the outermost
+/// Two boxes that share a face: however far it moves there is no gap between them, not even in the outermost
 /// voxels, where no label is deep.
 TEST(WarpLabels, NeighboursStayNeighbours) {
   const ImageLattice lattice = latticeOf(20, -9.5);
@@ -110,7 +110,7 @@ TEST(WarpLabels, NeighboursStayNeighbours) {
   }
 }
 
-/// A label that one object lacks shrinks to nothing as that one takes over.
+/// A label that one object lacks shrinks to nothing as that object's weight grows.
 TEST(WarpLabels, WhatIsAbsentShrinks) {
   const ImageLattice lattice = latticeOf(24, -11.5);
   const LabelField with(labelled(lattice, [](const Vec3d&p) { return nested(p, 9); })),

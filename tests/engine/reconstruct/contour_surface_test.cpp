@@ -32,8 +32,8 @@ class Contours : public ::testing::Test {
   static void SetUpTestSuite() { openvdb::initialize(); }
 };
 
-/// The contours of a shape on one plane, exact at their points: marching squares with the crossings found by
-/// bisection.
+/// The contours of a shape on one plane, exact at their points: marching squares, with the crossings
+/// found by bisection.
 class Cutter {
  public:
   Cutter(const shapes::Distance& shape, const Plane& plane, double half, double step)
@@ -131,7 +131,7 @@ double meanError(const Mesh& mesh, const shapes::Distance& shape) {
   return sum / double(mesh.points.size());
 }
 
-/// Distance of a point to a triangle: Eberly, Geometric Tools, by clamping to the sides.
+/// Distance of a point to a triangle, by clamping to the sides (Eberly, Geometric Tools).
 double distanceToTriangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   const auto side = [&](const Vec3d& u, const Vec3d& v) {
     const Vec3d d = v - u;
@@ -145,8 +145,8 @@ double distanceToTriangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const 
   return std::min({side(a, b), side(b, c), side(c, a)});
 }
 
-/// The largest distance of a contour point to the mesh; triangles in bins of the size of `bin`, a distance
-/// above which is reported as `bin`.
+/// The largest distance of a contour point to the mesh. Triangles are sorted into bins of size `bin`;
+/// distances above that are reported as `bin`.
 double farthestContourPoint(const ContourSet& set, const Mesh& mesh, double bin) {
   std::map<std::array<int, 3>, std::vector<size_t>> bins;
   const auto cellOf = [&](const Vec3d& p) {
@@ -182,8 +182,8 @@ double farthestContourPoint(const ContourSet& set, const Mesh& mesh, double bin)
   return farthest;
 }
 
-/// Pixels of the planes where the level set contradicts them by more than the diagonal of a cell, below which
-/// a lattice may miss a detail.
+/// Pixels of the planes where the level set has the wrong sign by more than the diagonal of a cell, below
+/// which a lattice may miss a detail.
 int contradictions(const ContourSet& set, const ContourSurface& surface) {
   const double h = surface.voxelSize;
   const auto values = surface.grid->getConstAccessor();
@@ -194,7 +194,7 @@ int contradictions(const ContourSet& set, const ContourSurface& surface) {
     for (int j = 0; j < image.height; ++j)
       for (int i = 0; i < image.width; ++i) {
         const double d = image.distance[size_t(j) * image.width + i];
-        const Vec3d at = surface.grid->worldToIndex(plane.toWorld(image.place(i, j)));
+        const Vec3d at = surface.grid->worldToIndex(plane.toWorld(image.position(i, j)));
         if (std::abs(d) > std::sqrt(3.0) * h)
           count += (openvdb::tools::BoxSampler::sample(values, at) < 0) != (d < 0);
       }
@@ -202,7 +202,7 @@ int contradictions(const ContourSet& set, const ContourSurface& surface) {
   return count;
 }
 
-// ---------------------------------------------------------------- closed forms
+// Closed forms.
 
 constexpr double kRing = 3, kTube = 1;
 
@@ -283,7 +283,7 @@ std::vector<Plane> stack(int count, double gap) {
 }
 
 TEST_F(Contours, SlantedTubeStaysWhole) {
-  // The contours are 1 wide and 2 apart: none overlaps the next.
+  // The contours are 1 wide and shifted by 2: none overlaps the next.
   const Vec3d axis = Vec3d(2, 0, 1).unit();
   const shapes::Distance tube = [&](const Vec3d& p) { return (p - p.dot(axis) * axis).length() - 0.5; };
   const ContourSet set = cut(tube, stack(8, 1), 9, 0.08);
@@ -320,7 +320,7 @@ TEST_F(Contours, NestedContoursAreTheInnerWallOfATube) {
   EXPECT_EQ(checks::closedAndManifold(mesh), "");
   EXPECT_EQ(topologyOf(mesh).pieces, 1);
   EXPECT_EQ(topologyOf(mesh).genus, 1);
-  // Half a gap beyond the last planes at most.
+  // At most half a gap beyond the last planes.
   for (const openvdb::Vec3s& p : mesh.points) EXPECT_LT(std::abs(p[2]), 2 + 0.25 + surface.voxelSize);
 }
 
@@ -335,7 +335,7 @@ TEST_F(Contours, SameForAnyNumberOfThreads) {
     });
 }
 
-// ---------------------------------------------------------------- contours that need a word
+// Contours that are reported in notes.
 
 std::vector<Vec2d> square(double x, double y, double half) {
   return {{x - half, y - half}, {x + half, y - half}, {x + half, y + half}, {x - half, y + half}};
@@ -361,7 +361,7 @@ double volumeOf(const ContourSet& set, std::string& notes) {
 }
 
 TEST_F(Contours, PlaneWithoutTheBodyPartsIt) {
-  // The same column above and below; the plane between them has nothing, or something else only.
+  // The same column above and below; the plane in between is empty, or has something else only.
   for (const bool other : {false, true}) {
     ContourSet set;
     for (int k = 0; k < 9; ++k) {
@@ -430,7 +430,7 @@ TEST_F(Contours, InnerOfTwoBallsIsNotSwallowed) {
   const double inner = 4 * M_PI / 3, voxel = 0.1;
   for (const std::vector<int>& labels : {std::vector<int>{1, 2}, std::vector<int>{2, 1}}) {
     const Image image = labelsOf(sets, labels, SharedVoxel::smallest);
-    // Half a voxel of either surface.
+    // Half a voxel for either surface.
     EXPECT_NEAR(volumeOf(image, labels[1]), inner, 0.5 * voxel * 4 * M_PI);
     EXPECT_NEAR(volumeOf(image, labels[0]), 7 * inner, 0.5 * voxel * 20 * M_PI);
   }
@@ -455,7 +455,7 @@ TEST_F(Contours, KeyholeIsAHole) {
   std::string notes;
   const std::vector<Vec2d> outer = square(0, 0, 2);
   const double nested = volumeOf(prism({outer, square(0, 0, 1)}), notes);
-  // Out along the bottom, in to the hole's corner, around it, and back the way it came.
+  // Out along the bottom, in to the hole's corner, around it, and back along the same line.
   const double keyhole = volumeOf(
       prism({{{-2, -2}, {2, -2}, {2, 2}, {-2, 2}, {-2, -2}, {-1, -1}, {-1, 1}, {1, 1}, {1, -1}, {-1, -1}}}),
       notes);
@@ -476,7 +476,7 @@ TEST_F(Contours, WhatMakesNoBodyIsRefused) {
   }
 }
 
-// ---------------------------------------------------------------- files
+// Files.
 
 class ContourFiles : public Contours {
  protected:
@@ -607,8 +607,7 @@ TEST_F(ContourFiles, SurfacesKeepToTheVerdictOfThePlanes) {
     EXPECT_EQ(contradictions(set, surface), 0);
     const Mesh mesh = contourMesh(set, surface);
     EXPECT_EQ(checks::closedAndManifold(mesh), "");
-    // The slices, each as thick as the gap, stacked as they are, have 12 handles: vessels are holes in the
-    // contours.
+    // The slices, extruded by the gap and stacked, have 12 handles: vessels are holes in the contours.
     EXPECT_LE(topologyOf(mesh).genus, 12);
     EXPECT_LE(farthestContourPoint(set, mesh, surface.voxelSize), std::min(0.5, 0.5 * surface.voxelSize));
   }

@@ -52,7 +52,7 @@ Image fillIn(int n, int slices, int every, const Label& label) {
 
 double distance(double x, double y, double cx, double cy) { return std::hypot(x - cx, y - cy); }
 
-/// A few labels at once: a tilted tube in an organ, a nested pair, a ball, a line.
+/// Several labels at once: a tilted tube in an organ, a nested pair, a ball, a line.
 int scene(int i, int j, int k) {
   if (distance(i, j, 20 + k, 24) <= 3) return 3;
   if (distance(i, j, 24 + 0.5 * k, 24) <= 16) return 1;
@@ -64,7 +64,7 @@ int scene(int i, int j, int k) {
 }  // namespace
 
 TEST(Reconstruct, TiltedTubeMovesWithoutOverlap) {
-  // Radius 5, 12 to the side per gap of 8: sections do not meet.
+  // Radius 5, shifted by 12 per gap of 8: consecutive sections do not overlap.
   const Image dense =
       fillIn(80, 33, 8, [](int i, int j, int k) { return distance(i, j, 15 + 1.5 * k, 40) <= 5.2 ? 7 : 0; });
   for (int k = 0; k < 33; ++k) {
@@ -89,7 +89,7 @@ TEST(Reconstruct, ConeAndBall) {
 }
 
 TEST(Reconstruct, WideGap) {
-  // More slices than are labelled together.
+  // More slices than are labelled together (kMoments).
   const Image cone =
       fillIn(64, 41, 20, [](int i, int j, int k) { return distance(i, j, 32, 32) <= 8 + 0.4 * k ? 1 : 0; });
   for (int k = 0; k < 41; ++k)
@@ -97,7 +97,7 @@ TEST(Reconstruct, WideGap) {
 }
 
 TEST(Reconstruct, RegionsAreJoinedBelow) {
-  // Two arms that meet at the bottom, a pixel that touches one by its corner, and one by itself.
+  // Two arms that meet at the bottom, a pixel that touches one at a corner, and an isolated one.
   const char* const rows[] = {"#..#..#", "#..#...", "#..##..", "###..#.", ".##...."};
   LabelScore score;
   score.box = {3, 2, 10, 7};
@@ -115,7 +115,7 @@ TEST(Reconstruct, RegionsAreJoinedBelow) {
 }
 
 TEST(Reconstruct, BranchesJoin) {
-  // Trousers: two legs that become one.
+  // Trousers: two legs that merge.
   const Image y = fillIn(80, 33, 8, [](int i, int j, int k) {
     const double apart = std::max(0.0, 20.0 - 0.75 * k);
     return distance(i, j, 40 - apart, 40) <= 8 || distance(i, j, 40 + apart, 40) <= 8 ? 1 : 0;
@@ -171,7 +171,7 @@ TEST(Reconstruct, MirroredInputMirrorsOutput) {
     for (int j = 0; j < 72; ++j)
       for (int i = 0; i < 72; ++i)
         differ += at(turned, i, j, 24 - k) != at(dense, i, j, k), drawn += at(dense, i, j, k) != 0;
-  EXPECT_LE(differ, drawn / 1000);  // roundings of half pixels go one way
+  EXPECT_LE(differ, drawn / 1000);  // half pixels are rounded in one direction
 }
 
 TEST(Reconstruct, SameForAnyThreadCount) {
@@ -186,7 +186,7 @@ TEST(Reconstruct, FindsGivenSlices) {
   const GivenSlices found = findGivenSlices(paint(32, 32, 25, ball, 4));
   EXPECT_EQ(found.axis, 2);
   EXPECT_EQ(found.at, (std::vector<int>{4, 8, 12, 16, 20, 24}));
-  // An empty slice in the rhythm is given.
+  // An empty slice at a regular position is given.
   const auto gap = [&](int i, int j, int k) { return k == 12 ? 0 : ball(i, j, k); };
   EXPECT_EQ(findGivenSlices(paint(32, 32, 25, gap, 4)).at, found.at);
   const auto uneven = [&](int i, int j, int k) {

@@ -11,7 +11,7 @@
 namespace slicemorph {
 namespace {
 
-/// A block of fog of one density: 40 x 40 x 20 voxels, its middle at the world's.
+/// A block of fog of constant density: 40 x 40 x 20 voxels, centred on the world's origin.
 FloatGrid::Ptr block(float density, const Vec3d& voxel = Vec3d(1.0)) {
   auto transform = openvdb::math::Transform::createLinearTransform(1.0);
   transform->preScale(voxel);
@@ -49,8 +49,8 @@ TEST(RenderFog, AbsorbsByBeerAndLambertOnAnyVoxels) {
       FogLook look;
       look.extinction = 0.05;
       const Picture image = renderFog(fog, look, frontView(40), smallPicture());
-      // The ramps at both ends hold as much as the half voxels that they replace. Of the midpoint rule with
-      // steps of a voxel the four bends cost at most an eighth of a voxel each.
+      // The ramps at both ends contain as much as the half voxels they replace. With the midpoint rule and
+      // steps of a voxel, each of the four kinks costs at most an eighth of a voxel.
       const double depth = look.extinction * density * 20 * voxel.z();
       const double error = look.extinction * density * 0.5 * voxel.z() * std::exp(-depth);
       EXPECT_NEAR(image.mask[middle(image)], 1 - std::exp(-depth), error + 1e-5);
@@ -66,7 +66,7 @@ TEST(RenderFog, DepthIsWhereTheOpacityLies) {
   for (const double extinction : {0.02, 0.2, 2.0}) {
     FogLook look;
     look.extinction = extinction;
-    // The mean of an exponential that is cut off at the back; the front is at z = 10.
+    // Mean of an exponential that is truncated at the back; the front is at z = 10.
     const double t = 20 * extinction, exact = 40 - 10 + (1 / extinction) * (1 - t / std::expm1(t));
     EXPECT_NEAR(renderFog(fog, look, frontView(40), smallPicture()).depth[n], exact, 0.5) << extinction;
   }
@@ -82,7 +82,7 @@ TEST(RenderFog, GlowsAlsoWhereThereIsNoDensity) {
   look.emission = 0.3;
   const Picture image = renderFog(fog, look, frontView(40), smallPicture());
   const Colour exact = blackBody(1100) * float(0.3 * 20 / 16);
-  // The ramps glow less than the half voxels that they replace: h / 5 against h / 2 at each end.
+  // The ramps glow less than the half voxels they replace: h / 5 against h / 2 at each end.
   for (int c = 0; c < 3; ++c)
     EXPECT_NEAR(image.rgba[4 * middle(image) + size_t(c)], exact[c], 0.06 * exact[0]) << c;
   EXPECT_EQ(image.mask[middle(image)], 0);
@@ -96,7 +96,7 @@ TEST(RenderFog, LightFallsOffOnItsWayThroughTheFog) {
   for (const double inside : {0.0, 5.0, 10.0, 15.0}) {
     const double t = extinction * inside;
     const double exact = (std::exp(-t) + 0.5 * std::exp(-t / 2) + 0.25 * std::exp(-t / 4)) / 1.75;
-    // Half a node's spacing of depth.
+    // Half a node's spacing in depth.
     EXPECT_NEAR(light.at({0, 0, 10 - inside}), exact, 0.75 * extinction);
   }
   EXPECT_GT(light.at({0, 0, 50}), 0.9);
@@ -171,8 +171,8 @@ TEST(RenderFog, RefusesWhatItCannotDraw) {
 }
 
 TEST(BlackBody, HasTheChromaticityOfThePlanckianLocus) {
-  // CIE: illuminant A is a black body of 2856 K; the others by CIE 1931 tables. The fit of the observer is
-  // good to 0.005.
+  // CIE: illuminant A is a black body of 2856 K; the others are from CIE 1931 tables. The observer's fit is
+  // accurate to 0.005.
   const double known[][3] = {{2000, 0.5267, 0.4133}, {2856, 0.4476, 0.4074}, {6500, 0.3135, 0.3236}};
   for (const auto& [kelvin, x, y] : known) {
     const Colour c = blackBody(kelvin);

@@ -45,12 +45,13 @@ TEST(Render, SilhouetteHasTheAreaOfTheSphereAtAnyScale) {
     options.background = false;
     const Picture image = renderSurface(*grid, frontView(centre, 50 * scale), options);
     const double pixel = 50.0 / 200;
-    // A quarter of a pixel all round is the error of four samples.
+    // A quarter of a pixel on every side is the error of four samples.
     EXPECT_NEAR(alphaSum(image) * pixel * pixel, kPi * 400, 2 * kPi * 20 * pixel / 4) << "scale " << scale;
   }
 }
 
-/// Where a picture's place looks: the camera of `frontView`, or one of the given angle at the same place.
+/// The exact ray through a position of the picture, for the camera of `frontView` or a perspective one at the
+/// same position.
 ViewRay exactRay(const Camera& camera, double x, double y, double aspect) {
   const double half = camera.orthographicHeight > 0 ? camera.orthographicHeight / 2
                                                     : std::tan(camera.verticalFov * kPi / 360);
@@ -88,8 +89,8 @@ TEST(Render, DepthAndNormalsAreThoseOfTheSphere) {
             EXPECT_EQ(image.normal[3 * n], 0);
           }
           const double into = std::sqrt(std::max(0.0, radius * radius - miss * miss));
-          // Trilinear interpolation moves the surface by at most h^2 / 4R, along the ray by that over the
-          // cosine.
+          // Trilinear interpolation moves the surface by at most h^2 / 4R, and along the ray by that
+          // over the cosine.
           if (into / radius < 0.1) continue;
           ++seen;
           const Vec3d point = ray(along - into);
@@ -104,7 +105,7 @@ TEST(Render, DepthAndNormalsAreThoseOfTheSphere) {
   }
 }
 
-/// Mean of red over the left or the right half of what is seen.
+/// Mean of red over the left or right half of the visible surface.
 double brightness(const Picture& image, bool right) {
   double sum = 0;
   for (int y = 0; y < image.height; ++y)
@@ -134,7 +135,7 @@ TEST(Render, ACameraInsideTheSurfaceIsRefused) {
   camera.position = {3, 2, 1};
   camera.target = {0, 0, 0};
   EXPECT_THROW(renderSurface(*grid, camera), InputError);
-  camera.orthographicHeight = 50;  // sees it from outside all the same
+  camera.orthographicHeight = 50;  // sees it from outside nevertheless
   EXPECT_NO_THROW(renderSurface(*grid, camera));
 }
 
@@ -171,7 +172,7 @@ TEST(Camera, ATurntableSeesAllFromEverySide) {
       }
     }
     EXPECT_LT(widest, 1);
-    EXPECT_GT(widest, 0.93);  // and the picture is used
+    EXPECT_GT(widest, 0.93);  // the object fills the picture
   }
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 using openvdb::Vec3I;
 
-/// A strip of squares around a ring, two triangles each; `twisted`: glued with a half turn (Moebius).
+/// A strip of squares around a ring, two triangles each. `twisted`: glued with a half turn (Moebius strip).
 std::vector<Vec3I> ring(unsigned squares, bool twisted) {
   std::vector<Vec3I> triangles;
   for (unsigned i = 0; i < squares; ++i) {
@@ -23,7 +23,7 @@ std::vector<Vec3I> ring(unsigned squares, bool twisted) {
   return triangles;
 }
 
-/// Edges whose two triangles run the same way.
+/// Number of edges whose two triangles run in the same direction.
 size_t disagreements(const std::vector<Vec3I>& triangles) {
   const EdgeTable edges(triangles);
   size_t count = 0;
@@ -55,7 +55,7 @@ TEST(AgreeOnWinding, PatchesAreForThemselves) {
   std::vector<Vec3I> two = ring(6, false);
   for (const Vec3I& t : ring(8, false)) two.emplace_back(t[0] + 100, t[2] + 100, t[1] + 100);
   const AgreedWinding found = agreeOnWinding(two);
-  EXPECT_EQ(found.triangles, two);  // turned the other way, but each agrees with itself
+  EXPECT_EQ(found.triangles, two);  // opposite windings, but each agrees with itself
   EXPECT_EQ(found.shells, 2u);
   for (size_t t = 0; t < two.size(); ++t) EXPECT_EQ(found.patch[t], t < 12 ? 0u : 12u);
 }
@@ -67,7 +67,7 @@ TEST(AgreeOnWinding, NoWindingAgreesOnAMoebiusStrip) {
 }
 
 TEST(AgreeOnWinding, EdgesOfThreeFacesPartPatchesButNotShells) {
-  // Three leaves of a book.
+  // Three half planes at one edge, like the leaves of a book.
   const AgreedWinding found = agreeOnWinding({{0, 1, 2}, {0, 1, 3}, {0, 1, 4}});
   EXPECT_EQ(found.nonManifold, 1u);
   EXPECT_EQ(found.shells, 1u);

@@ -16,8 +16,8 @@ Vec3d areaVector(const std::vector<Vec3s>& points, const Vec3I& t) {
   return 0.5 * (Vec3d(points[t[1]]) - a).cross(Vec3d(points[t[2]]) - a);
 }
 
-/// Star-shaped polygons in a tilted plane have no crossings, however jagged they are: their triangles all look the same
-/// way, and their areas, none of which is then counted twice, add up to the polygon's.
+/// Star-shaped polygons in a tilted plane do not self-intersect, however jagged: all their triangles face the
+/// same way, so their areas, none counted twice, add up to the polygon's.
 TEST(ClipEars, CoversStarsOnceAndNothingElse) {
   std::mt19937 random(21);
   const Vec3d e1 = Vec3d(1, 2, -1).unit(), e2 = Vec3d(1, 0, 1).unit(), normal = e1.cross(e2);

@@ -18,7 +18,7 @@ double areaOf(const std::vector<Vec3s>& points, std::uint32_t a, std::uint32_t b
   return 0.5 * (Vec3d(points[b]) - p).cross(Vec3d(points[c]) - p).length();
 }
 
-/// The least area of all triangulations of the corners first to last of a polygon, by trying each.
+/// Reference: the least area of all triangulations of the corners first to last of a polygon, by trying each.
 double leastArea(const std::vector<Vec3s>& points, const PointLoop& loop, size_t first, size_t last) {
   if (last - first < 2) return 0;
   double least = 1e300;
@@ -45,7 +45,7 @@ TEST(FillHole, HasTheLeastAreaOfAllTriangulations) {
       for (const Vec3I& t : mesh.triangles) area += areaOf(mesh.points, t[0], t[1], t[2]);
       const double least = leastArea(mesh.points, loop, 0, n - 1);
       EXPECT_NEAR(area, least, 1e-9 * least);
-      // Its own boundary is the loop, run through backwards.
+      // The boundary of the filling is the loop in reverse.
       const BoundaryLoops boundary = findBoundary(mesh.triangles, n);
       ASSERT_EQ(boundary.loops.size(), 1u);
       EXPECT_EQ(boundary.edges, n);
@@ -73,7 +73,7 @@ TEST(FillHole, LargeHolesAreFilledAroundTheirMiddle) {
   EXPECT_NEAR(loopLength(mesh.points, loop), 2 * kCorners * std::sin(M_PI / kCorners), 1e-4);
 }
 
-/// A square sheet of n x n squares without some of them.
+/// A square sheet of n x n squares, without some of them.
 std::vector<Vec3I> sheet(unsigned n, const std::function<bool(unsigned, unsigned)>& hole) {
   std::vector<Vec3I> triangles;
   for (unsigned y = 0; y < n; ++y)

@@ -24,7 +24,7 @@ class Volume : public ::testing::Test {
   static void SetUpTestSuite() { openvdb::initialize(); }
 };
 
-/// A level set sampled from a distance function, with the given transform; `half`: width in voxels.
+/// A level set sampled from a distance function on the given transform; `half`: half width in voxels.
 template <typename Distance>
 FloatGrid::Ptr sampled(const openvdb::math::Transform::Ptr& transform, int reach, double band,
                        const Distance& distance) {
@@ -84,7 +84,7 @@ void append(PolygonMesh& to, const PolygonMesh& from, bool turned = false) {
   }
 }
 
-/// Latitude-longitude sphere, `from` > 0 leaves that many of the rings at the top open.
+/// Latitude-longitude sphere; `from` > 0 leaves out that many rings at the top.
 PolygonMesh roundMesh(double radius, unsigned rings, unsigned from) {
   PolygonMesh mesh;
   const unsigned around = 2 * rings;
@@ -126,7 +126,7 @@ std::string messageOf(const Action& action) {
   return "nothing was thrown";
 }
 
-// ---------------------------------------------------------------- repair
+// Repair.
 
 TEST_F(Volume, CubeOfQuadsBecomesClosed) {
   const RepairedMesh repaired = repairMesh(cube(2));
@@ -224,7 +224,7 @@ TEST_F(Volume, MeshWithoutFacesIsRefused) {
   EXPECT_NE(messageOf<GeometryError>([] { repairMesh(PolygonMesh()); }).find("no faces"), std::string::npos);
 }
 
-// ---------------------------------------------------------------- voxelise and surfaceOf
+// voxelise and surfaceOf.
 
 TEST_F(Volume, SphereComesBackFromVoxels) {
   const double voxel = 0.05;
@@ -275,8 +275,8 @@ TEST_F(Volume, SameBytesForAnyThreadCount) {
   }
 }
 
-/// White noise at the voxels of a ball: every ambiguous and non-manifold case of the mesher within a few
-/// thousand cells.
+/// White noise at the voxels of a ball: within a few thousand cells, every ambiguous and non-manifold case of
+/// the mesher.
 FloatGrid::Ptr noise(unsigned seed, int reach, float share) {
   std::mt19937 random(seed);
   FloatGrid::Ptr grid = FloatGrid::create(1.0f);
@@ -332,7 +332,7 @@ TEST_F(Volume, BodiesTouchingAtAnEdgeAndAtAPointAreParted) {
   EXPECT_THROW(makeManifold(open), GeometryError);
 }
 
-// ---------------------------------------------------------------- toLevelSet
+// toLevelSet.
 
 TEST_F(Volume, CanonicalLevelSetIsSharedNotCopied) {
   const auto transform = openvdb::math::Transform::createLinearTransform(0.1);
@@ -407,7 +407,7 @@ TEST_F(Volume, GridsWithoutASurfaceAreRefused) {
 }
 
 TEST_F(Volume, LevelSetCutOffByItsGridIsClosed) {
-  // A dense field whose inside reaches the last active voxel.
+  // A dense field whose inside extends to the last active voxel.
   const auto plain = openvdb::math::Transform::createLinearTransform(0.1);
   const FloatGrid::Ptr cut = sphereGrid(plain, 9, 100, 1.3);
   const LevelSetInput input = toLevelSet(cut);

@@ -1,4 +1,4 @@
-#include "engine/blend/node_places.h"
+#include "engine/blend/node_positions.h"
 
 #include <gtest/gtest.h>
 
