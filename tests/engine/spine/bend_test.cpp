@@ -154,7 +154,7 @@ void expectBends(const Case& c, bool keyed, const Vec3d& turn, const Vec3d& offs
     const double h = frame->voxelSize()[0], linear = (1 - t) * volumeA + t * volumeB;
     const double volume = measureMesh(mesh).volume;
     const Curl curl = c.from.mixed(c.to, t);
-    const auto place = [&](double s) { return rotationFromVector(t * turn) * curl.place({s, 0, 0}) + shift; };
+    const auto place = [&](double s) { return rotationFromVector(t * turn) * curl.apply({s, 0, 0}) + shift; };
     const double reach = 1.5 * std::hypot(1.35 * c.section[1], c.section[2]);
     const double length = axisLength(*frame, mesh, place, c.half, reach) / (2 * c.half);
     std::printf("  %s t %.2f: mean %.3f, max %.3f voxels, volume %.4f, length %.4f\n", c.name.c_str(), t,
