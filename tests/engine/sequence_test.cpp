@@ -150,8 +150,8 @@ void reportAnew(const Sequence& a, const Sequence& b) {
   report("planned anew", plans, popOf(plans.frames, playing), popOf(plans.frames, held));
 }
 
-/// An ellipsoid whose two longest axes swap. Its size is chosen so that the change by its motion balances
-/// that by the other's turn, frame for frame.
+/// An ellipsoid whose two longest axes swap. It is larger than the other shape by about as much as makes the
+/// change by shrinking balance, frame for frame, the change that the other's turn adds.
 Sequence crossing() {
   return sequence([](int i) { return ellipsoid({1.1 - 0.2 * i / 9, 0.9 + 0.2 * i / 9, 0.75}); });
 }

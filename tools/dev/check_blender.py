@@ -1,4 +1,4 @@
-"""Runs inside Blender: opens a VDB sequence as an artist does, prints what Blender reads and renders one frame.
+"""Runs inside Blender: opens a VDB sequence as an artist does, prints what Blender reads, renders one frame.
 
 check_blender.sh starts it. Anything that Blender cannot use is an error with exit code 1. Coordinates are world
 units, turned from the files' "y up" to Blender's "z up" by the objects' rotation, not in the data.
@@ -67,7 +67,7 @@ def find_frames(first):
 
 
 def check_whole(file):
-    """Refuses a file that was cut short: of those OpenVDB reads arbitrary sizes, and Blender aborts after minutes.
+    """Refuses a file that was cut short: OpenVDB reads arbitrary sizes of it, and Blender aborts much later.
 
     The layout is that of openvdb/io/Archive.cc and File.cc; other files are left to Blender.
     """
@@ -184,7 +184,7 @@ def bounds(points):
 
 
 class Fog:
-    """Extent (of the visible part, world units) and thickness of a scalar grid; no corners where it is empty."""
+    """Extent (of the visible part, world units) and thickness of a scalar grid; no corners if it is empty."""
 
     def __init__(self, file, name):
         grid = pyopenvdb.read(str(file), name)
@@ -212,7 +212,8 @@ class Fog:
 
 
 def check_velocity_reach(file, name, fog, seconds):
-    """Reports where Cycles cannot blur: velocity must also be active where smoke arrives, since it is read there."""
+    """Reports where Cycles cannot blur: velocity must be active where smoke
+    arrives, too, since it is read there."""
     grid = pyopenvdb.read(str(file), name)
     low, high = grid.evalActiveVoxelBoundingBox()
     if low[0] > high[0]:
@@ -243,7 +244,7 @@ def mesh_from_level_set(volume_object, name):
 
 
 def measure_mesh(thing, frame, file):
-    """World-space points to fit the camera to; raises Unusable for an empty mesh or one that is inside out."""
+    """World-space points to fit the camera to; raises Unusable for an empty or inside-out mesh."""
     bpy.context.scene.frame_set(frame)
     evaluated = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
     mesh = evaluated.to_mesh()
