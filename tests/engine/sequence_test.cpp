@@ -186,7 +186,7 @@ const FloatGrid::Ptr& stillBar() {
   return grid;
 }
 
-/// From a bar to the same one elsewhere.
+/// A plan between a bar and the same bar at another position.
 const MorphPlan& firstPlan() {
   static const MorphPlan plan({object(bar(0)), object(stillBar())});
   return plan;

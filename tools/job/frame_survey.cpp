@@ -154,7 +154,7 @@ FrameSurvey surveyFrames(const MorphSettings& settings, const FrameMaker& maker,
   FrameSurvey survey;
   for (const LoadedObject& input : first) surveyInput(input, task, survey);
   std::vector<openvdb::BBoxd> reach = survey.boxes;
-  // Of surfaces alone nothing around them is shown.
+  // Where only surfaces are shown, their surroundings need no room.
   if (!task.fog && !task.slices) reach.assign(reach.size(), openvdb::BBoxd());
   surveyBetween(maker, settings, reach, survey);
   if (!settings.moving()) return survey;

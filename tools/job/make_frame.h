@@ -38,9 +38,8 @@ struct MorphFrame {
   InBetween shape;                      ///< surface null where the method makes none, or nothing needs it
   openvdb::GridCPtrVec grids;           ///< of an output that holds grids, in its order
   openvdb::Vec3SGrid::ConstPtr colors;  ///< of the shape's surface; null: it has none
-  openvdb::GridBase::ConstPtr
-      density;                 ///< one of the grids: the fog that the shapes were found in; null: none
-  std::optional<Image> image;  ///< of an image output
+  openvdb::GridBase::ConstPtr density;  ///< one of the grids: the shapes' fog; null: none
+  std::optional<Image> image;           ///< of an image output
 };
 
 /// The shape, with its colours if it has some.

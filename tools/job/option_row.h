@@ -57,9 +57,8 @@ struct OptionRow {
   std::vector<std::string> choices;  ///< empty: any text
   std::string help;                  ///< what it does; unit, range and default are added by helpOf()
   std::string fallback;              ///< the default in words, if the field's initial value does not state it
-  std::vector<std::string> excludes;  ///< options that cannot be given together with this one
-  std::vector<std::string>
-      silencedBy;  ///< like `excludes`, options that on the command line overrule a file's
+  std::vector<std::string> excludes;    ///< options that cannot be given together with this one
+  std::vector<std::string> silencedBy;  ///< more options that on the command line overrule a file's value
   bool MethodTraits::*needs = nullptr;  ///< what the method of `morph` must be able to do; null: nothing
   OptionTarget target = OptionTarget::kAny;
   bool basic = false;     ///< in the short help
