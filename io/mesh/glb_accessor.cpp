@@ -38,8 +38,8 @@ Elements elementsOf(const tinygltf::Model& model, int viewIndex, std::uint64_t o
                      std::to_string(model.buffers.size()));
   const std::vector<unsigned char>& bytes = model.buffers[size_t(view.buffer)].data;
   if (stride == 0) stride = size;
-  // Files of more than 2 GiB are not read, so offsets and counts of 2^40 and more are damage. With the limit
-  // the sums below cannot overflow.
+  // Files of more than 2 GiB are not read, so offsets and sizes of 2^40 and more are damage. With the limit
+  // the end of the elements cannot overflow.
   const std::uint64_t most = std::uint64_t(1) << 40;
   const bool absurd =
       offset > most || count > most / std::max<std::uint64_t>(stride, 1) || view.byteOffset > most;
