@@ -15,7 +15,7 @@
 namespace slicemorph {
 namespace {
 
-constexpr size_t kBuffer = 1 << 20;
+constexpr size_t kBuffer = 1 << 20;  // bytes gathered before the system is called
 
 std::filesystem::path folderOf(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
@@ -28,7 +28,8 @@ std::string temporaryFor(const std::string& path) {
   return (folderOf(path) / name).string();
 }
 
-/// Makes the renaming itself last; a file system that cannot do it is no failure, the file is complete.
+/// Flushes the folder, so that the renaming survives a crash. Failures are ignored: the file
+/// itself is complete.
 void flushFolder(const std::string& path) {
   const int folder = ::open(folderOf(path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (folder < 0) return;
@@ -38,7 +39,7 @@ void flushFolder(const std::string& path) {
 
 }  // namespace
 
-/// Puts a stream's bytes into the file; its failures are the file's.
+/// The buffer of stream(): writes into the file and fails as write() does.
 class AtomicFile::StreamBuffer : public std::streambuf {
  public:
   explicit StreamBuffer(AtomicFile& file) : file_(file), bytes_(kBuffer) { reset(); }
@@ -123,7 +124,7 @@ void AtomicFile::commit() {
   stream_.reset();
   writeThrough(buffer_);
   buffer_.clear();
-  // Some file systems tell of a full disk only here.
+  // Some file systems report a full disk only here; EINVAL: not a file that can be flushed.
   if (::fsync(descriptor_) != 0 && errno != EINVAL) fail("cannot be written");
   const int closed = ::close(descriptor_);
   descriptor_ = -1;

@@ -10,8 +10,9 @@
 namespace slicemorph {
 
 /// A file that appears whole or not at all: written as `.name.tmp-PID` in the same folder, flushed to the
-/// disk and renamed by commit(). Until then, and after any failure, there is no file; the temporary is
-/// removed. Every call throws IoError naming the file and the system's reason (no space left, read-only ...).
+/// disk and renamed by commit(). Until then, and after any failure, `path` is as it was before; the
+/// temporary file is removed. Every call throws IoError naming the file and the system's reason (no space
+/// left, read-only ...).
 class AtomicFile {
  public:
   explicit AtomicFile(const std::string& path);
@@ -20,10 +21,10 @@ class AtomicFile {
   AtomicFile& operator=(const AtomicFile&) = delete;
 
   void write(std::string_view bytes);
-  /// For writers that go back to fill in what they learn later; not together with write(). Throws as write()
-  /// does.
+  /// For writers that seek back to fill in values later; not to be mixed with write(). Throws
+  /// as write() does.
   std::ostream& stream();
-  /// Everything from `offset` on, in parts; what was written to the stream has to be flushed.
+  /// Reads back everything from byte `offset` on, in parts; the stream has to be flushed before.
   void read(std::uint64_t offset, const std::function<void(std::string_view)>& part);
   void overwrite(std::uint64_t offset, std::string_view bytes);
   void commit();
@@ -41,7 +42,7 @@ class AtomicFile {
   std::unique_ptr<std::ostream> stream_;
 };
 
-/// A text as a file, whole or not at all. Throws IoError.
+/// Writes a text file, whole or not at all. Throws IoError.
 void writeTextFile(const std::string& path, const std::string& text);
 
 }  // namespace slicemorph

@@ -56,8 +56,8 @@ bool isRotated(const openvdb::math::Transform& transform) {
   return false;
 }
 
-/// From the statistics that the file keeps with a grid, without reading its voxels; `voxels`: empty where
-/// there are none.
+/// Sets the number of active voxels from the statistics that the file keeps with a grid, without reading
+/// voxels. Returns their box, which is empty where it is not known.
 openvdb::CoordBBox describeStatistics(const openvdb::GridBase& grid, GridInfo& info) {
   const auto count = grid.getMetadata<openvdb::Int64Metadata>(openvdb::GridBase::META_FILE_VOXEL_COUNT);
   const auto low = grid.getMetadata<openvdb::Vec3IMetadata>(openvdb::GridBase::META_FILE_BBOX_MIN);
@@ -121,7 +121,7 @@ GridInfo describeGrid(const VdbFile& file, size_t index) {
   return info;
 }
 
-/// The first of the grids that loadObject would try that is a shape.
+/// The grid that loadObject would take; empty where it would find none.
 std::string chosenGrid(const VdbFile& file, const std::string& path, const std::vector<GridInfo>& grids) {
   try {
     for (size_t index : gridsToTry(file, path)) {

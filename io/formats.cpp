@@ -12,8 +12,8 @@
 
 namespace slicemorph {
 
-// A mesh format's reader and writer are declared here and defined in its own file of io/mesh: a new one is that
-// file, a row below and a test.
+// Reader and writer of a mesh format are declared here and defined in a file of its own in io/mesh. A new
+// format needs that file, a row below and a test.
 StoredMesh readObj(const std::string& path, std::string_view bytes);
 StoredMesh readPly(const std::string& path, std::string_view bytes);
 StoredMesh readStl(const std::string& path, std::string_view bytes);
@@ -30,7 +30,7 @@ bool has(const std::vector<std::string>& extensions, const std::string& path) {
   return std::find(extensions.begin(), extensions.end(), fullExtensionOf(path)) != extensions.end();
 }
 
-/// A row for a format that goes by its extension.
+/// A row of a format that is recognised by its extension.
 Format row(const char* name, Contents contents, std::vector<std::string> reads,
            std::vector<std::string> writes, const char* help) {
   Format format;
@@ -75,8 +75,8 @@ Format contours(Format format, Recogniser recognise, ContourReader read) {
   return format;
 }
 
-/// A name that says it is a shape is believed before folders are looked into, and a file of contours is found
-/// among DICOM files before these are taken for images.
+/// The order matters: formats with extensions of their own come before those that look into files and
+/// folders, and RT structure sets, which are DICOM too, before DICOM images.
 std::vector<Format> makeFormats() {
   using C = Contents;
   std::vector<Format> rows;
@@ -136,7 +136,7 @@ std::vector<FormatSummary> knownFormats() {
 }
 
 std::string readableList(Contents contents, const std::string& between) {
-  // Those that are no matter of extensions are set apart by commas.
+  // Formats that are described in words are separated by commas.
   std::vector<std::string> extensions, inWords;
   for (const Format& format : formats()) {
     if (format.contents != contents) continue;
@@ -158,7 +158,7 @@ std::string writableList(Contents contents, const std::string& between) {
 }
 
 void refuseAsShape(const InputSpec& input) {
-  sizeOfInput(input.path);  // a missing file or a folder is the better message
+  sizeOfInput(input.path);  // says so where the file is missing or a folder, which helps more
   if (input.contents == Contents::kContours)
     throw InputError(input.path, "holds contours, no shape; `slicemorph reconstruct` makes surfaces of them");
   throw InputError(input.path, "cannot read the extension '" + extensionOf(input.path) + "'; use " +

@@ -20,6 +20,7 @@
 namespace slicemorph {
 namespace {
 
+/// Voxels along the longest side: the default, and the range that is accepted.
 constexpr int kDefaultResolution = 256, kLeastResolution = 8, kMostResolution = 4096;
 
 void checkOptions(const LoadOptions& options) {
@@ -57,7 +58,7 @@ LoadedObject loadMesh(const InputSpec& input, const LoadOptions& options) {
   return loaded;
 }
 
-/// World units; 0 keeps the grid's own.
+/// Voxel size of the level set of a grid, world units; 0: the grid's own.
 double voxelSizeFor(const FloatGrid& grid, const LoadOptions& options) {
   const LevelSetReading reading = readingOf(grid, 0, options.iso);
   const bool limited = reading.fog && options.fogResolution > 0 && options.voxelSize == 0;
@@ -78,7 +79,7 @@ LoadedObject loadGrid(const FloatGrid::ConstPtr& grid, const LoadOptions& option
   return loaded;
 }
 
-/// Null where the file has none.
+/// Colours around the level set from a colour grid of the file; null where it has none.
 openvdb::Vec3SGrid::ConstPtr colorsBeside(const VdbFile& file, const FloatGrid& levelSet) {
   const std::optional<size_t> index = findColors(file);
   if (!index) return nullptr;
@@ -114,7 +115,7 @@ LoadedObject loadVdb(const InputSpec& input, const LoadOptions& options) {
   throw GeometryError("no grid is a shape" + passedOver);
 }
 
-/// Of a level set of an image's shape, world units.
+/// Voxel size of the level set of an image's shape, world units.
 double voxelSizeFor(const Image& image, const FloatGrid& shape, const LoadOptions& options) {
   if (options.voxelSize > 0) return options.voxelSize;
   const openvdb::BBoxd box = shape.transform().indexToWorld(shape.evalActiveVoxelBoundingBox());
@@ -177,10 +178,10 @@ std::map<std::int64_t, size_t> voxelsByLabel(const Image& image) {
   return counts;
 }
 
-/// Labels that more than one of the maps has, the largest first. None where there is one label in all: it is the
-/// shape itself.
+/// Labels that more than one of the maps has, by total volume, the largest first. None where all maps have
+/// one and the same label: it is the shape itself.
 std::vector<std::int64_t> sharedLabels(const std::vector<LoadedObject>& objects) {
-  // More surfaces cost time and steer no better.
+  // Every surface takes part in the matching: more of them cost time and do not steer it better.
   constexpr size_t kMostLabelSurfaces = 24;
   struct Found {
     size_t objects = 0;
@@ -224,7 +225,7 @@ LoadedObject load(const InputSpec& input, const LoadOptions& options) {
   return loaded;
 }
 
-/// The engine does not know the file's name: its errors are about nothing yet.
+/// Adds the file's name to errors of the engine, which does not know it.
 template <typename Error>
 [[noreturn]] void rethrow(const std::string& path, const Error& error) {
   if (!error.note().about.empty()) throw error;
@@ -271,7 +272,7 @@ void addLabelSurfaces(std::vector<LoadedObject>& objects) {
       if (!std::binary_search(own.begin(), own.end(), shared[n])) return;
       try {
         object.object.inner[n] = levelSetOf(shapeOfLabel(*object.image, shared[n]), 0.5, voxelSize);
-      } catch (const GeometryError&) {  // too thin for the voxel size: it goes along with the others
+      } catch (const GeometryError&) {  // too thin for the voxel size: it moves with its surroundings
       }
     });
   }

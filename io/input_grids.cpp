@@ -14,7 +14,8 @@ bool isWanted(const std::string& name, const std::vector<std::string>& wanted) {
   return wanted.empty() || std::find(wanted.begin(), wanted.end(), name) != wanted.end();
 }
 
-/// All grids of a VDB that can be sliced and have voxels; of an input that names one that alone.
+/// Adds the grids of a VDB that can be sliced and have voxels; where the input names a grid, that one alone.
+/// `surface`: a grid `surface` will be added later, so the name is known.
 void addVdb(const InputSpec& input, const std::vector<std::string>& wanted, bool surface,
             InputGrids& result) {
   const VdbFile file(input.path);

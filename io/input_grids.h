@@ -6,19 +6,19 @@
 
 namespace slicemorph {
 
-/// What an input holds, grid by grid.
+/// An input as grids.
 struct InputGrids {
-  std::vector<SliceGrid> grids;  ///< with voxels, in the file's order; a surface that was asked for last
+  std::vector<SliceGrid> grids;  ///< not empty ones, in the file's order; then the surface, if wanted
   FloatGrid::ConstPtr shape;     ///< its shape as a level set; null where none was needed
   std::string units;             ///< "mm" of images, else "world units"
   openvdb::MetaMap metadata;     ///< of a VDB file
-  Notes notes;                   ///< what was chosen, converted, left out, one sentence each
+  Notes notes;                   ///< what was chosen, converted or left out, one sentence each
 };
 
-/// Reads any input of the command line as grids: all of a VDB's as they are (`file.vdb:grid` that one alone),
-/// a mesh's `surface`, an image's `image` or `labels`. With an iso value the `surface` at it comes too.
-/// `wanted`: only these; empty: all. `needsShape`: fill `shape` whatever is wanted. The files must not change
-/// while the grids live. Throws as loadObject does; InputError for an unknown grid, listing what is there.
+/// Reads any input of the command line as grids: those of a VDB unchanged (of `file.vdb:grid` that one
+/// alone), a mesh as `surface`, an image as `image` or `labels`. With an iso value also the `surface` at it.
+/// `wanted`: only these grids; empty: all. `needsShape`: always fill `shape`. The files must not change while
+/// the grids live. Throws as loadObject does; InputError for an unknown grid, listing those of the input.
 InputGrids readInputGrids(const InputSpec& input, const std::vector<std::string>& wanted,
                           const LoadOptions& options, bool needsShape = false);
 

@@ -16,8 +16,8 @@ bool isThere(const std::string& path) {
   return std::filesystem::exists(path, ignored);
 }
 
-/// A grid's name may hold colons, so that the end of the file's name decides: the first `.vdb:` behind which a
-/// file exists, else the first.
+/// Position of the colon between file and grid. Both names may hold colons, so it is that of the first
+/// `.vdb:` up to which the text names an existing file, else that of the first `.vdb:`.
 size_t colonBehindVdb(const std::string& text) {
   const std::string mark = ".vdb:", lower = lowered(text);
   const size_t first = lower.find(mark);
@@ -26,7 +26,7 @@ size_t colonBehindVdb(const std::string& text) {
   return first == std::string::npos ? first : first + mark.size() - 1;
 }
 
-/// The last colon, where an image or contours are named before it.
+/// Position of the last colon, if the text before it names an image or contours.
 size_t colonBehindImage(const std::string& text) {
   const size_t colon = text.rfind(':');
   if (colon == std::string::npos || colon == 0) return std::string::npos;
@@ -36,7 +36,7 @@ size_t colonBehindImage(const std::string& text) {
   return fits ? colon : std::string::npos;
 }
 
-/// Takes off what stands behind the path. Per-input settings and frame ranges will be taken off here, too.
+/// Splits the text into path and selection.
 void splitSelection(InputSpec& spec) {
   if (isThere(spec.text)) return;
   size_t colon = colonBehindImage(spec.text);

@@ -17,7 +17,7 @@
 namespace slicemorph {
 
 OutputName::OutputName(std::string pattern) : pattern_(std::move(pattern)) {
-  // The last run of # of the file's name; one in a folder's name is just a folder.
+  // The last run of # in the file's name; a # in a folder's name means nothing.
   const size_t last = pattern_.rfind('#'), slash = pattern_.rfind('/');
   if (last == std::string::npos || (slash != std::string::npos && last < slash)) return;
   const size_t before = pattern_.find_last_not_of('#', last);

@@ -5,19 +5,20 @@
 
 namespace slicemorph {
 
+/// In lower case.
 std::string lowered(std::string text);
 
-/// Lower case, with the dot; empty: there is none.
+/// In lower case, with the dot; empty where there is none.
 std::string extensionOf(const std::string& path);
-/// The same, with what is packed by gzip said: `.nii.gz`.
+/// The same, but with the extension before `.gz`: `.nii.gz`.
 std::string fullExtensionOf(const std::string& path);
 
-/// Size of a file that is there to be read. Throws IoError for a missing, empty or unreadable one and for
-/// folders and devices.
+/// Size of an input file in bytes. Throws IoError where it is missing, empty, unreadable, a folder
+/// or a device.
 std::uint64_t sizeOfInput(const std::string& path);
 
-/// Whether a path stands for the files of a numbered sequence: its last part has a #, and there is no such
-/// file.
+/// Whether a path stands for the files of a numbered sequence: its last part has a #, and no file
+/// has that name.
 bool isNumbered(const std::string& path);
 
 }  // namespace slicemorph

@@ -12,7 +12,7 @@ namespace slicemorph {
 
 ScratchFolder::ScratchFolder()
     : path_((std::filesystem::temp_directory_path() / "slicemorph-XXXXXX").string()) {
-  // POSIX: with the rights 0700, and never one that is there already.
+  // POSIX: mkdtemp makes a new folder with the mode 0700 and never takes an existing one.
   if (!::mkdtemp(path_.data())) throw IoError(path_, std::string("cannot be made: ") + std::strerror(errno));
 }
 

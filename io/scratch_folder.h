@@ -4,8 +4,8 @@
 
 namespace slicemorph {
 
-/// A folder among the system's temporary files that nobody else can look or write into, under a name that nobody can
-/// foresee. Goes away with all that is in it. Throws IoError.
+/// A folder among the system's temporary files that only this user can read or write, with an unpredictable
+/// name. The destructor removes it and all that is in it. The constructor throws IoError.
 class ScratchFolder {
  public:
   ScratchFolder();

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every C++ source is as clang-format writes it. usage: format_test.py REPOSITORY
+"""Every C++ source is formatted as clang-format does it. usage: format_test.py REPOSITORY
 
 Skipped, with a message, where clang-format 14 is not installed: other versions break lines differently.
 """

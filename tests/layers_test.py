@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""The tree shows the data flow: a folder includes only itself and folders before it. usage: layers_test.py REPOSITORY
+"""A folder includes only itself and folders before it in the data flow. usage: layers_test.py REPOSITORY
 
-The public headers (include/slicemorph) are the ground floor: they include each other and libraries, nothing above them. A
-folder that gets a header from a later one, or from one that it stands beside, closes a cycle or hides one.
+The public headers (include/slicemorph) are the lowest layer: they include each other and libraries only. A
+folder that includes a header of a later folder, or of one in the same line, makes a cycle or hides one.
 """
 import os
 import re
 import sys
 
 repository = sys.argv[1]
-# The engine's folders in the order of the data flow; those of one line stand side by side and know nothing of each other.
+# The engine's folders in the order of the data flow; those in one line must not include each other.
 # "." is the pipeline itself, engine/*.h and *.cpp.
 ENGINE = [["include"], ["numerics"], ["volume"], ["spine"], ["frame"], ["slices"], ["contours"], ["match"], ["blend"],
           ["rebuild"], ["mean"], ["."], ["sections"], ["reconstruct"], ["measure"], ["peers", "render", "follow"]]
@@ -27,13 +27,13 @@ def sources(top):
 
 
 def folder_of(path):
-    """Of a file of the engine: its folder there."""
+    """The folder of a file of the engine, relative to the engine."""
     parts = path.split("/")
     return parts[1] if len(parts) > 2 else "."
 
 
 def file_of(included):
-    """The file of the tree that an include names, by its path in the tree; None: it is a library's."""
+    """Path in the tree of the file that an include names; None for a library's header."""
     if not included.startswith("slicemorph/"):
         return included if included.split("/")[0] in ABOVE else None
     homes = [top + "/include/" + included for top in ABOVE if os.path.exists(os.path.join(repository, top, "include", included))]
@@ -69,7 +69,7 @@ for top in ABOVE:
             check_include(path, included)
 errors += ["engine/%s is in no order" % folder for folder in found - set(RANK)]
 errors += ["engine/%s is in the order, but not in the tree" % folder for folder in set(RANK) - found]
-# Jobs and reports serve hosts that have no command line and no terminal; reports know nothing of jobs.
+# Jobs and reports serve hosts without command line and terminal; reports must not depend on jobs.
 FORBIDDEN = {"a command line": r'#include\s*[<"]CLI/', "commands": r'#include "tools/commands/',
              "printing": r"#include\s*<iostream>|\b(?:printf|puts|putchar)\s*\(|\b(?:cout|cerr|stdout|stderr)\b",
              "exit codes": r"\b(?:std::)?(?:exit|abort|_Exit|quick_exit)\s*\("}

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Prints a SHA-256 for the outputs of some thirty commands: every kind of input, output and method, at small sizes.
+"""Prints SHA-256 sums of the outputs of some thirty small commands: all kinds of inputs, outputs, methods.
 
 usage: output_sums.py PROGRAM [REPOSITORY] [NAME...]     (NAME: only the commands whose name contains it)
 
-For a change that must not change what comes out: run it with the program before and after, and compare the two lists. Not
-a test of its own, as sums depend on compiler and libraries. What differs from run to run by design is taken out first: the
-unique number in a VDB's header, and the times a report measures.
+For changes that must not change outputs: run it with the program before and after, and compare the lists. It is
+no test by itself, since sums depend on compiler and libraries. What differs from run to run by design is removed
+first: the unique number in a VDB's header, and the times in a report.
 """
 import hashlib
 import os
@@ -22,7 +22,7 @@ REPOSITORY = os.path.abspath(sys.argv[2] if len(sys.argv) > 2 else os.path.join(
 ONLY = sys.argv[3:]
 SMALL = "--resolution 40 --slices 48"
 
-# Each line: a name, and the arguments. Later ones read what earlier ones wrote, so the order is theirs.
+# Each line: a name and the arguments. Later commands read what earlier ones wrote, so the order matters.
 COMMANDS = """
 voxels            convert assets/creature.ply -o creature.vdb --resolution 48
 mesh-obj          convert assets/ring.ply -o ring.obj --resolution 40
@@ -73,7 +73,8 @@ info              info smoke.0002.vdb --json
 
 
 def make_inputs(folder):
-    """What the bundled shapes do not cover: pictures, a DICOM series, grey values, contours, points, OFF."""
+    """Inputs that the bundled shapes do not cover: pictures, a DICOM
+    series, grey values, contours, points, OFF."""
     import nibabel
     import numpy as np
     import pydicom

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The papers say what is so: files and links are there, and what the code's tables hold is in the guides.
+"""The guides are true: files and links exist, and the rows of the code's tables are in the guides.
 
 usage: papers_test.py PROGRAM REPOSITORY
 """
@@ -13,7 +13,7 @@ PROGRAM, REPOSITORY = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
 PAPERS = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md", "engine/README.md", "engine/bibliography.md",
           "io/README.md", "tools/README.md", "tests/README.md", "assets/README.md"]
 FOLDERS = ("engine", "io", "tools", "tests", "assets")
-# A path in backquotes may have a name to be filled in, or stand for several files.
+# A path in backquotes may contain a name to be filled in, or stand for several files.
 PATH = re.compile(r"`((?:%s)/[\w./*#-]*)`" % "|".join(FOLDERS))
 KEY = re.compile(r"\[([A-Z][A-Za-z]+[0-9]{2})\]")
 errors = []
@@ -25,7 +25,7 @@ def read(path):
 
 
 def check_paths(paper):
-    """What stands for a new thing (NAME, FOLDER) must fit something that is there already."""
+    """A pattern with a name to be filled in (NAME, FOLDER) must fit a file that exists."""
     for path in PATH.findall(read(paper)):
         if path.startswith("assets/jobs/NAME"):
             continue
@@ -35,7 +35,7 @@ def check_paths(paper):
 
 
 def anchors_of(text):
-    """Of headings, as they are made on the usual hosts: lower case, blanks to dashes, nothing else but words."""
+    """Anchor of a heading, as usual hosts make it: lower case, blanks to dashes, no other punctuation."""
     headings = re.findall(r"^#+ (.*)$", re.sub(r"```.*?```", "", text, flags=re.S), re.M)
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
@@ -60,7 +60,7 @@ def sources():
 
 
 def check_bibliography():
-    """Every key that is cited is there, and every one that is there is cited."""
+    """Every key that is cited is in the bibliography, and every key there is cited."""
     known = set(re.findall(r"^- \[(\w+)\]", read("engine/bibliography.md"), re.M))
     cited = set()
     for path in list(sources()) + [paper for paper in PAPERS if paper != "engine/bibliography.md"]:
@@ -71,12 +71,12 @@ def check_bibliography():
             cited.add(key)
             if key not in known:
                 errors.append("%s cites [%s], which is not in engine/bibliography.md" % (path, key))
-    # What the pictures show is named in words there.
+    # Pictures have a text that names what they show.
     errors.extend("nothing cites [%s] of engine/bibliography.md" % key for key in sorted(known - cited - {"SP04"}))
 
 
 def check_engine_map():
-    """Every folder of the engine has its row in the map, and what a row names is in the folder."""
+    """Every folder of the engine has a row in the map, and the files that a row names are in the folder."""
     text = read("engine/README.md")
     rows = {}
     for line in text[text.index("## Map of the code"):text.index("## The library")].splitlines():
@@ -101,11 +101,11 @@ def check_formats():
     extensions = set(re.findall(r'"(\.[a-z.]+)"', code))
     text = read("io/README.md")
     table = text[text.index("## Formats"):text.index("Pictures and films")]
-    told = set(re.findall(r"`(?:[\w#.]+\.####)?(\.[a-z.]+)`", table))
+    documented = set(re.findall(r"`(?:[\w#.]+\.####)?(\.[a-z.]+)`", table))
     if len(extensions) < 15:
         errors.append("only %d extensions found in io/formats.cpp" % len(extensions))
-    errors.extend("io/README.md lacks the extension %s" % e for e in sorted(extensions - told))
-    errors.extend("io/README.md has the extension %s, io/formats.cpp has not" % e for e in sorted(told - extensions))
+    errors.extend("io/README.md lacks the extension %s" % e for e in sorted(extensions - documented))
+    errors.extend("io/README.md has the extension %s, io/formats.cpp has not" % e for e in sorted(documented - extensions))
 
 
 def help_of(command):
@@ -116,20 +116,21 @@ def help_of(command):
 
 
 def check_options():
-    """Every option of every command is in a row of tools/README.md, for that command, and every row is of one."""
+    """Every option of every command has a row in tools/README.md for that
+    command, and every row is of an option."""
     letters = {"morph": "m", "slice": "s", "reconstruct": "r", "convert": "c", "render": "d", "compare": "p", "info": "i"}
     text = read("tools/README.md")
     there = {name[:-len("_command.cpp")] for name in os.listdir(os.path.join(REPOSITORY, "tools/commands"))
              if name.endswith("_command.cpp")}
     if there != set(letters):
         errors.append("tools/README.md and this test tell of %s, there are %s" % (sorted(letters), sorted(there)))
-    told = set()
+    documented = set()
     for names, commands in re.findall(r"^\| ([^|]*`--[^|]*) \| ([a-z ]+) \|", text, re.M):
         options = re.findall(r"--([a-z-]+)", names)
         for letter in commands.split():
-            # In rows of both kinds `morph` has the name with the prefix, other commands the one without.
+            # In rows with both names `morph` has the one with the prefix, other commands the one without.
             mixed = any(option.startswith("exr-") for option in options)
-            told |= {(letter, o) for o in options if not mixed or (letter == "m") == o.startswith("exr-")}
+            documented |= {(letter, o) for o in options if not mixed or (letter == "m") == o.startswith("exr-")}
     real = set()
     for command, letter in letters.items():
         if "`%s`" % command not in text:
@@ -139,9 +140,9 @@ def check_options():
     if len(real) < 100:
         errors.append("only %d options found in the help" % len(real))
     errors.extend("tools/README.md lacks --%s of %s" % (o, c) for c, l in letters.items()
-                  for o in sorted(o for k, o in real - told if k == l))
+                  for o in sorted(o for k, o in real - documented if k == l))
     errors.extend("tools/README.md has --%s of %s, the program has not" % (o, c) for c, l in letters.items()
-                  for o in sorted(o for k, o in told - real if k == l))
+                  for o in sorted(o for k, o in documented - real if k == l))
 
 
 def check_methods():
@@ -152,7 +153,7 @@ def check_methods():
 
 
 def check_build():
-    """What can be set for a build is in CONTRIBUTING.md."""
+    """The options of a build are in CONTRIBUTING.md."""
     text = read("CONTRIBUTING.md")
     for path in ["CMakeLists.txt"] + ["%s/CMakeLists.txt" % folder for folder in FOLDERS[:4]]:
         code = read(path)

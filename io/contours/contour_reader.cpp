@@ -6,7 +6,7 @@
 namespace slicemorph {
 
 ContourFile readContours(const InputSpec& input) {
-  // A structure set that is too damaged to be known is told so by its own reader.
+  // What no format recognises may be a damaged structure set: the DICOM reader's error is the most helpful.
   const bool known = input.format && input.format->readContours;
   return known ? input.format->readContours(input.path) : readRtStructureSet(input.path);
 }

@@ -7,13 +7,13 @@
 namespace slicemorph {
 
 struct ContourFile {
-  std::vector<ContourSet> sets;  ///< in the file's order; in a CSL file every set has all planes of the file
+  std::vector<ContourSet> sets;  ///< of DICOM in the file's order; of CSL by label, each with all planes
   Notes notes;                   ///< what was left out or repaired, one sentence each
 };
 
-/// Reads a `.csl` file, or else a DICOM RT structure set. World: the file's own coordinates (DICOM: the
-/// patient's, LPS millimetres). Throws IoError naming the file (and region and plane): missing, cut short,
-/// damaged, not of that kind, points off their plane, without a single closed contour.
+/// Reads a `.csl` file, or else a DICOM RT structure set. World space is the file's own coordinates (DICOM:
+/// the patient's, LPS millimetres). Throws IoError, naming the file (and region or plane), where it is
+/// missing, cut short, damaged or of another kind, has points off their plane or no closed contour.
 ContourFile readContours(const InputSpec& input);
 ContourFile readContours(const std::string& text);
 

@@ -12,10 +12,10 @@ namespace slicemorph {
 
 namespace {
 
-/// Points may lie off their plane by this share of the contours' extent: coordinates are written with few
-/// digits.
+/// Largest distance of a point from its plane, as a share of the diagonal of all points' box: coordinates are
+/// written with few digits.
 constexpr double kOffPlaneShare = 5e-4;
-constexpr long kMostLabels = 100000;
+constexpr long kMostLabels = 100000;  // more are taken for damage
 
 struct Component {
   int label = 0, parent = -1;  ///< the component that this one is a hole in
@@ -24,7 +24,7 @@ struct Component {
 
 struct StoredPlane {
   Vec3d normal{0, 0, 1};
-  double offset = 0;  ///< of the unit normal: n p + offset = 0
+  double offset = 0;  ///< the plane is normal . p + offset = 0
   std::vector<Vec3d> points;
   std::vector<Component> components;
 };
@@ -54,7 +54,8 @@ class CslParser {
   bool endsInLine() const { return text_.back() != '\n'; }
 
  private:
-  /// A number that lost its last digits names a point that some contour of the plane already has.
+  /// Whether the last number of the file occurs twice in its plane: a point's number that lost its last
+  /// digits is that of another point, which some contour already has.
   static bool lastPointRepeats(const StoredPlane& plane) {
     if (plane.components.empty() || plane.components.back().points.empty()) return false;
     const long last = plane.components.back().points.back();
@@ -148,18 +149,21 @@ void checkPlanes(const std::string& path, const std::vector<StoredPlane>& planes
     }
 }
 
+/// An empty PlaneContours whose origin is the mean of the points, moved onto the plane.
 PlaneContours frameOf(const StoredPlane& plane) {
   Vec3d middle(0.0);
   for (const Vec3d& p : plane.points) middle += p / double(plane.points.size());
   return planeAt(middle - (plane.normal.dot(middle) + plane.offset) * plane.normal, plane.normal);
 }
 
-/// Whether a component is an edge of the label's region.
+/// Whether a component is part of the boundary of a label's region: it has that label, or is a hole in a
+/// component that has it.
 bool bounds(const StoredPlane& plane, const Component& c, int label) {
   return c.label == label || (c.parent >= 0 && plane.components[c.parent].label == label);
 }
 
-/// A hole of a label's own region carries that label: it is an edge once, and once only.
+/// The contours of one label on all planes. A hole whose own label is that of the component around it
+/// is taken once.
 ContourSet setOf(const std::string& path, const std::vector<StoredPlane>& planes, int label, Notes& notes) {
   ContourSet set;
   set.label = label;

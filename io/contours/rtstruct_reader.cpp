@@ -17,10 +17,11 @@ namespace slicemorph {
 
 namespace {
 
-constexpr double kOffPlane = 0.25;   // millimetres: points farther off their contour's plane are an error
-constexpr double kSamePlane = 0.05;  // millimetres: contours closer than this are on one plane
-constexpr double kRounding = 0.01;   // millimetres: what files round coordinates to
-constexpr size_t kHeadSize = 4096;
+// Millimetres. The first two are far below the usual distance between slices.
+constexpr double kOffPlane = 0.25;   // points farther off their contour's plane are an error
+constexpr double kSamePlane = 0.05;  // contours closer than this are on one plane
+constexpr double kRounding = 0.01;   // coordinates in files are rounded to about this
+constexpr size_t kHeadSize = 4096;   // bytes of a file in which its storage class is looked for
 constexpr const char* kStructureSet = "1.2.840.10008.5.1.4.1.1.481.3";
 
 constexpr DicomTag kSopClass = 0x00080016, kRegions = 0x30060020, kRegionNumber = 0x30060022,
@@ -30,7 +31,7 @@ constexpr DicomTag kSopClass = 0x00080016, kRegions = 0x30060020, kRegionNumber 
 
 struct Loop {
   std::vector<Vec3d> points;
-  Vec3d middle{0, 0, 0}, area{0, 0, 0};  ///< area: along the normal (Newell)
+  Vec3d middle{0, 0, 0}, area{0, 0, 0};  ///< mean of the points; area vector, along the normal (Newell)
 };
 
 std::vector<double> numbersOf(const std::string& text, const std::string& where) {
@@ -64,14 +65,15 @@ Loop loopOf(const DicomElements& item, const std::string& where) {
   return loop;
 }
 
+/// Largest distance of a point from the plane through the middle, millimetres.
 double offPlane(const Loop& loop, const Vec3d& normal) {
   double most = 0;
   for (const Vec3d& p : loop.points) most = std::max(most, std::abs((p - loop.middle).dot(normal)));
   return most;
 }
 
-/// The first axis that a normal has a share of is positive, and an axis of the patient is exact where it is
-/// meant.
+/// Makes unit normals of one plane equal: a normal that is nearly along an axis becomes that axis; of any
+/// other the last component that is not nearly 0 becomes positive.
 Vec3d tidy(Vec3d normal) {
   for (int a = 0; a < 3; ++a)
     if (std::abs(normal[a]) > 1 - 1e-6) {
@@ -84,7 +86,7 @@ Vec3d tidy(Vec3d normal) {
   return normal;
 }
 
-/// One region of interest.
+/// Reads the contours of one region of interest into a set.
 class RegionReader {
  public:
   RegionReader(const std::string& path, ContourSet& set, Notes& notes)
@@ -121,8 +123,9 @@ class RegionReader {
       notes_.emplace_back("contours.left-out", Severity::kNote, where_, std::to_string(count) + what);
   }
 
-  /// Groups the contours by plane, in order along each normal. Most regions have one normal: that of the
-  /// largest contour is taken wherever it fits, since small contours do not tell theirs well.
+  /// Groups the contours by plane, and sorts the planes along the normal of the largest contour. That
+  /// normal is taken for every contour that it fits as well as the contour's own, which is inaccurate
+  /// for small contours.
   void arrange(const std::vector<Loop>& loops) {
     if (loops.empty()) return;
     const Loop& largest = *std::max_element(loops.begin(), loops.end(), [](const Loop& a, const Loop& b) {
@@ -215,8 +218,7 @@ ContourFile contoursOf(const std::string& path, const DicomElements& all) {
 bool isRtStructureSet(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) return false;
-  // Only the head of the file, so that a damaged one is still known for what it is: the storage class is
-  // named there.
+  // Only the head of the file, which names the storage class, so that damaged files are recognised too.
   std::ifstream file(path, std::ios::binary);
   std::string head(kHeadSize, '\0');
   file.read(head.data(), kHeadSize);

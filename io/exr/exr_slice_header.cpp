@@ -13,7 +13,7 @@ namespace {
 
 Imath::V3d toImath(const Vec3d& v) { return {v.x(), v.y(), v.z()}; }
 
-/// Rows of a matrix that multiplies row vectors.
+/// A matrix with these rows, to be multiplied by row vectors from the left, as Imath does.
 Imath::M44d matrixOf(const Vec3d& x, const Vec3d& y, const Vec3d& z, const Vec3d& origin) {
   Imath::M44d matrix;
   const Vec3d* rows[4] = {&x, &y, &z, &origin};
@@ -22,7 +22,7 @@ Imath::M44d matrixOf(const Vec3d& x, const Vec3d& y, const Vec3d& z, const Vec3d
   return matrix;
 }
 
-/// x right, y up, z along the normal, origin in the image's centre, world units.
+/// Camera space: x right, y up, z along the normal, origin in the image's centre, world units.
 Imath::M44f worldToCamera(const SectionPlane& plane) {
   const Vec3d centre = plane.toWorld(0.5 * (plane.width - 1), 0.5 * (plane.height - 1));
   // The axes are orthonormal, so the inverse of camera-to-world is its transpose.
@@ -35,6 +35,7 @@ Imath::M44f worldToCamera(const SectionPlane& plane) {
   return matrix;
 }
 
+/// The background value; a scalar's in all three components.
 Vec3d backgroundOf(const openvdb::GridBase& grid) {
   Vec3d background(0.0);
   grid.apply<openvdb::TypeList<FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid, openvdb::Int64Grid,

@@ -7,10 +7,10 @@
 
 namespace slicemorph {
 
-/// The attributes that say where a slice lies, as io/exr/exr_slice.h lays them down.
+/// Adds the attributes of a slice's position (see io/exr/exr_slice.h).
 void placeSlice(Imf::Header& header, const SectionPlane& plane);
 
-/// The attributes of a grid.
+/// Adds the attributes of a grid.
 void describeGrid(Imf::Header& header, const SliceGrid& slice);
 
 }  // namespace slicemorph

@@ -41,7 +41,7 @@ auto guarded(const std::string& path, const Action& action) {
   }
 }
 
-/// One part of a file and what its header says.
+/// A part of a file and its header. Attributes that are missing or wrong throw IoError.
 class Part {
  public:
   Part(const std::string& path, int number, const Imf::Header& header)
@@ -96,14 +96,15 @@ class Part {
     plane.index = int(number("sliceIndex"));
     plane.count = int(number("sliceCount"));
     plane.u = number("sliceU");
-    constexpr double kSlack = 1e-4;
+    constexpr double kSlack = 1e-4;  // other programs may write axes as floats or with few digits
     const bool unit =
         std::abs(plane.xAxis.length() - 1) < kSlack && std::abs(plane.yAxis.length() - 1) < kSlack;
     if (!unit) lacks("sliceAxisX");
     if (std::abs(plane.xAxis.dot(plane.yAxis)) > kSlack) lacks("sliceAxisY");
     if (!(plane.pixelSize > 0)) lacks("slicePixelSize");
     plane.normal = plane.xAxis.cross(plane.yAxis);
-    // An image that was cropped keeps its pixels' numbers.
+    // A cropped image keeps its pixels' coordinates: the plane's origin moves to the corner of
+    // its data window.
     const Imath::Box2i window = header_.dataWindow();
     plane.width = window.max.x - window.min.x + 1;
     plane.height = window.max.y - window.min.y + 1;
@@ -113,27 +114,28 @@ class Part {
     return plane;
   }
 
-  /// A grid without voxels as the attributes describe it.
-  GridBase::Ptr like(const std::string& grid) const {
+  /// An empty grid of the type, background, class and name that the attributes state.
+  GridBase::Ptr prototype(const std::string& grid) const {
     const std::string type = text(grid + ".type");
-    const GridBase::Ptr like = GridBase::isRegistered(type) ? GridBase::createGrid(type) : nullptr;
-    if (!like || !isSliceable(*like)) lacks(grid + ".type");
+    const GridBase::Ptr result = GridBase::isRegistered(type) ? GridBase::createGrid(type) : nullptr;
+    if (!result || !isSliceable(*result)) lacks(grid + ".type");
     const Vec3d background = vector(grid + ".background");
-    like->apply<SliceableTypes>([&](auto& typed) {
+    result->apply<SliceableTypes>([&](auto& typed) {
       using Value = typename std::decay_t<decltype(typed)>::ValueType;
       if constexpr (openvdb::VecTraits<Value>::IsVec)
         typed.tree().root().setBackground(Value(background), false);
       else
         typed.tree().root().setBackground(Value(background[0]), false);
     });
-    like->setGridClass(GridBase::stringToGridClass(text(grid + ".class")));
-    like->setVectorType(GridBase::stringToVecType(text(grid + ".vectorType")));
-    like->setSaveFloatAsHalf(number(grid + ".halfFloat") != 0);
-    if (like->getGridClass() == openvdb::GRID_LEVEL_SET && !(background[0] > 0)) lacks(grid + ".background");
-    // The second of one name is `density[1]`; of a volume without a name `value`.
+    result->setGridClass(GridBase::stringToGridClass(text(grid + ".class")));
+    result->setVectorType(GridBase::stringToVecType(text(grid + ".vectorType")));
+    result->setSaveFloatAsHalf(number(grid + ".halfFloat") != 0);
+    if (result->getGridClass() == openvdb::GRID_LEVEL_SET && !(background[0] > 0))
+      lacks(grid + ".background");
+    // The grid's own name is the part before the number that tells grids of one name apart (`density[1]`).
     const size_t bracket = grid.rfind('[');
-    like->setName(bracket == std::string::npos || bracket == 0 ? grid : grid.substr(0, bracket));
-    return like;
+    result->setName(bracket == std::string::npos || bracket == 0 ? grid : grid.substr(0, bracket));
+    return result;
   }
 
  private:
@@ -142,10 +144,10 @@ class Part {
   const Imf::Header& header_;
 };
 
-/// Which grids are to be read, and as what.
+/// The grids to read: their names and an empty grid of the type of each.
 struct Chosen {
   std::vector<std::string> names;
-  std::vector<GridBase::ConstPtr> like;
+  std::vector<GridBase::ConstPtr> prototypes;
 };
 
 Chosen chosenGrids(const Part& part, const std::vector<std::string>& wanted) {
@@ -159,7 +161,7 @@ Chosen chosenGrids(const Part& part, const std::vector<std::string>& wanted) {
   for (const std::string& name : there) {
     if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), name) == wanted.end()) continue;
     chosen.names.push_back(name);
-    chosen.like.push_back(part.like(name));
+    chosen.prototypes.push_back(part.prototype(name));
   }
   return chosen;
 }
@@ -171,7 +173,7 @@ std::vector<SectionValues> readPixels(Imf::MultiPartInputFile& file, int number,
   std::vector<SectionValues> layers;
   Imf::FrameBuffer buffer;
   for (size_t g = 0; g < chosen.names.size(); ++g) {
-    const std::vector<std::string> channels = sliceChannels(chosen.names[g], *chosen.like[g]);
+    const std::vector<std::string> channels = sliceChannels(chosen.names[g], *chosen.prototypes[g]);
     layers.push_back({int(channels.size()), std::vector<float>(channels.size() * count)});
     for (size_t c = 0; c < channels.size(); ++c) {
       if (!part.header().channels().findChannel(channels[c]))
@@ -205,9 +207,9 @@ FileSlices readFile(const std::string& path, const Chosen& chosen) {
       const Imf::StringVector there = part.grids();
       for (size_t g = 0; g < chosen.names.size(); ++g)
         if (std::find(there.begin(), there.end(), chosen.names[g]) == there.end() ||
-            part.text(chosen.names[g] + ".type") != chosen.like[g]->type())
+            part.text(chosen.names[g] + ".type") != chosen.prototypes[g]->type())
           throw IoError(part.name(), "is of another set of slices: it has no grid '" + chosen.names[g] +
-                                         "' of the type " + chosen.like[g]->type());
+                                         "' of the type " + chosen.prototypes[g]->type());
       slices.layers[size_t(n)] = readPixels(file, n, part, slices.planes[size_t(n)], chosen);
     }
     return slices;
@@ -253,7 +255,7 @@ ExrSlices readSliceExrs(const InputSpec& input, const std::vector<std::string>& 
     result.notes.emplace_back("slices.missing", Severity::kWarning, "",
                               "there are " + std::to_string(planes.size()) + " slices of " +
                                   std::to_string(planes[0].count) + "; gaps are bridged");
-  for (const auto& like : chosen.like) result.grids.push_back({like, {}});
+  for (const auto& prototype : chosen.prototypes) result.grids.push_back({prototype, {}});
   for (size_t n : orderOfSections(planes)) {
     result.planes.push_back(planes[n]);
     for (size_t g = 0; g < result.grids.size(); ++g)

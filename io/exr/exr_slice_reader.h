@@ -8,16 +8,17 @@
 
 namespace slicemorph {
 
-/// Slices as their files place them, in the order in which they follow each other.
+/// Slices in their order along the set.
 struct ExrSlices {
   std::vector<SectionPlane> planes;
   std::vector<SlicedGrid> grids;
   Notes notes;  ///< slices that are missing, one sentence each
 };
 
-/// Reads EXR slices as io/exr/exr_slice.h says, float or half, tiled or not, whole or cropped. `wanted`: only
-/// these grids; empty: all. Throws IoError naming the file: missing, damaged, without an attribute or a
-/// channel, of another set than the first; InputError for a grid that is not there, listing those that are.
+/// Reads EXR slices of the layout of io/exr/exr_slice.h: float or half, tiled or not, whole or cropped.
+/// `wanted`: only these grids; empty: all. Throws IoError naming a file that is missing, damaged, without an
+/// attribute or a channel, or of another set than the first; InputError for an unknown grid, listing those
+/// of the file.
 ExrSlices readSliceExrs(const InputSpec& input, const std::vector<std::string>& wanted = {});
 
 }  // namespace slicemorph

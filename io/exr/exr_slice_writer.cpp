@@ -44,7 +44,7 @@ Imf::Compression compressionOf(const std::string& name) {
   throw InputError("compression '" + name + "' is unknown");
 }
 
-/// Whole numbers and flags must come back exactly.
+/// Integers and flags must be read back exactly, so they are never stored as half floats.
 bool isExact(const openvdb::GridBase& grid) {
   return grid.apply<openvdb::TypeList<openvdb::Int32Grid, openvdb::Int64Grid, openvdb::Vec3IGrid,
                                       openvdb::BoolGrid, openvdb::MaskGrid>>([](const auto&) {});
@@ -56,7 +56,7 @@ std::string numberedName(int number) {
   return name;
 }
 
-/// Makes a file of parts with `headers`; `fill` writes them.
+/// Makes a file with one part per header; `fill` writes their pixels. `threads`: of OpenEXR.
 template <typename Fill>
 void writeFile(const std::string& path, const std::vector<Imf::Header>& headers, int threads,
                const Fill& fill) {
@@ -72,7 +72,8 @@ void writeFile(const std::string& path, const std::vector<Imf::Header>& headers,
   output.commit();
 }
 
-/// Slices that are sampled together: as many as a leaf is wide, and not more than this.
+/// Most slices that are sampled together: as many as a leaf is wide, so that most of them share its voxels;
+/// and the bytes that they may take, a bound of memory per thread.
 constexpr size_t kMostSlicesTogether = 8;
 constexpr double kMostSliceBytes = 64 << 20;
 
@@ -119,7 +120,8 @@ class SliceWriter {
     return header;
   }
 
-  /// What the channels of slices `first` to `last` - 1 hold, in the order of the grids; then the coverage.
+  /// Values of slices `first` to `last` - 1: for each slice one entry per grid, then the coverage if there
+  /// are level sets.
   std::vector<std::vector<SectionValues>> sample(size_t first, size_t last) const {
     const std::vector<SectionPlane> planes(planes_.begin() + long(first), planes_.begin() + long(last));
     std::vector<std::vector<SectionValues>> slices(planes.size());
@@ -132,15 +134,15 @@ class SliceWriter {
     return slices;
   }
 
-  /// As many slices that follow each other as are sampled together: some that lie in the same leaves, if they
-  /// are not huge.
+  /// How many consecutive slices are sampled together: at most kMostSlicesTogether and kMostSliceBytes
+  /// (counted as four floats per pixel and grid), and so few that every thread gets two batches.
   size_t batch(size_t threads) const {
     const double bytes = 16.0 * double(size_.x) * double(size_.y) * double(grids_.size());
     const size_t even = (planes_.size() + 2 * threads - 1) / (2 * threads);
     return std::clamp(std::min(size_t(kMostSliceBytes / bytes), even), size_t(1), kMostSlicesTogether);
   }
 
-  /// One slice, a file of its own. No threads of OpenEXR's: the caller writes one file a task.
+  /// Writes one slice as a file of its own, without threads of OpenEXR: the caller writes one file per task.
   void writeOne(const std::string& path, size_t n, const std::vector<SectionValues>& layers) const {
     writeFile(path, {header(n)}, 0, [&](Imf::MultiPartOutputFile& file) { write(file, 0, n, layers); });
   }
@@ -179,7 +181,8 @@ class SliceWriter {
   }
 
  private:
-  /// The share of every pixel that is inside, for a surface that crosses it straight.
+  /// The share of every pixel that is inside any level set: 0.5 - distance / pixel size, which is exact for a
+  /// flat surface parallel to a side of the pixel.
   SectionValues coverage(const SectionPlane& plane, const std::vector<SectionValues>& layers) const {
     SectionValues coverage{1, std::vector<float>(size_t(plane.width) * size_t(plane.height), 0.0f)};
     const float pixel = float(plane.pixelSize);
@@ -204,7 +207,7 @@ class SliceWriter {
   }
 
   static std::vector<half> toHalves(const float* values, size_t count, const std::string& channel) {
-    constexpr float kLargest = 65504;
+    constexpr float kLargest = 65504;  // of IEEE 754 half floats
     std::vector<half> result(count);
     for (size_t i = 0; i < count; ++i) {
       if (std::abs(values[i]) > kLargest && std::isfinite(values[i]))
@@ -270,7 +273,7 @@ void writeSlicesExr(const std::string& path, const std::vector<SliceGrid>& grids
   const int threads = exrThreads();
   const size_t batch = writer.batch(size_t(threads));
   writeFile(path, headers, threads, [&](Imf::MultiPartOutputFile& file) {
-    // The next slices are sampled while some are written.
+    // Some slices are sampled while others are written, in order.
     using Slices = std::vector<std::vector<SectionValues>>;
     size_t next = 0, written = 0;
     tbb::parallel_pipeline(

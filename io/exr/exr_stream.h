@@ -8,7 +8,7 @@
 
 namespace slicemorph {
 
-/// An EXR on its way into a file that appears whole or not at all.
+/// OpenEXR's output into an AtomicFile.
 class ExrStream : public Imf::OStream {
  public:
   ExrStream(AtomicFile& file, const std::string& name) : Imf::OStream(name.c_str()), stream_(file.stream()) {}
@@ -17,7 +17,7 @@ class ExrStream : public Imf::OStream {
     stream_.write(bytes, count);
     position_ += uint64_t(count);
   }
-  /// Before the file is committed, and after OpenEXR has ended it.
+  /// To be called after OpenEXR's file object is gone and before the AtomicFile is committed.
   void flush() { stream_.flush(); }
   uint64_t tellp() override { return position_; }
   void seekp(uint64_t position) override {
@@ -30,15 +30,16 @@ class ExrStream : public Imf::OStream {
   uint64_t position_ = 0;
 };
 
-/// ZIP's level, of 9: a fifth faster than OpenEXR's own 4, for 1 % larger files.
+/// Level of ZIP compression, 1 to 9. Measured: a fifth faster than OpenEXR's default of 4, with files
+/// 1 % larger.
 constexpr int kExrZipLevel = 2;
 
-/// As many threads as the job may use.
+/// Number of threads that the caller allows.
 inline int threadCount() {
   return int(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
 }
 
-/// The same, which OpenEXR is then ready to use.
+/// The same number, after setting OpenEXR's global thread pool to it.
 inline int exrThreads() {
   Imf::setGlobalThreadCount(threadCount());
   return threadCount();

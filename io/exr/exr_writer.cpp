@@ -13,7 +13,7 @@
 namespace slicemorph {
 namespace {
 
-/// Channels that lie side by side, pixel by pixel.
+/// Channels whose values are interleaved, pixel by pixel.
 struct Channels {
   std::vector<std::string> names;
   const std::vector<float>& values;

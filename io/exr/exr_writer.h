@@ -6,7 +6,7 @@
 
 namespace slicemorph {
 
-/// Writes a picture as an EXR (ZIP), linear light: `R G B A`, premultiplied, and of its further channels
+/// Writes a picture as an EXR (ZIP) in linear light: `R G B A`, premultiplied, and of the further channels
 /// those that it has: `mask`, `Z` (depth along the axis of view, world units; 1e10 where there is nothing)
 /// and `N.X N.Y N.Z` (world normal, 0 where there is nothing). Depth is float, the others half. The file
 /// appears whole or not at all. Throws IoError.

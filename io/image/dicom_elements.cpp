@@ -9,8 +9,8 @@ namespace {
 constexpr std::uint32_t kUndefined = 0xffffffff;
 constexpr DicomTag kItem = 0xfffee000, kItemEnd = 0xfffee00d, kSequenceEnd = 0xfffee0dd,
                    kTransferSyntax = 0x00020010, kPixels = 0x7fe00010;
-constexpr size_t kPreamble = 128;
-constexpr int kMostNested = 32;
+constexpr size_t kPreamble = 128;  // bytes before "DICM", PS3.10 section 7.1
+constexpr int kMostNested = 32;    // bounds the recursion over sequences of a damaged or hostile file
 
 bool isAnyOf(std::string_view type, std::initializer_list<const char*> types) {
   for (const char* t : types)
@@ -20,7 +20,7 @@ bool isAnyOf(std::string_view type, std::initializer_list<const char*> types) {
 
 }  // namespace
 
-/// Steps through bytes, element by element.
+/// Parses bytes element by element. Everything throws DicomDamage.
 class DicomElements::Walk {
  public:
   Walk(std::string_view bytes, bool withTypes, int depth = 0)
@@ -31,8 +31,8 @@ class DicomElements::Walk {
   bool atEnd() const { return at_ == bytes_.size(); }
   size_t at() const { return at_; }
 
-  /// Elements up to the end, or up to the end mark of an item of undefined length.
-  /// `group`: only those of this one, the first.
+  /// Elements up to the end of the bytes; with `marked` up to the end mark of an item of undefined length.
+  /// `group`: stop before the first element of another group; -1: read all.
   DicomElements elements(bool marked, int group = -1) {
     DicomElements out;
     out.withTypes_ = withTypes_;
@@ -70,7 +70,7 @@ class DicomElements::Walk {
     return out;
   }
 
-  /// The items up to the end, or up to the end mark of a sequence of undefined length.
+  /// Items up to the end of the bytes; with `marked` up to the end mark of a sequence of undefined length.
   std::vector<DicomElements> items(bool marked) {
     std::vector<DicomElements> out;
     while (!atEnd()) {
@@ -112,12 +112,12 @@ class DicomElements::Walk {
     if (bytes_.size() - at_ < 2) return -1;
     return static_cast<unsigned char>(bytes_[at_]) + 256 * static_cast<unsigned char>(bytes_[at_ + 1]);
   }
-  /// Some writers fill a file's last block with zeros.
+  /// Some writers pad the end of a file with zeros.
   bool onlyPaddingLeft() const {
     return withTypes_ && depth_ == 0 && bytes_[at_] == 0 &&
            bytes_.find_first_not_of('\0', at_) == std::string_view::npos;
   }
-  /// Packed pixels: items of plain bytes up to the end mark.
+  /// Compressed pixels: items of plain bytes up to the end mark (PS3.5 section A.4).
   std::string_view takeFragments() {
     const size_t first = at_;
     while (true) {
@@ -129,7 +129,7 @@ class DicomElements::Walk {
       take(size);
     }
   }
-  /// Of undefined length, without its end mark.
+  /// Bytes of a sequence of undefined length, without its end mark.
   std::string_view takeSequence(bool withTypes) {
     Walk inner(bytes_.substr(at_), withTypes, depth_ + 1);
     inner.items(true);
@@ -146,13 +146,14 @@ class DicomElements::Walk {
 
 DicomElements DicomElements::ofFile(std::string_view bytes) {
   if (bytes.size() < kPreamble + 4 || bytes.substr(kPreamble, 4) != "DICM") {
-    // Old files begin with the identifying group itself.
+    // Old files have no preamble and begin with group 8.
     if (bytes.size() < 8 || bytes.substr(0, 2) != std::string_view("\x08\0", 2))
       throw DicomDamage("it is no DICOM file");
     return Walk(bytes, bytes[4] >= 'A' && bytes[4] <= 'Z' && bytes[5] >= 'A' && bytes[5] <= 'Z')
         .elements(false);
   }
-  // The head is the elements of group 2; its own length, (0002,0000), may be missing or wrong.
+  // The file meta information is the elements of group 2; its stated length, (0002,0000), may be
+  // missing or wrong.
   Walk head(bytes.substr(kPreamble + 4), true);
   const DicomElements meta = head.elements(false, 2);
   const std::string syntax = meta.text(kTransferSyntax);

@@ -27,7 +27,7 @@ struct DicomHeader {
   bool image = false;
 };
 
-/// Numbers to six places, so that noise in the last digit parts no slices.
+/// A list of numbers rounded to four decimals, so that noise in the last digit does not split a series.
 std::string rounded(const std::string& numbers) {
   std::string result;
   for (size_t at = 0; at <= numbers.size();) {
@@ -40,8 +40,8 @@ std::string rounded(const std::string& numbers) {
   return result;
 }
 
-/// None where a file is no DICOM file. Throws IoError where it is a damaged one: every element is walked
-/// over, for GDCM aborts the program on files that were cut short.
+/// None where a file is no DICOM file. Throws IoError where it is a damaged one: every element's size is
+/// checked, since GDCM aborts the program on files that were cut short.
 std::optional<DicomHeader> readDicomHeader(const std::string& path) {
   constexpr DicomTag kModality = 0x00080060, kDescription = 0x0008103e, kSeries = 0x0020000e,
                      kOrientation = 0x00200037, kRows = 0x00280010, kColumns = 0x00280011,
@@ -146,7 +146,9 @@ std::string inMillimetres(double value) {
   return digits;
 }
 
-/// Orders slices along their normal and drops doubles.
+/// Sorts slices along their normal, or by instance number where positions are missing, and drops
+/// duplicates: slices less than 0.001 mm apart with equal values. Throws InputError where the order is
+/// unknown or such slices differ.
 void order(const std::string& folder, std::vector<DicomSlice>& slices, ImageFile& file) {
   const Vec3d normal = slices[0].axis[0].cross(slices[0].axis[1]).unit();
   const bool positioned =
@@ -203,7 +205,7 @@ ImageFile volumeOfSlice(DicomSlice slice) {
   return file;
 }
 
-/// One type for all slices.
+/// Converts the values of all slices to float unless they are of one type already.
 void unify(std::vector<DicomSlice>& slices) {
   const bool same = std::all_of(slices.begin(), slices.end(), [&](const DicomSlice& s) {
     return s.values.index() == slices[0].values.index();

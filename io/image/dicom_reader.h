@@ -5,27 +5,30 @@
 
 namespace slicemorph {
 
-/// One stack of slices of a folder: of one series UID, orientation, size and pixel spacing.
+/// The files of a folder that share series UID, orientation, size and pixel spacing.
 struct DicomSeries {
   std::string uid, modality, description;
-  std::vector<std::string> files;  ///< as the folder lists them, not in the order of space
+  std::vector<std::string> files;  ///< sorted by name, not along the stack
 };
 
-/// The image series among the files of a folder, in the order of their UIDs; `notes`: what was passed over.
+/// The image series among the files of a folder, in the order of their UIDs; `notes`: which
+/// files were skipped.
 struct DicomFolder {
   std::vector<DicomSeries> series;
   Notes notes;
 };
+/// Throws IoError where the folder cannot be read, a DICOM file is damaged or there is no image.
 DicomFolder scanDicomFolder(const std::string& folder);
 
-/// Reads a series: slices ordered by their positions, values rescaled (CT: Hounsfield units), axes as its
-/// direction cosines say. A tilted gantry is straightened and uneven gaps are filled by resampling every
-/// slice from where it truly lies; notes tell of missing and doubled slices. Throws IoError naming the file,
+/// Reads a series: slices in the order of their positions, values rescaled (CT: Hounsfield units), axes from
+/// its direction cosines. Slices of a tilted gantry or with uneven gaps are resampled from their stored
+/// positions (see straighten); notes report missing and duplicate slices. Throws IoError naming the file,
 /// InputError where slices contradict each other.
 ImageFile readDicomSeries(const std::string& folder, const DicomSeries& series);
 
-/// A folder, or `folder:N` with `series` N (from 1) or a UID; or one .dcm file, which stands for the series
-/// it belongs to. Throws InputError listing the series where there are several and none is chosen.
+/// Finds a series. `path`: a folder, of which `series` chooses by number (from 1) or UID; or one .dcm file,
+/// which stands for the series that it belongs to. Throws InputError, which lists the series, where there are
+/// several and none is chosen.
 DicomSeries chooseDicomSeries(const std::string& path, const std::string& series, Notes& notes);
 
 }  // namespace slicemorph

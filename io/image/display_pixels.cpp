@@ -8,6 +8,7 @@
 namespace slicemorph {
 namespace {
 
+/// Linear light to an 8-bit sRGB code value (IEC 61966-2-1, whose numbers these are).
 std::uint8_t encode(float linear) {
   const float v = std::clamp(std::isnan(linear) ? 0.0f : linear, 0.0f, 1.0f);
   const float coded = v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1 / 2.4f) - 0.055f;

@@ -30,7 +30,7 @@ bool isFolder(const std::string& path) {
   return std::filesystem::is_directory(path, ignored);
 }
 
-/// The one that is chosen, or the only one.
+/// The DICOM series that is selected, or the only one.
 ImageFile readOneSeries(const InputSpec& input) {
   Notes notes;
   const DicomSeries series = itkReaders().chooseSeries(input.path, input.selection, notes);

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-/// What the table of formats (io/formats.cpp) names of images.
+/// Functions of image formats, for the table of formats (io/formats.cpp).
 namespace slicemorph {
 
 /// A .dcm file, or a folder.

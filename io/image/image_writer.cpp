@@ -19,8 +19,8 @@
 namespace slicemorph {
 namespace {
 
-/// A fast setting: CT noise hardly packs better at slower ones, and a label map takes twice as long from 4
-/// on.
+/// zlib's level, 1 to 9. Measured: slower levels hardly compress CT noise better, and a label map takes twice
+/// as long from level 4 on.
 constexpr int kLevel = 3;
 
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "values are written as they lie in memory");
@@ -33,7 +33,7 @@ std::string_view bytesOf(const ImageValues& values) {
       values);
 }
 
-/// Packs parts one after the other as one stream: gzip, or zlib as MetaImage wants it.
+/// Compresses parts into one stream: gzip, or zlib for MetaImage. The numbers are zlib's windowBits.
 class Packer {
  public:
   enum Wrapper { kZlib = 15, kGzip = 31 };
@@ -89,7 +89,8 @@ TypeNames namesOf(const ImageValues& values) {
   return kNames[values.index()];
 }
 
-/// Quaternion of a rotation (b, c, d; a >= 0) by the largest of its components.
+/// Quaternion of a rotation as NIfTI-1 stores it: (b, c, d), with a >= 0. Divides by the largest of the four
+/// components, which is numerically stable.
 void quaternionOf(const Mat3d& r, float q[3]) {
   const double trace[4] = {r(0, 0) + r(1, 1) + r(2, 2), r(0, 0), r(1, 1), r(2, 2)};
   double w[4];
@@ -147,6 +148,8 @@ nifti_1_header niftiHeader(const std::string& path, const Image& image) {
   const double mirrored = r.det() < 0 ? -1 : 1;
   h.pixdim[0] = float(mirrored);
   r.setCol(2, r.col(2) * mirrored);
+  // A quaternion holds right-angled axes only: the largest cosine between two of them, as exact
+  // as floats are.
   const double lean = std::max(
       {std::abs(r.col(0).dot(r.col(1))), std::abs(r.col(0).dot(r.col(2))), std::abs(r.col(1).dot(r.col(2)))});
   if (lean < 1e-5) {
@@ -184,7 +187,7 @@ std::string metaImageText(const Image& image) {
          "\nElementDataFile = LOCAL\n";
 }
 
-/// A header, and behind it all values as one packed stream.
+/// A header, followed by all values as one compressed stream.
 void writePacked(const std::string& path, const std::string& header, const Image& image,
                  Packer::Wrapper wrapper) {
   AtomicFile file(path);

@@ -5,8 +5,8 @@
 
 namespace slicemorph {
 
-/// The readers that need ITK and GDCM, as `libslicemorph_itk.so` offers them: these two cost a program's
-/// start as much as all other libraries together, so only that library links them.
+/// The readers that need ITK and GDCM. Loading these two takes as long as all other libraries together when a
+/// program starts, so only the plug-in `libslicemorph_itk.so` links them.
 struct ItkReaders {
   decltype(&readNrrd) nrrd;
   decltype(&readMetaImage) metaImage;
@@ -15,10 +15,10 @@ struct ItkReaders {
   decltype(&readDicomSeries) dicomSeries;
 };
 
-/// Loads the library, once. Throws IoError where it is not there.
+/// Loads the plug-in, once. Throws IoError where it is missing.
 const ItkReaders& itkReaders();
 
 }  // namespace slicemorph
 
-/// What the library exports.
+/// The function that the plug-in exports.
 extern "C" const slicemorph::ItkReaders* slicemorphItkReaders();

@@ -22,7 +22,8 @@ namespace {
 
 using Io = itk::ImageIOBase;
 
-/// Voxels of one volume, and how many volumes there are, of an image of 2 to 4 dimensions.
+/// Fills the lattice and the number of volumes of an image of 2 to 4 dimensions. Throws IoError where these
+/// make no sense, InputError where there is no volume `volume`.
 void describe(const std::string& path, const Io& io, int volume, ImageFile& file) {
   const unsigned dimensions = io.GetNumberOfDimensions();
   const std::int64_t most = std::int64_t(1) << 40;
@@ -57,7 +58,8 @@ void describe(const std::string& path, const Io& io, int volume, ImageFile& file
     throw IoError(path, "its axes and spacing flatten space; they must be independent and not 0");
 }
 
-/// One volume of all: components lie side by side, times one after the other.
+/// Reads all volumes and keeps one. In the file the components of a voxel are interleaved and times
+/// follow each other.
 ImageValues chosenValues(RawType type, const Io& io, const ImageFile& file, int volume,
                          const std::function<void(void*)>& readAll) {
   const size_t count = file.image.lattice.count(), components = io.GetNumberOfComponents();
@@ -130,12 +132,12 @@ MetaHeader metaHeader(const std::string& path) {
   return header;
 }
 
-/// Unpacks a zlib stream from `from` to the end of a file; returns how much it gave, which is `bytes` where
-/// all is well, and how long the packed stream was.
 struct Unpacked {
-  size_t bytes = 0, packed = 0;
-  bool ended = false;
+  size_t bytes = 0, packed = 0;  ///< bytes written; length of the compressed stream
+  bool ended = false;            ///< the stream's end was reached
 };
+/// Decompresses a zlib or gzip stream that begins at `from` into `bytes` bytes at `to`; what the stream holds
+/// beyond them is discarded.
 Unpacked unpack(const std::string& path, std::uint64_t from, char* to, size_t bytes) {
   std::ifstream file(path, std::ios::binary);
   file.seekg(std::streamoff(from));
@@ -148,7 +150,7 @@ Unpacked unpack(const std::string& path, std::uint64_t from, char* to, size_t by
     stream.next_in = reinterpret_cast<Bytef*>(in.data());
     stream.avail_in = uInt(file.gcount());
     while (state == Z_OK && stream.avail_in > 0) {
-      char spare;  // whatever comes after the last voxel
+      char spare;  // takes what comes after the last voxel
       const bool full = result.bytes == bytes;
       const uInt room = full ? 1 : uInt(std::min<size_t>(bytes - result.bytes, 1u << 30));
       stream.next_out = reinterpret_cast<Bytef*>(full ? &spare : to + result.bytes);
@@ -195,13 +197,14 @@ void readMetaData(const std::string& path, const MetaHeader& header, RawType typ
     swapBytes(to, count, type.bytes);
 }
 
-/// A header that names a space and gives spacings, which the format forbids and which comes all the same.
+/// An NRRD header that names a space but gives spacings instead of directions: forbidden by the
+/// format, yet common.
 struct OddNrrdHeader {
   std::string space;  ///< empty: the header is not of that kind
-  std::string text;   ///< without its `space`, with the whole path of its data file
+  std::string text;   ///< the header without its `space` and with the absolute path of its data file
 };
 
-/// Of detached headers alone; those beside their data in one file are left to ITK.
+/// Reads such a header if it is detached; headers in one file with their data are left to ITK.
 OddNrrdHeader oddHeaderOf(const std::string& path) {
   OddNrrdHeader header;
   bool spacings = false, detached = false;
@@ -225,7 +228,7 @@ OddNrrdHeader oddHeaderOf(const std::string& path) {
   return header;
 }
 
-/// The space of a header that says nothing of directions but its name.
+/// Sets the axes from the name of the space alone, with a note.
 void placeWithoutSpace(const std::string& space, ImageFile& file) {
   const bool leftHanded = space.rfind("3D-left-handed", 0) == 0;
   if (leftHanded) file.image.lattice.step[2] = -file.image.lattice.step[2];
@@ -244,7 +247,7 @@ ImageFile readNrrd(const std::string& path, int volume) {
   std::optional<ScratchFolder> scratch;
   std::string header = path;
   if (!odd.space.empty()) {
-    // ITK reads files only.
+    // ITK reads from files only.
     header = scratch.emplace().file("header.nhdr");
     if (!(std::ofstream(header, std::ios::binary) << odd.text << std::flush))
       throw IoError(header, "cannot be written");

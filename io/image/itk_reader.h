@@ -5,8 +5,8 @@
 namespace slicemorph {
 
 /// Reads one volume (from 0) of an NRRD (.nrrd .nhdr) or MetaImage (.mha .mhd) file through ITK. Compressed
-/// MetaImages are unpacked here, to the end of their stream: their headers may state a wrong size, which is
-/// repaired with a note. Throws IoError, and InputError where there is no such volume.
+/// MetaImages are decompressed here, to the end of their stream: the size that their headers state may be
+/// wrong, which a note reports. Throws IoError, and InputError where there is no such volume.
 ImageFile readNrrd(const std::string& path, int volume);
 ImageFile readMetaImage(const std::string& path, int volume);
 

@@ -7,7 +7,7 @@
 
 namespace slicemorph {
 
-/// ITK's name of a number type. Throws IoError.
+/// From ITK's name of a number type. Throws IoError where it is none.
 inline RawType rawTypeOf(const std::string& path, itk::ImageIOBase::IOComponentEnum component) {
   using Type = itk::ImageIOBase::IOComponentEnum;
   switch (component) {
@@ -39,7 +39,7 @@ inline RawType rawTypeOf(const std::string& path, itk::ImageIOBase::IOComponentE
   throw IoError(path, "its voxels are no plain numbers");
 }
 
-/// ITK's description of an error, without the place in ITK's source.
+/// ITK's description of an error, without the line of ITK's source.
 inline std::string reasonOf(const itk::ExceptionObject& error) {
   std::string text = error.GetDescription();
   const size_t mark = text.find("ITK ERROR: ");

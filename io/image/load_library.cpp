@@ -10,8 +10,8 @@
 #include <filesystem>
 #include <vector>
 
-// Folder of the plug-ins in the place of installation: as a whole path, and as seen from the folders of the program
-// and of the library, so that a tree that was moved still finds them.
+// Folder of the installed plug-ins: its absolute path, and its path relative to the folders of the program
+// and of the library, by which an installation that was moved still finds them.
 #ifndef SLICEMORPH_PLUGIN_FOLDER
 #define SLICEMORPH_PLUGIN_FOLDER ""
 #endif
@@ -27,14 +27,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of the file that this code was linked into; empty where the system does not tell.
+/// Folder of the program or shared library that this code is in; empty where the system does not say.
 fs::path ownFolder() {
   static const char here = 0;
   Dl_info info = {};
   link_map* map = nullptr;
   if (!dladdr1(&here, &info, reinterpret_cast<void**>(&map), RTLD_DL_LINKMAP)) return {};
   std::error_code ignored;
-  // The program itself has no name there, and the one it was called by need not lead to it.
+  // The link map has an empty name for the program itself, and argv[0] need not lead to it.
   const bool program = !map || !map->l_name || !*map->l_name;
   return (program ? fs::read_symlink("/proc/self/exe", ignored) : fs::canonical(map->l_name, ignored))
       .parent_path();
@@ -60,18 +60,18 @@ std::vector<fs::path> pluginFolders() {
 }  // namespace
 
 void* functionOfPlugin(const std::string& library, const char* function, const std::string& what) {
-  std::string places;
+  std::string searched;
   for (const fs::path& folder : pluginFolders()) {
     std::error_code ignored;
     const fs::path file = folder / library;
-    places += (places.empty() ? "" : ", ") + folder.string();
+    searched += (searched.empty() ? "" : ", ") + folder.string();
     if (!fs::exists(file, ignored)) continue;
     void* loaded = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
     void* found = loaded ? dlsym(loaded, function) : nullptr;
     if (found) return found;
     throw IoError(file.string(), what + " cannot be read: the plug-in cannot be loaded: " + dlerror());
   }
-  throw IoError(library, what + " cannot be read: the plug-in is missing; looked in " + places +
+  throw IoError(library, what + " cannot be read: the plug-in is missing; looked in " + searched +
                              "; SLICEMORPH_PLUGINS can name its folder");
 }
 

@@ -17,6 +17,7 @@ struct FreeImage {
 };
 using NiftiHeader = std::unique_ptr<nifti_image, FreeImage>;
 
+/// From voxel indices to LPS.
 struct Affine {
   Vec3d origin, step[3];
 
@@ -27,15 +28,18 @@ struct Affine {
   }
 };
 
+/// From a matrix of NIfTI, whose axes are RAS.
 Affine affineOf(const mat44& m) {
   const auto column = [&](int c) { return Vec3d(-double(m.m[0][c]), -double(m.m[1][c]), double(m.m[2][c])); };
   return {column(3), {column(0), column(1), column(2)}};
 }
 
+/// Millimetres of a unit of length; unknown ones are taken as millimetres.
 double millimetres(int unit) {
   return unit == NIFTI_UNITS_METER ? 1000 : unit == NIFTI_UNITS_MICRON ? 0.001 : 1;
 }
 
+/// Sets the lattice's origin and steps. Throws IoError where the header has no valid affine.
 void place(const std::string& path, const nifti_image& header, ImageFile& file) {
   Affine affine{};
   bool found = false;

@@ -4,8 +4,9 @@
 
 namespace slicemorph {
 
-/// Reads one volume (from 0) of a NIfTI file: the sform where it has a code, else the qform, else spacing
-/// alone; RAS made LPS. Throws IoError, and InputError where there is no such volume.
+/// Reads one volume (from 0) of a NIfTI file. Its position in space is the sform where that has a code and is
+/// valid, else the qform, else the spacing alone; RAS is converted to LPS. Throws IoError, and InputError
+/// where there is no such volume.
 ImageFile readNifti(const std::string& path, int volume);
 
 }  // namespace slicemorph

@@ -2,11 +2,11 @@
 
 #include <cstddef>
 
-/// What the library `libslicemorph_pictures.so` exports. OpenImageIO costs a quarter of a second and 137 MB
-/// when a program starts, so only this library links it and it is loaded when pictures are read.
+/// What the plug-in `libslicemorph_pictures.so` exports. OpenImageIO costs a quarter of a second and 137 MB
+/// when a program starts, so only the plug-in links it, and it is loaded when pictures are read.
 extern "C" {
 
-/// One page of a picture file. Strings are static until the next call from the same thread.
+/// One page of a picture file.
 struct SlicemorphPicture {
   int width, height, channels;
   int bytes;     ///< of a value: 1, 2 or 4
@@ -16,7 +16,8 @@ struct SlicemorphPicture {
                  ///< asked for
 };
 
-/// Returns 0, or a description of what went wrong.
+/// Reads page `page` (from 0); `values` 0: only the description. Returns null, or a description of what went
+/// wrong, which is valid until the next call from the same thread.
 typedef const char* (*SlicemorphReadPicture)(const char* path, int page, int values,
                                              SlicemorphPicture* picture);
 const char* slicemorphReadPicture(const char* path, int page, int values, SlicemorphPicture* picture);

@@ -6,7 +6,7 @@
 
 namespace slicemorph {
 
-/// The bytes of a PNG, as writePng. Throws IoError.
+/// The bytes that writePng writes. Throws IoError.
 std::string encodePng(const Picture& image);
 
 /// Writes an 8-bit sRGB PNG: RGB where alpha is 1 everywhere, else RGBA with straight alpha. Values outside

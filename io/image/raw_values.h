@@ -12,19 +12,20 @@ struct RawType {
   enum Kind { kUnsigned, kSigned, kFloat } kind = kUnsigned;
 };
 
-/// `count` values of a file's type, put into memory by `read`. Types that ImageValues lacks become the next
-/// that holds all of their values: 8-bit signed 16-bit; 32-bit unsigned and 64-bit 32-bit signed where they
-/// fit, else double.
+/// Gets `count` values of a file's type from `read`, which writes them to the address given. Types that
+/// ImageValues lacks are widened: 8-bit signed to 16-bit; 32-bit unsigned and 64-bit to 32-bit signed where
+/// all values fit, else to double.
 ImageValues readValues(RawType type, size_t count, const std::function<void(void*)>& read);
 
-/// value * slope + intercept: whole numbers stay whole where slope and intercept are, else they become float
-/// (of 32-bit integers and doubles double).
+/// value * slope + intercept. Integers become the smallest integer type (16 or 32 bits) that holds the
+/// result where slope and intercept are whole numbers; else values become float, and 32-bit integers
+/// and doubles double.
 ImageValues rescaled(ImageValues values, double slope, double intercept);
 
-/// As a file names the type of values.
+/// The type of the values.
 RawType rawTypeOf(const ImageValues& values);
 
-/// Bytes swapped in place, for files of the other byte order.
+/// Swaps the bytes of `count` numbers of `bytes` bytes each in place, for files of the other byte order.
 void swapBytes(void* data, size_t count, int bytes);
 
 }  // namespace slicemorph

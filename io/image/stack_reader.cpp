@@ -57,27 +57,29 @@ std::vector<Page> pagesOf(const InputSpec& input, const std::vector<SequenceFile
   return pages;
 }
 
+/// ITU-R BT.709 weights; pictures of one or two channels are grey (and alpha).
 template <typename T>
 double luminance(const T* pixel, int channels) {
   return channels < 3 ? double(pixel[0]) : 0.2126 * pixel[0] + 0.7152 * pixel[1] + 0.0722 * pixel[2];
 }
 
+/// Throws IoError where a page is not of the size and type of `first`, the first page.
 template <typename T>
 std::vector<T> readValuesOf(const std::vector<Page>& pages, SlicemorphReadPicture read,
-                            const SlicemorphPicture& like) {
-  const size_t each = size_t(like.width) * size_t(like.height);
+                            const SlicemorphPicture& first) {
+  const size_t each = size_t(first.width) * size_t(first.height);
   std::vector<T> values(each * pages.size());
   tbb::parallel_for(size_t(0), pages.size(), [&](size_t k) {
     const StackPicture picture = readPage(read, pages[k], true);
     const SlicemorphPicture& p = picture.about;
-    if (p.width != like.width || p.height != like.height || p.bytes != like.bytes || p.kind != like.kind ||
-        p.channels != like.channels)
+    if (p.width != first.width || p.height != first.height || p.bytes != first.bytes ||
+        p.kind != first.kind || p.channels != first.channels)
       throw IoError(pages[k].file, "is " + std::to_string(p.width) + " x " + std::to_string(p.height) +
                                        " pixels of " + std::to_string(p.channels) + " x " +
                                        std::to_string(8 * p.bytes) + " bits; " + pages[0].file + " is " +
-                                       std::to_string(like.width) + " x " + std::to_string(like.height) +
-                                       " of " + std::to_string(like.channels) + " x " +
-                                       std::to_string(8 * like.bytes));
+                                       std::to_string(first.width) + " x " + std::to_string(first.height) +
+                                       " of " + std::to_string(first.channels) + " x " +
+                                       std::to_string(8 * first.bytes));
     const T* from = static_cast<const T*>(p.values);
     for (size_t i = 0; i < each; ++i) {
       const double v = luminance(from + i * size_t(p.channels), p.channels);
@@ -102,11 +104,11 @@ void checkNumbers(const std::string& path, const std::vector<SequenceFile>& file
 
 /// The values of all pages in the type that they are stored in.
 ImageValues valuesOf(const std::vector<Page>& pages, SlicemorphReadPicture read,
-                     const SlicemorphPicture& like) {
-  if (like.kind == 2) return readValuesOf<float>(pages, read, like);
-  if (like.bytes == 1) return readValuesOf<std::uint8_t>(pages, read, like);
-  if (like.kind == 1) return readValuesOf<std::int16_t>(pages, read, like);
-  return readValuesOf<std::uint16_t>(pages, read, like);
+                     const SlicemorphPicture& first) {
+  if (first.kind == 2) return readValuesOf<float>(pages, read, first);
+  if (first.bytes == 1) return readValuesOf<std::uint8_t>(pages, read, first);
+  if (first.kind == 1) return readValuesOf<std::int16_t>(pages, read, first);
+  return readValuesOf<std::uint16_t>(pages, read, first);
 }
 
 }  // namespace
@@ -124,19 +126,19 @@ ImageFile readStack(const InputSpec& input, const ImageOptions& options, bool va
     throw InputError(input.path,
                      "pictures hold no spacing; give --spacing X,Y,Z in millimetres (pixel width, pixel "
                      "height, gap between pictures)");
-  const SlicemorphPicture like = readPage(read, pages[0], false).about;
+  const SlicemorphPicture first = readPage(read, pages[0], false).about;
   ImageFile file;
   file.format = "image stack";
   ImageLattice& lattice = file.image.lattice;
-  lattice.size = openvdb::Coord(like.width, like.height, int(pages.size()));
+  lattice.size = openvdb::Coord(first.width, first.height, int(pages.size()));
   for (int d = 0; d < 3; ++d) {
     lattice.step[d] = Vec3d(0.0);
     lattice.step[d][d] = s[d] > 0 ? s[d] : 1;
   }
-  if (like.channels > 2)
+  if (first.channels > 2)
     file.notes.emplace_back("image.colours-as-luminance", Severity::kNote, "",
                             "colours are taken as luminance");
-  if (values) file.image.values = valuesOf(pages, read, like);
+  if (values) file.image.values = valuesOf(pages, read, first);
   return file;
 }
 

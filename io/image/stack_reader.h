@@ -5,10 +5,10 @@
 namespace slicemorph {
 
 /// Reads a numbered stack of pictures (`name.####.tif|png|exr`, in the order of their numbers) or one .tif of
-/// several pages. Rows run along +x, columns along +y (the first row of a picture is that of the smallest y,
-/// as scanners store it), pictures along +z; the file order is the order of space. Colours count as their
-/// luminance (Rec. 709), with a note. Throws InputError without a spacing, IoError for pictures that are
-/// missing, unreadable or of different size.
+/// several pages. Rows run along +x, columns along +y (a picture's first row has the smallest y, as scanners
+/// store it), pictures along +z in the order of the files. Colours become luminance (ITU-R BT.709), with a
+/// note. `values` false: only the description, for which no spacing is needed. Throws InputError without a
+/// spacing, IoError for pictures that are missing, unreadable or of different sizes.
 ImageFile readStack(const InputSpec& input, const ImageOptions& options, bool values = true);
 
 }  // namespace slicemorph

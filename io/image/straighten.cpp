@@ -9,9 +9,11 @@
 namespace slicemorph {
 namespace {
 
-/// Pixels by which a slice may be off without being moved.
+/// Pixels, and share of a gap: smaller offsets are taken as rounding of the stored positions, so that slices
+/// are copied and not resampled. Far below what is visible.
 constexpr double kStraight = 2e-3;
-/// Share of a gap by which gaps may differ without being uneven.
+/// Share of the usual gap by which gaps may differ from it and still count as even; positions are
+/// stored in decimals.
 constexpr double kEven = 0.01;
 
 std::string written(double value) {
@@ -20,15 +22,15 @@ std::string written(double value) {
   return digits;
 }
 
-/// Where slices lie: along the normal, and moved in their plane, in pixels against the first.
-struct Places {
-  Vec3d normal;
-  std::vector<double> along;
-  std::vector<openvdb::Vec2d> shift;
+/// Positions of slices relative to the first.
+struct SlicePositions {
+  Vec3d normal;                       ///< unit
+  std::vector<double> along;          ///< along the normal, millimetres
+  std::vector<openvdb::Vec2d> shift;  ///< in the plane, pixels
 };
 
-Places placesOf(const SliceStackInput& stack) {
-  Places p;
+SlicePositions slicePositionsOf(const SliceStackInput& stack) {
+  SlicePositions p;
   const Vec3d &x = stack.step[0], &y = stack.step[1];
   p.normal = x.cross(y).unit();
   const double xx = x.dot(x), xy = x.dot(y), yy = y.dot(y), det = xx * yy - xy * xy;
@@ -41,6 +43,7 @@ Places placesOf(const SliceStackInput& stack) {
   return p;
 }
 
+/// The median gap.
 double usualGap(const std::vector<double>& along) {
   std::vector<double> gaps;
   for (size_t i = 1; i < along.size(); ++i) gaps.push_back(along[i] - along[i - 1]);
@@ -48,12 +51,12 @@ double usualGap(const std::vector<double>& along) {
   return gaps[gaps.size() / 2];
 }
 
-/// Notes on gaps; returns whether all are alike.
-bool checkGaps(const SliceStackInput& stack, const Places& places, double gap, Notes& notes) {
+/// Adds notes on missing slices and uneven gaps; returns whether all gaps are equal.
+bool checkGaps(const SliceStackInput& stack, const SlicePositions& positions, double gap, Notes& notes) {
   size_t missing = 0, uneven = 0;
   std::string where;
-  for (size_t i = 1; i < places.along.size(); ++i) {
-    const double ratio = (places.along[i] - places.along[i - 1]) / gap;
+  for (size_t i = 1; i < positions.along.size(); ++i) {
+    const double ratio = (positions.along[i] - positions.along[i - 1]) / gap;
     if (std::abs(ratio - 1) <= kEven) continue;
     const double whole = std::rint(ratio);
     if (whole >= 2 && std::abs(ratio - whole) <= 5 * kEven) {
@@ -71,9 +74,9 @@ bool checkGaps(const SliceStackInput& stack, const Places& places, double gap, N
   if (uneven > 0) {
     const auto [low, high] = [&] {
       double least = INFINITY, most = 0;
-      for (size_t i = 1; i < places.along.size(); ++i) {
-        least = std::min(least, places.along[i] - places.along[i - 1]);
-        most = std::max(most, places.along[i] - places.along[i - 1]);
+      for (size_t i = 1; i < positions.along.size(); ++i) {
+        least = std::min(least, positions.along[i] - positions.along[i - 1]);
+        most = std::max(most, positions.along[i] - positions.along[i - 1]);
       }
       return std::pair(least, most);
     }();
@@ -92,7 +95,7 @@ T smallestOf(const std::vector<ImageValues>& slices) {
   return least;
 }
 
-/// A slice moved in its plane, bilinear.
+/// A slice shifted in its plane, with bilinear interpolation.
 class MovedSlice {
  public:
   MovedSlice(const int size[2], openvdb::Vec2d shift) : width_(size[0]), height_(size[1]), shift_(shift) {}
@@ -121,11 +124,11 @@ class MovedSlice {
 };
 
 template <typename T>
-std::vector<T> resampled(const SliceStackInput& stack, const Places& places, const ImageLattice& lattice,
-                         double gap, openvdb::Vec2i first) {
+std::vector<T> resampled(const SliceStackInput& stack, const SlicePositions& positions,
+                         const ImageLattice& lattice, double gap, openvdb::Vec2i first) {
   const T outside = smallestOf<T>(stack.values);
   std::vector<T> result(lattice.count());
-  const auto& along = places.along;
+  const auto& along = positions.along;
   tbb::parallel_for(0, lattice.size[2], [&](int k) {
     const double z = k * gap;
     size_t above = size_t(std::lower_bound(along.begin(), along.end(), z) - along.begin());
@@ -135,8 +138,8 @@ std::vector<T> resampled(const SliceStackInput& stack, const Places& places, con
     if (f > 1 - kStraight) f = 1;
     const auto& low = std::get<std::vector<T>>(stack.values[above - 1]);
     const auto& high = std::get<std::vector<T>>(stack.values[above]);
-    const MovedSlice movedLow(stack.size, places.shift[above - 1] - openvdb::Vec2d(first[0], first[1]));
-    const MovedSlice movedHigh(stack.size, places.shift[above] - openvdb::Vec2d(first[0], first[1]));
+    const MovedSlice movedLow(stack.size, positions.shift[above - 1] - openvdb::Vec2d(first[0], first[1]));
+    const MovedSlice movedHigh(stack.size, positions.shift[above] - openvdb::Vec2d(first[0], first[1]));
     for (int j = 0; j < lattice.size[1]; ++j)
       for (int i = 0; i < lattice.size[0]; ++i) {
         double v = 0;
@@ -148,6 +151,7 @@ std::vector<T> resampled(const SliceStackInput& stack, const Places& places, con
   return result;
 }
 
+/// All slices one after the other; frees each as it is copied.
 template <typename T>
 std::vector<T> joined(SliceStackInput& stack) {
   const size_t each = std::get<std::vector<T>>(stack.values[0]).size();
@@ -163,25 +167,25 @@ std::vector<T> joined(SliceStackInput& stack) {
 }  // namespace
 
 void straighten(SliceStackInput stack, ImageFile& file) {
-  const Places places = placesOf(stack);
+  const SlicePositions positions = slicePositionsOf(stack);
   const size_t count = stack.position.size();
   ImageLattice& lattice = file.image.lattice;
   lattice.size = openvdb::Coord(stack.size[0], stack.size[1], int(count));
   lattice.origin = stack.position[0];
   lattice.step[0] = stack.step[0], lattice.step[1] = stack.step[1];
   if (count == 1) {
-    lattice.step[2] = places.normal * stack.step[0].length();
+    lattice.step[2] = positions.normal * stack.step[0].length();
     file.image.values = std::move(stack.values[0]);
     return;
   }
-  double gap = usualGap(places.along);
-  const bool even = checkGaps(stack, places, gap, file.notes);
+  double gap = usualGap(positions.along);
+  const bool even = checkGaps(stack, positions, gap, file.notes);
   openvdb::Vec2d low(0.0), high(0.0);
-  for (const auto& s : places.shift)
+  for (const auto& s : positions.shift)
     for (int d = 0; d < 2; ++d) low[d] = std::min(low[d], s[d]), high[d] = std::max(high[d], s[d]);
   const bool straight = high[0] - low[0] < kStraight && high[1] - low[1] < kStraight;
-  if (even) gap = places.along.back() / double(count - 1);
-  lattice.step[2] = places.normal * gap;
+  if (even) gap = positions.along.back() / double(count - 1);
+  lattice.step[2] = positions.normal * gap;
   if (even && straight) {
     std::visit(
         [&](const auto& v) {
@@ -197,18 +201,19 @@ void straighten(SliceStackInput stack, ImageFile& file) {
       lattice.size[d] += int(std::ceil(high[d] - kStraight)) - first[d];
     }
     lattice.origin += double(first[0]) * stack.step[0] + double(first[1]) * stack.step[1];
-    const openvdb::Vec2d lean = places.shift.back();
+    const openvdb::Vec2d lean = positions.shift.back();
     const double tilt =
-        std::atan2((lean[0] * stack.step[0] + lean[1] * stack.step[1]).length(), places.along.back());
+        std::atan2((lean[0] * stack.step[0] + lean[1] * stack.step[1]).length(), positions.along.back());
     file.notes.emplace_back(
         "image.tilt-straightened", Severity::kNote, "",
         "its slices lean by " + written(tilt * 180 / M_PI) + " degrees (gantry tilt): straightened");
   }
-  lattice.size[2] = even ? int(count) : int(std::lround(std::floor(places.along.back() / gap + kEven))) + 1;
+  lattice.size[2] =
+      even ? int(count) : int(std::lround(std::floor(positions.along.back() / gap + kEven))) + 1;
   std::visit(
       [&](const auto& v) {
         using T = typename std::decay_t<decltype(v)>::value_type;
-        file.image.values = resampled<T>(stack, places, lattice, gap, first);
+        file.image.values = resampled<T>(stack, positions, lattice, gap, first);
       },
       stack.values[0]);
 }

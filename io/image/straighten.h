@@ -4,19 +4,19 @@
 
 namespace slicemorph {
 
-/// Parallel slices of one size, each where it truly lies.
+/// Parallel slices of one size, each with its stored position.
 struct SliceStackInput {
   Vec3d step[2];  ///< world vectors from a pixel to the next along a row, along a column
   int size[2] = {0, 0};
-  std::vector<Vec3d> position;  ///< of each slice's first pixel, in order along the stack
+  std::vector<Vec3d> position;  ///< world position of each slice's first pixel, in order along the stack
   std::vector<std::string> names;
-  std::vector<ImageValues> values;  ///< all of one type; taken apart as they are used
+  std::vector<ImageValues> values;  ///< all of one type; freed as they are used
 };
 
-/// Puts a stack of slices on a lattice with axes at right angles. Slices that lie evenly and straight above
-/// each other are taken as they are; else (tilted gantry, uneven gaps, missing slices) every voxel is
-/// interpolated linearly from where the slices truly lie, beyond them is the smallest value, and `file.notes`
-/// says so.
+/// Puts a stack of slices on a lattice whose third axis is normal to them. Slices with even gaps and without
+/// a shift in their plane are copied; else (tilted gantry, uneven gaps, missing slices) every voxel is
+/// interpolated linearly between the slices at their stored positions, the outside gets the smallest value,
+/// and `file.notes` says so.
 void straighten(SliceStackInput stack, ImageFile& file);
 
 }  // namespace slicemorph

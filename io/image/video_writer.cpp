@@ -29,7 +29,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// In the folders of PATH; empty: it is in none.
+/// Path of a program in the folders of PATH; empty where there is none.
 std::string findProgram(const std::string& name) {
   const char* path = std::getenv("PATH");
   std::istringstream folders(path ? path : "");
@@ -46,7 +46,8 @@ std::string textOf(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// What ffmpeg has to do; the same bytes on every machine with the same ffmpeg, so one thread.
+/// ffmpeg's command line. One thread and "bitexact", so that the same ffmpeg gives the same bytes
+/// on every machine.
 std::vector<std::string> argumentsFor(const std::string& from, const std::string& to, int width, int height,
                                       double framesPerSecond) {
   char rate[32];
@@ -63,7 +64,8 @@ std::vector<std::string> argumentsFor(const std::string& from, const std::string
     add("-filter_complex split[a][b];[a]palettegen=stats_mode=full[p];[b][p]paletteuse=dither=sierra2_4a "
         "-loop 0");
   } else {
-    // Players want even sides and half the colours; what lies in it is said, so that they do not guess.
+    // Many players need even sides and 4:2:0 chroma. Colour space and range are tagged, so that players do
+    // not guess. CRF 18 is commonly taken as visually lossless.
     add("-vf pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv "
         "-c:v libx264 -crf 18 -pix_fmt yuv420p -colorspace bt709 -color_primaries bt709 "
         "-color_trc iec61966-2-1 -color_range tv -movflags +faststart");
@@ -94,7 +96,8 @@ struct VideoWriter::Impl {
 
   void start(double framesPerSecond) {
     checkAvailable(path);
-    // A socket, not a pipe: when ffmpeg gives up, send() fails and nobody is killed.
+    // A socket instead of a pipe: when ffmpeg exits, send() fails without a SIGPIPE that would
+    // end this program.
     int ends[2];
     if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
       throw IoError(path, std::string("cannot be written: ") + std::strerror(errno));
@@ -119,7 +122,7 @@ struct VideoWriter::Impl {
     }
   }
 
-  /// Waits for ffmpeg's end; true: it has done its work.
+  /// Closes ffmpeg's input and waits for its exit. Returns whether it succeeded.
   bool finish() {
     if (socket >= 0) ::close(socket);
     socket = -1;

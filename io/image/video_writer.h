@@ -10,14 +10,14 @@ namespace slicemorph {
 /// True for `.mp4` and `.gif`.
 bool isVideoExtension(const std::string& extension);
 
-/// An animated preview, `.mp4` (H.264, for browsers and players) or `.gif` (a palette of its own, for ever),
-/// by the program ffmpeg, which takes the frames as they are made. The file appears whole or not at all.
+/// An animated preview, `.mp4` (H.264) or `.gif` (with a palette of its own, looping for ever), encoded by
+/// the program ffmpeg, to which frames are sent as they are added. The file appears whole or not at all.
 /// Everything throws IoError naming the file.
 class VideoWriter {
  public:
-  /// Starts ffmpeg. Throws where it is not installed, too: the message says what can be done without it.
+  /// Starts ffmpeg. Also throws where it is not installed; the message says what can be done without it.
   VideoWriter(const std::string& path, int width, int height, double framesPerSecond);
-  /// Without commit() nothing is left.
+  /// Without a commit() before no file is left.
   ~VideoWriter();
   VideoWriter(const VideoWriter&) = delete;
   VideoWriter& operator=(const VideoWriter&) = delete;
@@ -26,7 +26,7 @@ class VideoWriter {
   void add(const Picture& frame);
   void commit();
 
-  /// Throws IoError where there is no ffmpeg, so that a long job does not find out late.
+  /// Throws IoError where there is no ffmpeg; to be called before long work is done.
   static void checkAvailable(const std::string& path);
 
  private:

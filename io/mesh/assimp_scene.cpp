@@ -12,9 +12,10 @@ namespace {
 
 using openvdb::Vec3s;
 
+/// Colour of points without one, where other points of the file have colours.
 const Vec3s kSceneWhite(1.f);
 
-/// What colours a part of a scene.
+/// Source of a part's colours: its points, else its material, else white.
 struct PartColors {
   const aiColor4D* ofPoints = nullptr;
   std::optional<Vec3s> ofMaterial;
@@ -66,7 +67,7 @@ class SceneReader {
     return colors;
   }
 
-  /// Moved to world space. Returns the index of the first.
+  /// Adds the part's points, moved to world space. Returns the index of the first.
   size_t addPoints(const aiMesh& part, const aiMatrix4x4& toWorld) {
     std::vector<Vec3s>& points = stored_.mesh.points;
     const size_t first = points.size();

@@ -9,11 +9,12 @@
 
 namespace slicemorph {
 
-/// Colours by the name of a material.
+/// Diffuse colours by the name of a material.
 using MaterialColors = std::map<std::string, openvdb::math::Vec3s>;
 
-/// Reads the polygons of a file that was found whole through assimp, part by part. `materials`: take colours, of
-/// points or of these materials; null: none. Throws IoError.
+/// Reads the polygons of a file through assimp, in world space. The caller has checked that the file is
+/// whole. Colours are the points' own, else those of `materials`; where that is null, no colours are
+/// read. Throws IoError.
 StoredMesh importScene(const std::string& path, const MaterialColors* materials = nullptr);
 
 }  // namespace slicemorph

@@ -18,7 +18,7 @@ const tinygltf::Accessor& accessorOf(const tinygltf::Model& model, int index) {
   return model.accessors[size_t(index)];
 }
 
-/// Elements of one size, evenly apart, that lie within their buffer.
+/// Elements of one size at a constant stride (bytes), checked to lie within their buffer.
 struct Elements {
   const unsigned char* first = nullptr;
   size_t stride = 0;
@@ -26,7 +26,7 @@ struct Elements {
   const unsigned char* at(size_t i) const { return first + i * stride; }
 };
 
-/// `stride`: 0: they lie side by side.
+/// `offset`, `stride`, `size`: bytes; stride 0: tightly packed. Throws GltfDamage.
 Elements elementsOf(const tinygltf::Model& model, int viewIndex, std::uint64_t offset, std::uint64_t stride,
                     std::uint64_t size, std::uint64_t count) {
   if (viewIndex < 0 || size_t(viewIndex) >= model.bufferViews.size())
@@ -38,12 +38,13 @@ Elements elementsOf(const tinygltf::Model& model, int viewIndex, std::uint64_t o
                      std::to_string(model.buffers.size()));
   const std::vector<unsigned char>& bytes = model.buffers[size_t(view.buffer)].data;
   if (stride == 0) stride = size;
-  // No sum can overflow: counts and sizes of a file that is read have less than 40 bits.
+  // Files of more than 2 GiB are not read, so offsets and sizes of 2^40 and more are damage. With the limit
+  // the end of the elements cannot overflow.
   const std::uint64_t most = std::uint64_t(1) << 40;
   const bool absurd =
       offset > most || count > most / std::max<std::uint64_t>(stride, 1) || view.byteOffset > most;
   if (absurd || offset + (count > 0 ? stride * (count - 1) + size : 0) > view.byteLength ||
-      view.byteOffset + view.byteLength > bytes.size())
+      view.byteLength > bytes.size() || view.byteOffset > bytes.size() - view.byteLength)
     throw GltfDamage("an accessor reaches beyond its buffer");
   return {bytes.data() + view.byteOffset + offset, size_t(stride)};
 }
@@ -106,7 +107,7 @@ void copyVector(const unsigned char* from, const tinygltf::Accessor& accessor, b
     to[c] = numberAt(from + size_t(c) * size, accessor.componentType, normalise);
 }
 
-/// Puts in the values that a sparse accessor has instead of others.
+/// Overwrites the elements for which a sparse accessor states other values (glTF 2.0, "Sparse Accessors").
 void putSparse(const tinygltf::Model& model, const tinygltf::Accessor& accessor, bool normalise,
                GltfVectors& vectors) {
   const auto& sparse = accessor.sparse;
@@ -115,14 +116,14 @@ void putSparse(const tinygltf::Model& model, const tinygltf::Accessor& accessor,
     throw GltfDamage("an accessor has sparse values that make no sense");
   const std::uint64_t count = std::uint64_t(sparse.count);
   const std::uint64_t size = sizeOfComponent(accessor.componentType) * std::uint64_t(vectors.width);
-  const Elements places = elementsOf(model, sparse.indices.bufferView, size_t(sparse.indices.byteOffset), 0,
-                                     sizeOfComponent(sparse.indices.componentType), count);
+  const Elements indices = elementsOf(model, sparse.indices.bufferView, size_t(sparse.indices.byteOffset), 0,
+                                      sizeOfComponent(sparse.indices.componentType), count);
   const Elements values =
       elementsOf(model, sparse.values.bufferView, size_t(sparse.values.byteOffset), 0, size, count);
   for (size_t i = 0; i < count; ++i) {
-    const std::uint32_t place = indexAt(places.at(i), sparse.indices.componentType);
-    if (place >= vectors.count()) throw GltfDamage("an accessor has sparse values beyond its end");
-    copyVector(values.at(i), accessor, normalise, &vectors.values[place * size_t(vectors.width)],
+    const std::uint32_t index = indexAt(indices.at(i), sparse.indices.componentType);
+    if (index >= vectors.count()) throw GltfDamage("an accessor has sparse values beyond its end");
+    copyVector(values.at(i), accessor, normalise, &vectors.values[index * size_t(vectors.width)],
                vectors.width);
   }
 }

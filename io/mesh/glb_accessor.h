@@ -25,16 +25,17 @@ struct GltfVectors {
   const float* at(size_t i) const { return values.data() + i * size_t(width); }
 };
 
-/// Any component type; whole numbers that are marked as normalised, or all with `normalise`, are divided by the
-/// largest of their type; sparse values are put in. Throws GltfDamage where there are not `count` vectors of
-/// at least `width` numbers, or where they reach beyond their buffer.
+/// Reads an accessor of any component type as floats. Integers that the accessor marks as normalised, or all
+/// integers with `normalise`, are divided by the largest value of their type; sparse values are applied.
+/// Throws GltfDamage where there are not `count` vectors of at least `width` numbers, or where they reach
+/// beyond their buffer.
 GltfVectors readGltfVectors(const tinygltf::Model& model, int accessor, size_t count, int width,
                             bool normalise = false);
 
-/// Whole numbers from 0, as the corners of faces are. Throws GltfDamage.
+/// Reads an accessor of unsigned integers, for example the corners of faces. Throws GltfDamage.
 std::vector<std::uint32_t> readGltfIndices(const tinygltf::Model& model, int accessor);
 
-/// Throws GltfDamage where there is no such accessor.
+/// Number of elements of an accessor. Throws GltfDamage where there is no such accessor.
 size_t countOfGltf(const tinygltf::Model& model, int accessor);
 
 }  // namespace slicemorph

@@ -14,7 +14,8 @@ namespace {
 
 using openvdb::Vec3s;
 
-/// Extensions that change where points are; a file that needs one of these would be read as another shape.
+/// Extensions that change where points are. Files that require one of them are refused: they would be read
+/// as another shape.
 constexpr const char* kNotRead[] = {"KHR_draco_mesh_compression", "EXT_meshopt_compression",
                                     "EXT_mesh_gpu_instancing"};
 
@@ -24,7 +25,7 @@ std::uint32_t wordAt(std::string_view bytes, size_t at) {
   return value;
 }
 
-/// Sizes of the file and its chunks, before anybody believes them.
+/// Checks the sizes that the header and the chunks state before they are used. Throws IoError.
 void checkGlb(const std::string& path, std::string_view bytes) {
   if (bytes.size() < 12 || bytes.substr(0, 4) != "glTF") refuse(path, "is no binary glTF file");
   const std::uint64_t size = wordAt(bytes, 8);
@@ -35,7 +36,7 @@ void checkGlb(const std::string& path, std::string_view bytes) {
     if (at + 8 + wordAt(bytes, at) > size) refuse(path, "is damaged: a chunk reaches beyond the end");
 }
 
-/// Textures are not read, so pictures are not unpacked.
+/// Image loader that decodes nothing, since textures are not read.
 bool passOverImage(tinygltf::Image*, const int, std::string*, std::string*, int, int, const unsigned char*,
                    int, void*) {
   return true;
@@ -55,45 +56,49 @@ tinygltf::Model loadModel(const std::string& path, std::string_view bytes) {
   refuse(path, "cannot be read as glTF: " + (problem.empty() ? "it is damaged" : problem));
 }
 
-/// A node's place in the world: linear * p + shift.
-struct Placement {
+/// An affine map of points: linear * p + shift.
+struct NodeTransform {
   Mat3d linear = Mat3d::identity();
   Vec3d shift{0, 0, 0};
 
   Vec3d apply(const Vec3d& p) const { return linear * p + shift; }
-  Placement after(const Placement& inner) const { return {linear * inner.linear, apply(inner.shift)}; }
+  NodeTransform after(const NodeTransform& inner) const {
+    return {linear * inner.linear, apply(inner.shift)};
+  }
 };
 
-/// glTF 2.0, section 3.5.3: a matrix in columns, or translation, rotation (a unit quaternion) and scale.
-Placement placementOf(const tinygltf::Node& node) {
-  Placement place;
+/// From a node's space to its parent's. glTF 2.0, section 3.5.3: a column-major matrix, or translation,
+/// rotation (a unit quaternion) and scale.
+NodeTransform localTransformOf(const tinygltf::Node& node) {
+  NodeTransform local;
   if (node.matrix.size() == 16) {
     for (int c = 0; c < 3; ++c)
-      for (int r = 0; r < 3; ++r) place.linear(r, c) = node.matrix[size_t(4 * c + r)];
-    place.shift = Vec3d(node.matrix[12], node.matrix[13], node.matrix[14]);
-    return place;
+      for (int r = 0; r < 3; ++r) local.linear(r, c) = node.matrix[size_t(4 * c + r)];
+    local.shift = Vec3d(node.matrix[12], node.matrix[13], node.matrix[14]);
+    return local;
   }
   if (node.rotation.size() == 4) {
     const double x = node.rotation[0], y = node.rotation[1], z = node.rotation[2], w = node.rotation[3];
-    place.linear = Mat3d(1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w),  //
+    local.linear = Mat3d(1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w),  //
                          2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w),  //
                          2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y));
   }
   if (node.scale.size() == 3)
     for (int c = 0; c < 3; ++c)
-      for (int r = 0; r < 3; ++r) place.linear(r, c) *= node.scale[size_t(c)];
+      for (int r = 0; r < 3; ++r) local.linear(r, c) *= node.scale[size_t(c)];
   if (node.translation.size() == 3)
-    place.shift = Vec3d(node.translation[0], node.translation[1], node.translation[2]);
-  return place;
+    local.shift = Vec3d(node.translation[0], node.translation[1], node.translation[2]);
+  return local;
 }
 
-/// Corners of the faces of a primitive in the order of the file; of points and lines only how many there are.
+/// Triangles of a primitive, by the indices of their corners; points and lines are only counted.
 struct Faces {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   size_t skipped = 0;
 };
 
-/// glTF 2.0, section 3.7.2.1.
+/// Splits a primitive into triangles. `mode` below 0: not stated, which means triangles (glTF
+/// 2.0, section 3.7.2.1).
 Faces facesOf(int mode, const std::vector<std::uint32_t>& corners) {
   Faces faces;
   const size_t n = corners.size();
@@ -115,7 +120,7 @@ Faces facesOf(int mode, const std::vector<std::uint32_t>& corners) {
   return faces;
 }
 
-/// Colours of a primitive's points, those of the material multiplied in.
+/// Colours of a primitive's points, multiplied by its material's base colour.
 struct GlbColors {
   std::optional<GltfVectors> ofPoints;
   std::optional<Vec3s> ofMaterial;
@@ -133,9 +138,9 @@ class GlbReader {
 
   /// Walks the nodes without recursion: a hostile file may nest them deeply, or in a circle.
   StoredMesh read() {
-    std::vector<std::pair<int, Placement>> open;
+    std::vector<std::pair<int, NodeTransform>> open;
     const std::vector<int> roots = rootNodes();
-    for (size_t i = roots.size(); i-- > 0;) open.emplace_back(roots[i], Placement());
+    for (size_t i = roots.size(); i-- > 0;) open.emplace_back(roots[i], NodeTransform());
     std::vector<bool> seen(model_.nodes.size(), false);
     while (!open.empty()) {
       const auto [index, parent] = open.back();
@@ -146,7 +151,7 @@ class GlbReader {
       if (seen[size_t(index)]) throw GltfDamage("node " + std::to_string(index) + " has several parents");
       seen[size_t(index)] = true;
       const tinygltf::Node& node = model_.nodes[size_t(index)];
-      const Placement toWorld = parent.after(placementOf(node));
+      const NodeTransform toWorld = parent.after(localTransformOf(node));
       if (node.mesh >= 0) addMesh(node, toWorld);
       for (size_t i = node.children.size(); i-- > 0;) open.emplace_back(node.children[i], toWorld);
     }
@@ -156,7 +161,7 @@ class GlbReader {
   }
 
  private:
-  /// Of the scene that is shown; of a file without scenes all that are no children.
+  /// Root nodes of the default scene; of a file without scenes, all nodes that are no other node's child.
   std::vector<int> rootNodes() const {
     if (!model_.scenes.empty()) {
       const size_t scene = model_.defaultScene >= 0 ? size_t(model_.defaultScene) : 0;
@@ -173,7 +178,7 @@ class GlbReader {
     return roots;
   }
 
-  void addMesh(const tinygltf::Node& node, const Placement& toWorld) {
+  void addMesh(const tinygltf::Node& node, const NodeTransform& toWorld) {
     if (size_t(node.mesh) >= model_.meshes.size())
       throw GltfDamage("it refers to mesh " + std::to_string(node.mesh) + ", it has " +
                        std::to_string(model_.meshes.size()));
@@ -184,7 +189,7 @@ class GlbReader {
   }
 
   void addPrimitive(const tinygltf::Primitive& primitive, const std::vector<double>& weights,
-                    const Placement& toWorld) {
+                    const NodeTransform& toWorld) {
     const auto position = primitive.attributes.find("POSITION");
     if (position == primitive.attributes.end()) return;  // glTF 2.0: nothing is to be drawn
     const size_t count = countOfGltf(model_, position->second), first = stored_.mesh.points.size();
@@ -201,7 +206,7 @@ class GlbReader {
     addFaces(faces, first, count, colorsOf(primitive, count));
   }
 
-  /// The points as the file shows them at rest: morph targets by their default weights.
+  /// Points in the node's space, with morph targets applied by their default weights.
   GltfVectors posed(const tinygltf::Primitive& primitive, int accessor, const std::vector<double>& weights,
                     size_t count) {
     GltfVectors points = readGltfVectors(model_, accessor, count, 3);
@@ -217,7 +222,7 @@ class GlbReader {
     return points;
   }
 
-  void addPoints(const GltfVectors& points, const Placement& toWorld) {
+  void addPoints(const GltfVectors& points, const NodeTransform& toWorld) {
     for (size_t i = 0; i < points.count(); ++i) {
       const float* p = points.at(i);
       stored_.mesh.points.emplace_back(toWorld.apply(Vec3d(p[0], p[1], p[2])));
@@ -241,7 +246,7 @@ class GlbReader {
     stored_.textured |= material.pbrMetallicRoughness.baseColorTexture.index >= 0;
     if (base.size() < 3) return colors;
     const Vec3s color{float(base[0]), float(base[1]), float(base[2])};
-    // Clay is what our own files without colours are shown in.
+    // The material "clay" of our own files (glb_writer.cpp) only says how to show a mesh without colours.
     if (color != Vec3s(1.f) && material.name != "clay") colors.ofMaterial = color;
     return colors;
   }

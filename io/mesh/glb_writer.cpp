@@ -20,8 +20,8 @@ using Points = std::vector<Vec3s>;
 static_assert(sizeof(Vec3s) == 12 && sizeof(openvdb::Vec3I) == 12,
               "vectors are written as they lie in memory");
 
-/// Unit normals of the points, of the faces around them by area. A point without a face of any area has
-/// `instead`'s.
+/// Unit vertex normals: the mean of the adjacent triangles' normals, weighted by area. A vertex without a
+/// triangle of any area takes its normal of `instead`, or +Z where that is null.
 Points normalsOf(const std::vector<openvdb::Vec3I>& triangles, const Points& points, const Points* instead) {
   std::vector<Vec3d> sums(points.size(), Vec3d(0.0));
   for (const openvdb::Vec3I& t : triangles) {
@@ -47,7 +47,7 @@ std::string frameName(size_t frame) {
   return name;
 }
 
-/// Colours as glTF has them, each from 0 to 1.
+/// Colours clamped to 0 to 1, as glTF requires.
 Points within01(Points colors) {
   for (Vec3s& c : colors)
     for (int i = 0; i < 3; ++i) c[i] = std::clamp(c[i], 0.f, 1.f);
@@ -58,7 +58,8 @@ bool colorsChange(const MovingMesh& m) {
   return std::any_of(m.colors.begin(), m.colors.end(), [&](const Points& c) { return c != m.colors[0]; });
 }
 
-/// Every vertex three floats for place and three for the normal, in each frame, and three for its colours.
+/// Bytes of indices and vertices: per vertex and frame three floats for the position and three for the
+/// normal; three for the colour, in each frame only where colours change.
 double sizeOf(const std::vector<MovingMesh>& meshes) {
   double bytes = 0;
   for (const MovingMesh& m : meshes) {
@@ -138,8 +139,9 @@ class GlbBuilder {
   std::vector<unsigned char>& bytes_() { return model_.buffers[0].data; }
   std::vector<int>& parent_() { return hasRoot_ ? model_.nodes[0].children : model_.scenes[0].nodes; }
 
-  /// Neutral clay, or "colors": white, which leaves the points' own as they are. glTF's own default is a
-  /// metal.
+  /// Index of a material, which is made where it is missing: "clay", a neutral brown chosen by eye, or
+  /// "colors", white, which shows vertex colours unchanged. Both are rough and not metallic; glTF's default
+  /// is a metal.
   int materialOf(const std::string& name) {
     for (size_t i = 0; i < model_.materials.size(); ++i)
       if (model_.materials[i].name == name) return int(i);
@@ -189,7 +191,7 @@ class GlbBuilder {
                        TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
   }
 
-  /// `bounded`: with the smallest and largest value, as places must have.
+  /// `bounded`: state the smallest and largest value, which glTF requires of positions.
   int addVectors(const Points& vectors, bool bounded) {
     const int index = addAccessor(vectors.data(), vectors.size() * 12, vectors.size(), TINYGLTF_TYPE_VEC3,
                                   TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TARGET_ARRAY_BUFFER);
@@ -208,7 +210,7 @@ class GlbBuilder {
                        TINYGLTF_COMPONENT_TYPE_FLOAT, 0);
   }
 
-  /// Seconds of frames, in order.
+  /// Adds the times of frames, in seconds, ascending. Returns the accessor.
   int addTimes(const std::vector<size_t>& frames) {
     std::vector<float> times;
     for (size_t frame : frames) times.push_back(float(double(frame) / framesPerSecond_));
@@ -263,7 +265,7 @@ class GlbBuilder {
   tinygltf::Animation animation_;
 };
 
-/// `name`: for messages.
+/// `name`: names the file in error messages.
 void write(const std::vector<MovingMesh>& meshes, double framesPerSecond, const GlbSpace& space,
            const std::string& name, std::ostream& stream) {
   const auto nothing = [](const MovingMesh& m) { return m.triangles.empty(); };

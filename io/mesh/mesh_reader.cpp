@@ -8,7 +8,7 @@
 namespace slicemorph {
 namespace {
 
-/// The importer holds some ten times a file's size.
+/// Bytes. Assimp takes some ten times a file's size of memory.
 constexpr std::uint64_t kLargestMeshFile = std::uint64_t(2) << 30;
 
 }  // namespace

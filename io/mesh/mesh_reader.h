@@ -10,22 +10,25 @@ namespace slicemorph {
 /// A mesh as a file holds it, in world space (the node transforms of a GLB applied).
 struct StoredMesh {
   PolygonMesh mesh;
-  size_t points = 0, faces = 0;  ///< in the file, where it states them; `mesh` may have more or fewer points
+  size_t points = 0, faces = 0;  ///< as the file counts them; `mesh` may have more or fewer points
   size_t skipped = 0;            ///< points and lines, which have no surface
-  bool endsInLine = false;       ///< a text file whose last line has no end: maybe cut short
+  bool endsInLine = false;       ///< a text file whose last line has no newline: maybe cut short
   std::string colorsOf;          ///< what has colours: "points", "faces", "materials"; empty: nothing
   bool textured = false;         ///< with textures, which are not read
-  Notes notes = {};              ///< what else was not taken as the file has it
+  Notes notes = {};              ///< what else was changed or left out
 };
 
-/// Reads a mesh of any format of the table. Colours: of PLY the points' own, else the faces'; of OBJ the points'
-/// own, else each material's Kd (none without an .mtl); of GLB COLOR_0 times the material's baseColorFactor.
-/// Parts without one are white where others have one. Numbers are the file's, whole ones divided by the
-/// largest of their type: PLY and OBJ files tend to hold sRGB, GLB linear values, and neither is converted.
-/// Throws IoError: missing, empty, truncated, damaged, points or colours that are not finite.
+/// Reads a mesh of any format of the table. Colours: of PLY the points' own, else the faces'; of OBJ the
+/// points' own, else each material's Kd (none without an .mtl); of GLB COLOR_0 times the material's
+/// baseColorFactor. Parts without a colour are white where others have one. Values are the file's, integers
+/// divided by the largest value of their type: PLY and OBJ files tend to hold sRGB, GLB linear values, and
+/// neither is converted.
+/// Throws IoError for a file that is missing, empty, truncated or damaged, or whose points or colours
+/// are not finite.
 StoredMesh readPolygons(const InputSpec& input);
 
-/// The closed surface of a mesh that was read. Throws GeometryError and IoError naming `path`.
+/// Repairs a mesh to a closed surface. Throws, naming `path`, GeometryError where repairMesh does, and
+/// IoError for a surface with holes in a file that seems cut short (`endsInLine`).
 RepairedMesh closeSurface(const std::string& path, const StoredMesh& stored);
 
 }  // namespace slicemorph

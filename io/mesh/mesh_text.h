@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-/// What the checks and readers of mesh files share.
+/// Helpers that the checks and readers of mesh files share.
 namespace slicemorph {
 
 [[noreturn]] inline void refuse(const std::string& path, const std::string& why) { throw IoError(path, why); }
@@ -20,7 +20,7 @@ namespace slicemorph {
   refuse(path, "is truncated: " + why);
 }
 
-/// `face`, `point`: from 0.
+/// `face`, `point`: indices from 0; the message counts from 1.
 [[noreturn]] inline void refuseCorner(const std::string& path, size_t face, std::uint64_t point,
                                       size_t points) {
   refuse(path, "face " + std::to_string(face + 1) + " refers to point " + std::to_string(point + 1) +
@@ -58,7 +58,7 @@ class Text {
   size_t lineNumber() const { return line_; }
   std::string_view rest() const { return rest_; }
 
-  /// The next line without its end; lines joined by a backslash at the end come one by one.
+  /// The next line without its newline. Lines that a backslash continues are not joined.
   std::string_view line() {
     const size_t end = rest_.find('\n');
     const std::string_view result = rest_.substr(0, end);
@@ -82,8 +82,8 @@ class Text {
   size_t line_ = 0;
 };
 
-/// False where a token does not begin with a number. One that is out of range is one: the value stays what it was, so give
-/// it a value before.
+/// False where a token does not begin with a number. A number that is out of range counts as one but leaves
+/// `value` unchanged, so initialise it.
 template <typename Number>
 bool parse(std::string_view token, Number& value) {
   if (!token.empty() && token.front() == '+') token.remove_prefix(1);
@@ -91,7 +91,8 @@ bool parse(std::string_view token, Number& value) {
   return result.ec == std::errc() || result.ec == std::errc::result_out_of_range;
 }
 
-/// A count of a header; what no file of this size can hold is refused at once.
+/// Parses a count of a header. Throws IoError where it is no number or more than a file of `fileSize`
+/// bytes can hold.
 inline std::uint64_t parseCount(const std::string& path, std::string_view token, const char* what,
                                 size_t fileSize) {
   std::uint64_t count = 0;

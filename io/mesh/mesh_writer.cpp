@@ -19,7 +19,7 @@ namespace {
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
               "binary PLY and STL are written as they lie in memory");
 
-/// One line of text, used again for the next.
+/// Builds one line of text after the other in the same memory.
 class Line {
  public:
   Line& begin(char kind) {

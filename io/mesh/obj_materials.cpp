@@ -11,7 +11,8 @@ namespace {
 namespace fs = std::filesystem;
 using openvdb::math::Vec3s;
 
-/// Missing ones are left out.
+/// The .mtl files that a `mtllib` line names (see readMaterialColors), without those that are
+/// missing or empty.
 std::vector<std::string> filesOf(const std::string& objPath, const std::string& named) {
   const auto isThere = [](const fs::path& path) {
     std::error_code error;
@@ -26,7 +27,7 @@ std::vector<std::string> filesOf(const std::string& objPath, const std::string& 
   return files;
 }
 
-/// `Kd r g b`, or `Kd r` for a grey. False for the other ways to give a colour, spectra and CIE XYZ.
+/// Parses what follows `Kd`: `r g b`, or `r` for a grey. False for colours given as spectra or CIE XYZ.
 bool readColor(Text tokens, Vec3s& color) {
   if (!parse(tokens.token(), color[0])) return false;
   const std::string_view second = tokens.token();

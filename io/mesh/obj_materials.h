@@ -7,9 +7,9 @@
 
 namespace slicemorph {
 
-/// Diffuse colours (Kd) by the names of the materials that have one, of the .mtl files that an OBJ names, as
-/// far as they are there. `named`: what stands behind its `mtllib` words: a name, which may have spaces, or
-/// several. Throws IoError for colours that are not finite.
+/// Reads the diffuse colours (Kd) of the .mtl files that an OBJ names; missing files are left out. `named`:
+/// for each `mtllib` line the text after that word: one name, which may have spaces, or several names. Throws
+/// IoError for colours that are not finite.
 MaterialColors readMaterialColors(const std::string& objPath, const std::vector<std::string>& named);
 
 }  // namespace slicemorph

@@ -8,7 +8,7 @@
 namespace slicemorph {
 namespace {
 
-/// More than any file that is read has room for.
+/// More than fit in a file of 2 GiB, the most that is read (mesh_reader.cpp).
 constexpr std::uint64_t kMostVertices = std::uint64_t(2) << 30;
 
 class ObjScan {
@@ -32,7 +32,7 @@ class ObjScan {
       if (kind == "mtllib") counts_.materialFiles.emplace_back(trimmed(tokens.rest()));
       if (kind == "usemtl") usesMaterials_ = true;
     }
-    // The importer gives faces without a material the file's last one.
+    // Assimp gives faces without a material the last one of the .mtl file.
     if (!usesMaterials_) counts_.materialFiles.clear();
     if (counts_.points == 0) refuse(path_, "holds no vertices: it is no OBJ mesh, or cut short");
     if (counts_.faces == 0) {

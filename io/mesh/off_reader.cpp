@@ -10,7 +10,7 @@ struct OffCounts {
   size_t points = 0, faces = 0;
 };
 
-/// The lines of an OFF file that hold something.
+/// Lines of an OFF file without comments; empty ones are skipped.
 class OffLines {
  public:
   explicit OffLines(std::string_view bytes) : text_(bytes) {}

@@ -13,7 +13,7 @@ std::uint64_t plyListLength(std::string_view bytes, bool bigEndian) {
   return value;
 }
 
-/// False where the body ends inside this element; `at`: where it begins, then where the next one does.
+/// False where the body ends inside this element. `at`: byte offset of the element, moved to the next one.
 bool skipBinary(std::string_view bytes, const PlyElement& element, bool bigEndian, std::uint64_t& at) {
   for (std::uint64_t i = 0; i < element.count; ++i) {
     for (const PlyProperty& property : element.properties) {

@@ -7,8 +7,8 @@
 
 namespace slicemorph {
 
-/// Throws IoError where a PLY file's body ends before all that its header announces; assimp, and most readers, make
-/// up the rest without a word. `bytes`: the whole file.
+/// Throws IoError where a PLY file's body ends before all that its header announces; assimp and most other
+/// readers silently make up the rest. `bytes`: the whole file.
 void checkPlyBody(const std::string& path, std::string_view bytes, const PlyHeader& header);
 
 }  // namespace slicemorph

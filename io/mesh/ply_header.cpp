@@ -5,7 +5,7 @@
 namespace slicemorph {
 namespace {
 
-/// Of size 0 where there is no such type.
+/// The type of that name; of size 0 where there is none.
 PlyType typeOf(std::string_view name) {
   if (name == "char" || name == "int8") return {1, false, true};
   if (name == "uchar" || name == "uint8") return {1, false, false};

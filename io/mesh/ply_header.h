@@ -15,8 +15,8 @@ struct PlyType {
 
 struct PlyProperty {
   std::string name;
-  PlyType count;  ///< of a list's length; of size 0: it is no list
-  PlyType type;   ///< of the value, or of one item of the list
+  PlyType count;  ///< type of a list's length; of size 0: it is no list
+  PlyType type;   ///< type of the value, or of one item of the list
   bool isList() const { return count.size > 0; }
 };
 
@@ -32,7 +32,8 @@ struct PlyHeader {
   size_t size = 0;                   ///< bytes up to the body
 };
 
-/// `bytes`: a whole file. Throws IoError naming `path` for a header that is cut short or damaged.
+/// Parses the header. `bytes`: a whole file. Throws IoError naming `path` for a header that is cut
+/// short or damaged.
 PlyHeader readPlyHeader(const std::string& path, std::string_view bytes);
 
 }  // namespace slicemorph

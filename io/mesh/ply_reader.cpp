@@ -15,7 +15,7 @@ using openvdb::Vec3s;
 
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "binary PLY is read as it lies in memory");
 
-/// The numbers of a PLY file's body, front to back.
+/// Reads the numbers of a PLY file's body one after the other.
 class PlyNumbers {
  public:
   PlyNumbers(const std::string& path, std::string_view bytes, const PlyHeader& header)
@@ -59,11 +59,11 @@ class PlyNumbers {
 
 enum class PlyRole { kPosition, kColor, kCorners, kOther };
 
-/// What a property is to a mesh; of positions and colours, which of the three numbers.
+/// The meaning of a property for a mesh.
 struct PlyPart {
   PlyRole role = PlyRole::kOther;
-  int axis = 0;
-  double scale = 1;  ///< of colours: what their numbers are multiplied with
+  int axis = 0;      ///< component of a position or colour
+  double scale = 1;  ///< of colours: factor that brings their numbers to 0 to 1
 };
 
 PlyPart partOf(const PlyProperty& property) {
@@ -136,7 +136,7 @@ class PlyReader {
       const PlyProperty& property = element.properties[i];
       const PlyPart& part = parts[i];
       if (property.isList()) {
-        // Counts are never below 0, whatever their type says.
+        // Counts are never negative, so they are read as unsigned even where their type is signed.
         for (double items = numbers_.next({property.count.size, false, false}); items > 0; --items) {
           const double item = numbers_.next(property.type);
           if (part.role == PlyRole::kCorners) corners_.push_back(item);
@@ -163,7 +163,7 @@ class PlyReader {
     mesh.faceStarts.push_back(std::uint32_t(mesh.corners.size()));
   }
 
-  /// Strips end at a number below 0; every second triangle is wound the other way.
+  /// A negative index ends a strip; every second triangle of a strip is wound the other way round.
   void addStrips() {
     for (size_t i = 0, first = 0; i < corners_.size(); ++i) {
       if (corners_[i] < 0) first = i + 1;
@@ -200,10 +200,10 @@ class PlyReader {
 
 }  // namespace
 
-/// Any of the three formats, any number types, faces and triangle strips. Colours are the points' own, else the
-/// faces' (strips have none and are white among them); whole numbers are divided by the largest of their type.
-/// What else the file holds is passed over. (Assimp reads no colours of faces, and garbage where an element that
-/// it does not know comes before the points.)
+/// Reads text and binary PLY of either byte order, any number types, faces and triangle strips. Colours are
+/// the points' own, else the faces' (strips have none and are white then); integers are divided by the
+/// largest value of their type. Everything else is ignored. (Assimp reads no colours of faces, and reads
+/// garbage where an element that it does not know comes before the points.)
 StoredMesh readPly(const std::string& path, std::string_view bytes) {
   const PlyHeader header = readPlyHeader(path, bytes);
   checkPlyBody(path, bytes, header);

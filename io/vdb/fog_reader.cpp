@@ -11,11 +11,11 @@
 namespace slicemorph {
 namespace {
 
-/// In the order in which they are looked for.
+/// Grids that are drawn with a density; the first that is found is taken.
 constexpr const char* kHeatNames[] = {"flame", "flames", "fire", "heat", "temperature"};
 constexpr const char* kColourNames[] = {"color", "Cd"};
 
-/// The density, null where the grid is none.
+/// The grid as a density; null where it is not fog. Throws GeometryError for values that are not finite.
 FloatGrid::ConstPtr readDensity(const VdbFile& file, size_t index, const std::string& path) {
   const openvdb::GridBase::Ptr header = file.readHeader(index);
   if (!header || header->getGridClass() == openvdb::GRID_LEVEL_SET) return nullptr;
@@ -31,8 +31,8 @@ FloatGrid::ConstPtr readDensity(const VdbFile& file, size_t index, const std::st
   return grid;
 }
 
-/// The fog of a density with what else is drawn. `find(name)`: a grid, null where there is none that can be
-/// drawn.
+/// A density with the heat and colour grids that are drawn with it. `find(name)`: the grid of that
+/// name, or null.
 template <typename Find>
 Fog withDrawn(const FloatGrid::ConstPtr& density, const Find& find) {
   Fog fog;

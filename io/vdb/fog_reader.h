@@ -8,17 +8,17 @@
 
 namespace slicemorph {
 
-/// What a renderer needs of an input that is fog (`file.vdb`, `file.vdb:grid`): the density, which is the
-/// grid named or the one that loadObject takes; with it the first of `flame`, `flames`, `fire`, `heat` and
-/// `temperature` that the file has as a scalar grid (an empty flame says that nothing burns), and `color` or
-/// `Cd`. None for inputs that are no fog, and for files without density whose other grids may be shapes.
-/// Throws IoError and InputError as loadObject, and InputError for a density with values that are not finite.
+/// Reads what the renderer needs of a fog input (`file.vdb`, `file.vdb:grid`): the density, which is the grid
+/// named or the first that loadObject tries; the first of `flame`, `flames`, `fire`, `heat` and `temperature`
+/// that the file has as a scalar grid (an empty one means that nothing burns); and `color` or `Cd`. None for
+/// inputs that are not fog. Throws IoError and InputError as loadObject does, and GeometryError for a density
+/// with values that are not finite.
 std::optional<Fog> readFog(const InputSpec& input);
 
-/// The same of grids in memory, whose density is known.
+/// The same from grids in memory, of which `density` is the density.
 Fog fogOf(const openvdb::GridBase::ConstPtr& density, const openvdb::GridCPtrVec& grids);
 
-/// Whether a grid of this name is drawn beside the density.
+/// Whether a grid of this name is drawn with the density.
 bool isDrawn(const std::string& name);
 
 }  // namespace slicemorph

@@ -14,7 +14,8 @@ openvdb::GridBase::Ptr headerOrNull(const VdbFile& file, size_t index) {
   }
 }
 
-/// By the statistics in a grid's header: nearly all of its box is active.
+/// Whether nearly all of the grid's box is active, by the statistics in its header. A narrow band fills a
+/// small part of its box, the domain of a simulation all of it; 90 % is far from both.
 bool isDense(const openvdb::GridBase& grid) {
   const auto count = grid.getMetadata<openvdb::Int64Metadata>(openvdb::GridBase::META_FILE_VOXEL_COUNT);
   const auto low = grid.getMetadata<openvdb::Vec3IMetadata>(openvdb::GridBase::META_FILE_BBOX_MIN);

@@ -9,7 +9,8 @@
 namespace slicemorph {
 namespace {
 
-/// `density[1]` is the second grid named density: the part before the bracket.
+/// A grid's name without the number that VdbEntry adds: `density[1]`, the second grid named
+/// density, is `density`.
 std::string plainName(const VdbEntry& entry) {
   const size_t bracket = entry.name.rfind('[');
   const bool numbered = bracket != std::string::npos && bracket > 0 && entry.name.back() == ']' &&
@@ -26,7 +27,7 @@ openvdb::GridBase::ConstPtr headerOf(const VdbFile& file, size_t index) {
 
 GridSets pairGrids(const std::vector<LoadedObject>& inputs, bool onlyNamed) {
   GridSets result;
-  std::map<std::pair<std::string, int>, size_t> known;  // name and occurrence
+  std::map<std::pair<std::string, int>, size_t> known;  // name and occurrence to the index of a set
   std::vector<std::string> types;
   for (size_t k = 0; k < inputs.size(); ++k) {
     if (!inputs[k].file) continue;

@@ -12,25 +12,27 @@ namespace slicemorph {
 /// Grids of one name, one per input, that are morphed into each other.
 struct GridSet {
   std::string name;
-  std::vector<std::optional<size_t>> index;  ///< per input: in its file; none where it has no such grid
+  std::vector<std::optional<size_t>> index;  ///< per input: index in its file; none where it has no such grid
 };
 
-/// All that the files of several inputs hold.
+/// The grids of several inputs' files, paired.
 struct GridSets {
   std::vector<GridSet> sets;  ///< in the order of the first input's file, then of the others'
   Notes notes;                ///< what cannot be morphed and why, one sentence each
 };
 
-/// Pairs the grids of the inputs by name, the second of several of one name with the second. Left out, with a
-/// note: grids of types that cannot be carried, and those whose type differs from the first input's of that
-/// name. `onlyNamed`: of inputs whose grid was named (`file.vdb:grid`) that one alone.
+/// Pairs the grids of the inputs by name; of several of one name, the second is paired with the second and so
+/// on. Left out, with a note: grids of types that cannot be morphed, and grids whose type differs from that
+/// of the first input that has this name. `onlyNamed`: of inputs whose grid was named (`file.vdb:grid`) take
+/// that grid alone.
 GridSets pairGrids(const std::vector<LoadedObject>& inputs, bool onlyNamed = false);
 
-/// The set that the inputs' shapes make: their own grids whatever their names, named after the first.
+/// The set of the grids that the inputs' shapes were read from where these are fog, whatever their names; it
+/// is named after the first of them.
 GridSet shapeSet(const std::vector<LoadedObject>& inputs);
 
-/// A set's grids, one per input, null where it has none. Values are read when they are looked at. Throws
-/// IoError.
+/// A set's grids, one per input, null where it has none. Voxels are loaded when they are first
+/// accessed. Throws IoError.
 std::vector<openvdb::GridBase::ConstPtr> readGrids(const GridSet& set,
                                                    const std::vector<LoadedObject>& inputs);
 

@@ -13,13 +13,15 @@ namespace {
 
 namespace vdb = openvdb::io;
 
+/// Entries of a node at each level of OpenVDB's usual tree (log2 of the sides: 5, 4, 3), and the voxels along
+/// a side of a child of the root.
 constexpr size_t kUpper = 32 * 32 * 32, kLower = 16 * 16 * 16, kLeaf = 8 * 8 * 8;
 constexpr std::int32_t kRootStep = 4096;
 
 template <size_t N>
 using Mask = std::bitset<N>;
 
-/// blosc adds at most 16 bytes, zlib some per mille, to what does not shrink.
+/// Upper bound of a compressed size: to incompressible data blosc adds at most 16 bytes and zlib about 0.1 %.
 constexpr std::uint64_t mostCompressed(std::uint64_t bytes) { return bytes + bytes / 64 + 64; }
 
 class TreeWalker {
@@ -35,7 +37,7 @@ class TreeWalker {
       origin(i > 0);
       upperNode();
     }
-    // Values of the leaves follow all of the topology, each behind a copy of its mask.
+    // The leaves' values follow the topology of the whole tree, each after a copy of the leaf's mask.
     for (const std::uint16_t active : leaves_) {
       walker_.skip(kLeaf / 8);
       values(active, kLeaf);
@@ -49,7 +51,7 @@ class TreeWalker {
     for (std::int32_t v : at) {
       if (v % kRootStep != 0) throw Damaged("its tree is damaged");
     }
-    // OpenVDB writes them in order and loses one that comes twice.
+    // OpenVDB writes origins in ascending order; of two equal ones its reader would lose one.
     if (hasLast && !(last_ < at)) throw Damaged("its tree is damaged");
     last_ = at;
   }
@@ -75,7 +77,7 @@ class TreeWalker {
     for (size_t i = children.count(); i > 0; --i) leaves_.push_back(std::uint16_t(mask<kLeaf>().count()));
   }
 
-  /// What readCompressedValues of openvdb/io/Compression.h reads.
+  /// Skips what readCompressedValues of openvdb/io/Compression.h reads.
   void values(size_t active, size_t all) {
     const auto kind = walker_.number<std::int8_t>();
     if (kind < vdb::NO_MASK_OR_INACTIVE_VALS || kind > vdb::NO_MASK_AND_ALL_VALS)
@@ -92,7 +94,7 @@ class TreeWalker {
   void chunk(std::uint64_t bytes) {
     if (!(storage_.compression & (vdb::COMPRESS_BLOSC | vdb::COMPRESS_ZIP))) return walker_.skip(bytes);
     if (bytes == 0 && storage_.storedSize < storage_.valueSize)
-      return;  // half floats: nothing is stored for none
+      return;  // half floats: of no values not even the size is stored
     const auto stored = walker_.number<std::int64_t>();
     const std::uint64_t size = stored < 0 ? std::uint64_t(0) - std::uint64_t(stored) : std::uint64_t(stored);
     if (stored <= 0 ? size != bytes : size > mostCompressed(bytes)) throw Damaged("its values are damaged");
@@ -117,7 +119,7 @@ void Walker::load(void* target, std::uint64_t count) {
 
 void Walker::skip(std::uint64_t count) {
   take(count);
-  // A seek throws away what the stream has read ahead.
+  // A seek discards the stream's buffer, so short parts are read over.
   if (count < 1 << 16) {
     stream_.ignore(std::streamsize(count));
   } else {

@@ -6,13 +6,13 @@
 
 namespace slicemorph {
 
-/// A file whose sizes contradict each other; the message says how, without the file's name.
+/// A file that is damaged or cannot be understood; the message does not name it.
 struct Damaged : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Steps over parts of a stream without believing their sizes: none may reach beyond `size`, the whole
-/// stream's.
+/// Steps through parts of a stream whose sizes the file states. Throws Damaged where a part would reach
+/// beyond `size`, the size of the whole stream in bytes.
 class Walker {
  public:
   Walker(std::istream& stream, std::uint64_t size);
@@ -42,9 +42,10 @@ struct TreeStorage {
   std::uint32_t compression = 0;  ///< flags of openvdb::io
 };
 
-/// Walks a tree from its topology to its last value and throws Damaged where a size does not fit. OpenVDB's
-/// reader reads "uncompressed" chunks of whatever length the file states over the end of its buffers before
-/// it compares. For files of version 222 or later; the stream stands at the topology.
+/// Walks a tree from its topology to its last value and throws Damaged where a size does not fit.
+/// (OpenVDB's reader copies "uncompressed" chunks of whatever length the file states, beyond the end of its
+/// buffers, before it compares the sizes.) For files of version 222 or later; the stream must be at the
+/// start of the topology.
 void checkTree(Walker& walker, const TreeStorage& storage);
 
 }  // namespace slicemorph

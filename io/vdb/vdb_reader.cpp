@@ -21,14 +21,16 @@ namespace {
 using openvdb::GridBase;
 using openvdb::io::GridDescriptor;
 
-/// Since this version of the format a grid begins with its compression flags.
+// Versions of the format as openvdb/version.h numbers them
+// (SELECTIVE_COMPRESSION, GRID_INSTANCING, NODE_MASK_COMPRESSION).
+/// Since this version a grid begins with its compression flags.
 constexpr unsigned kFirstWithGridCompression = 220;
 /// Since this version a descriptor holds the name of the grid whose tree it shares.
 constexpr unsigned kFirstWithInstances = 216;
 /// Since this version inactive values are left out; the trees of older files are not checked.
 constexpr unsigned kFirstWithMasks = 222;
 
-/// The parts of OpenVDB's reader that take any stream.
+/// Reads a file's parts through the members of OpenVDB's Archive that take any stream.
 class Reader : public openvdb::io::Archive {
  public:
   Reader(const std::string& path, std::uint64_t size) : stream_(path, std::ios::binary), size_(size) {
@@ -77,7 +79,7 @@ class Reader : public openvdb::io::Archive {
     return descriptor;
   }
 
-  /// OpenVDB's own reader of descriptors refuses a file with one grid of a type that it does not know.
+  /// Instead of OpenVDB's own function, which refuses a whole file for one grid of an unknown type.
   GridDescriptor readNames() {
     constexpr std::string_view kHalf = "_HalfFloat";
     const std::string name = openvdb::readString(stream_);
@@ -122,7 +124,7 @@ class Reader : public openvdb::io::Archive {
     return grid;
   }
 
-  /// Returns where the grid starts. Throws where it is damaged.
+  /// Returns where the grid starts. Throws Damaged.
   std::istream::pos_type checkGrid(const GridDescriptor& descriptor) {
     if (hasOffsets()) descriptor.seekToGrid(stream_);
     const auto start = stream_.tellg();
@@ -151,7 +153,7 @@ class Reader : public openvdb::io::Archive {
     return grid;
   }
 
-  /// How values of the types that are checked are stored; false for any other.
+  /// Sets `storage` for the value types that are checked; false for any other.
   static bool storageOf(const GridBase& grid, TreeStorage& storage) {
     using Types = openvdb::TypeList<FloatGrid, openvdb::DoubleGrid, openvdb::Vec3SGrid, openvdb::Vec3DGrid,
                                     openvdb::Vec3IGrid, openvdb::Int32Grid, openvdb::Int64Grid>;
@@ -163,7 +165,7 @@ class Reader : public openvdb::io::Archive {
     });
   }
 
-  /// The stream stands behind the grid's transform.
+  /// The stream must be right after the grid's transform.
   void checkTreeOf(const GridBase& grid) {
     TreeStorage storage;
     if (version() < kFirstWithMasks || !storageOf(grid, storage)) return;
@@ -178,12 +180,12 @@ class Reader : public openvdb::io::Archive {
   openvdb::io::StreamMetadata::Ptr metadata_;
 };
 
-/// What is being read, and how messages say that it cannot be.
+/// What error messages are about, and how they say that it failed.
 struct Attempt {
   std::string about, failure;
 };
 
-/// Runs `action`; whatever OpenVDB, Boost or the library throw becomes an IoError.
+/// Runs `action`; whatever OpenVDB, Boost or the standard library throw becomes an IoError.
 template <typename Action>
 auto guarded(const Attempt& attempt, const Action& action) {
   const auto fail = [&](const std::string& why) {
@@ -258,7 +260,7 @@ struct VdbFile::Impl {
   }
 
   GridBase::Ptr readDelayed(size_t index) const {
-    // OpenVDB's own files, which alone read with delay, have to know all types.
+    // Only openvdb::io::File can read with delay, and it has to know the types of all grids of the file.
     const bool known = std::all_of(descriptors.begin(), descriptors.end(), [](const GridDescriptor& d) {
       return GridBase::isRegistered(d.gridType());
     });
@@ -274,7 +276,7 @@ struct VdbFile::Impl {
     return streamed.empty() ? Reader(path, size).readWhole(descriptors.at(index)) : streamed.at(index);
   }
 
-  /// The tree of an instance is another grid's.
+  /// Reads a grid; an instance gets the tree of the grid that it shares one with.
   GridBase::Ptr readConnected(size_t index) const {
     const GridBase::Ptr grid = readOwn(index);
     if (!descriptors[index].isInstance()) return grid;

@@ -18,8 +18,8 @@ namespace {
 
 constexpr const char* kCreator = "slicemorph 0.1.0";
 
-/// In the file: magic number (8), file version (4), library version (2 x 4), grid offsets (1), then the
-/// identifier.
+/// Byte offset and length of the file's identifier. Before it: magic number (8 bytes), file version (4),
+/// library version (2 x 4) and whether there are grid offsets (1).
 constexpr size_t kIdentifierAt = 21, kIdentifierSize = 36;
 
 class Writer : public openvdb::io::Archive {
@@ -28,7 +28,7 @@ class Writer : public openvdb::io::Archive {
   using openvdb::io::Archive::write;
 };
 
-/// FNV-1a of all that comes in, in two runs started differently.
+/// Two 64-bit FNV-1a hashes of the same bytes, with different start values: 128 bits.
 class Hash {
  public:
   void add(std::string_view bytes) {
@@ -52,7 +52,8 @@ class Hash {
   std::array<std::uint64_t, 2> halves_{0xcbf29ce484222325ULL, 0x84222325cbf29ce4ULL};
 };
 
-/// The grid with the tree of the one given and metadata of its own.
+/// A grid that shares the tree of `grid`, with our creator and without the statistics that
+/// OpenVDB writes anew.
 openvdb::GridBase::Ptr stamped(const openvdb::GridBase& grid) {
   const openvdb::GridBase::Ptr copy = openvdb::ConstPtrCast<openvdb::GridBase>(grid.copyGrid());
   for (const char* name :

@@ -1,4 +1,4 @@
-// What a morph refuses, and that the message says what would be right.
+// Inputs that a morph refuses; messages must say what would be right.
 #include "engine/check_objects.h"
 #include "slicemorph/errors.h"
 #include "tests/support/shapes.h"
@@ -17,7 +17,7 @@ FloatGrid::Ptr ball(const Vec3d& centre = {0, 0, 0}) {
   return shapes::levelSet(shapes::sphere(centre, 1), shapes::cube(centre, 1), kVoxel);
 }
 
-/// What a call throws of type E; empty where it throws nothing of it.
+/// The message of the E that a call throws; empty where it throws none.
 template <typename E>
 std::string refusal(const std::function<void()>& call) {
   try {
@@ -32,7 +32,7 @@ void expectSays(const std::string& message, const std::vector<std::string>& part
   for (const std::string& part : parts) EXPECT_NE(message.find(part), std::string::npos) << message;
 }
 
-/// A ball that something is done to, as any input of a morph.
+/// A ball that `spoil` makes invalid is refused as any input of a morph, also as an inner surface.
 void expectRefused(const std::function<void(FloatGrid&)>& spoil, const std::vector<std::string>& says) {
   const FloatGrid::Ptr bad = ball();
   spoil(*bad);
@@ -58,7 +58,7 @@ TEST(CheckObjects, VoxelsMustBeCubesAlongTheAxes) {
                 {"'bad.vdb'", "0.1, 0.1, 0.2", "along all axes"});
   expectRefused([](FloatGrid& grid) { grid.transform().postRotate(0.5, openvdb::math::Z_AXIS); },
                 {"'bad.vdb'", "x axis points along (0.87", "the world's"});
-  // As large along all axes, but one runs backwards.
+  // Equal sizes along all axes, but one axis is reversed.
   expectRefused([](FloatGrid& grid) { grid.transform().preScale(Vec3d(1, -1, 1)); },
                 {"'bad.vdb'", "y axis points along (0, -1, 0)"});
 }
@@ -75,14 +75,14 @@ TEST(CheckObjects, DistancesMustBeFinite) {
 
 TEST(CheckObjects, LevelSetsByTheConventionsPass) {
   EXPECT_NO_THROW(checkLevelSet(*ball(), "ball"));
-  // Beside the world's origin, between voxel centres, and rounded as a file in single precision rounds.
+  // Moved by fractions of a voxel, and with sizes rounded as in a file with single precision.
   const FloatGrid::Ptr moved = ball();
   moved->transform().postTranslate({1e3, -0.03, 0.01});
   moved->transform().preScale(Vec3d(1, 1 + 1e-7, 1 - 1e-7));
   EXPECT_NO_THROW(checkLevelSet(*moved, "moved"));
 }
 
-/// Then every overlap is no number, and no turn is better than another.
+/// With infinite directions every overlap would be NaN, and no turn better than another.
 TEST(CheckObjects, DirectionsMustBeFinite) {
   const double infinite = std::numeric_limits<double>::infinity();
   const Object a{"a", ball()},
@@ -107,8 +107,7 @@ TEST(CheckObjects, ObjectsThatAreNotThereHaveNoPoints) {
              {"no object 7", "there are 2"});
 }
 
-/// Nothing of one object overlaps anything of the other, whatever the matching does: each then fades where it
-/// is.
+/// Objects that overlap nowhere, whatever the matching does: each fades at its own position.
 TEST(CheckObjects, ObjectsThatNeverMeetCanBePlanned) {
   MorphOptions options;
   options.align = Align::kNone;

@@ -1,5 +1,5 @@
-// What an artist says: points, lines and disks that correct a match. Legs at 128 voxels along the longest side, for
-// they are thin; what is told by points at 64.
+// Features prescribed by an artist: points, lines and disks that correct a match. Legs are tested at 128
+// voxels along the longest side, since they are thin, points at 64.
 #include "engine/measure/measure.h"
 #include "engine/volume/voxelise.h"
 #include "slicemorph/slicemorph.h"
@@ -28,7 +28,7 @@ Object quadruped(const Swing& swing, double voxels) {
   return {"quadruped", shapes::levelSet(shapes::quadruped(swing), shapes::quadrupedBox(), 1.9 / voxels)};
 }
 
-/// Two lines a leg: from the hip to the knee and from the knee to the foot.
+/// Two lines per leg: from the hip to the knee and from the knee to the foot.
 std::vector<Feature> legLines(const Swing& a, const Swing& b) {
   std::vector<Feature> lines;
   for (int leg = 0; leg < 4; ++leg)
@@ -42,7 +42,7 @@ std::vector<Feature> legLines(const Swing& a, const Swing& b) {
   return lines;
 }
 
-/// Legs that swing by 50 degrees and cross keep apart at all of 25 times.
+/// Legs that swing by 50 degrees and cross stay separate at all 25 times.
 TEST(Features, LinesKeepFourLegs) {
   const Swing still{0, 0, 0, 0}, running{50, -50, 50, -50};
   const Object a = quadruped(still, 128), b = quadruped(running, 128);
@@ -56,7 +56,7 @@ TEST(Features, LinesKeepFourLegs) {
     const InBetween frame = plan.frame({1 - t, t});
     const ShapeMeasures m = measureShape(*frame.surface);
     const double volume = m.volume / ((1 - t) * volumeA + t * volumeB);
-    // Where the legs have left the body, half way down, and above the highest feet.
+    // Sections below the body, half way down the legs, and above the highest feet.
     const int upper = sectionParts(*frame.surface, 2, 0.2), middle = sectionParts(*frame.surface, 2, 0.1),
               low = sectionParts(*frame.surface, 2, 0.0);
     std::printf("  t %.3f: pieces %d, genus %d, legs %d, %d and %d, volume %.3f, fold %.4f\n", t, m.pieces,
@@ -84,7 +84,7 @@ Feature point(const std::string& name, const Vec3d& a, const Vec3d& b) {
   return {name, Feature::Kind::kPoint, {{a}, {b}}};
 }
 
-/// The shapes alone say thick to thick. Three points say that one's thick end is the other's thin one.
+/// The shapes alone match thick end to thick end. Three points prescribe thick end to thin end.
 TEST(Features, ThreePointsTurnAMatchRound) {
   const Object a = fish(1), b = fish(1);
   const Object thinNose = {"thin nose", fish(-1).levelSet};
@@ -108,7 +108,7 @@ TEST(Features, ThreePointsTurnAMatchRound) {
   EXPECT_LE(half.foldShare, 0.001);
 }
 
-/// One that lies on the spine of both, three times: points in a line say which way round, too.
+/// Three points on the spine of both: points on one line also decide which end is which.
 TEST(Features, PointsInALineTurnItToo) {
   const Object a = fish(1), b = {"thin nose", fish(-1).levelSet};
   MorphOptions options;
@@ -134,7 +134,7 @@ TEST(Features, AFarOneChangesNothing) {
   }
 }
 
-/// Two that go crosswise: a warning names both, and nothing folds.
+/// Two points whose paths cross: a warning names both, and nothing folds.
 TEST(Features, ContradictionsAreNamed) {
   const Object a = fish(1), b = quadruped({0, 0, 0, 0}, 64);
   MorphOptions options;
@@ -157,8 +157,8 @@ TEST(Features, ContradictionsAreNamed) {
   }
 }
 
-/// A disk says where a section is and how wide: the neck of one goes to the neck of the other, elsewhere
-/// along it.
+/// A disk prescribes the position and width of a section: the waist of one bar moves to that of the other, at
+/// another position along it.
 TEST(Features, ADiskMovesASection) {
   const auto bar = [](double neck) {
     const Distance shape = [=](const Vec3d& p) {

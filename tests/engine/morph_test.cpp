@@ -1,6 +1,6 @@
-// The pipeline against closed forms: what half way between two known shapes must be. Tolerances are those the
-// project promises, in voxels of the frame, at 128 voxels along the longest side; all tests ask them at the 256 of the
-// promise, too, and so does a bar that turns every day.
+// The pipeline against closed forms: the in-betweens of two known shapes. Tolerances are those that the
+// project promises, in voxels of the frame. Shapes have 128 voxels along the longest side; with
+// SLICEMORPH_ALL_TESTS, and always for one turning bar, the 256 of the promise.
 #include "engine/measure/measure.h"
 #include "engine/spine/chart.h"
 #include "engine/volume/voxelise.h"
@@ -67,8 +67,8 @@ TEST(Morph, SphereTravelsWhole) {
   }
 }
 
-/// A bar with three different sides, turned, moved and scaled: half way it is turned, moved and scaled by
-/// half.
+/// A bar with three different sides that is turned, moved and scaled: half way it must be turned, moved and
+/// scaled by half.
 void expectBarTurns(double degrees, const Vec3d& axis, const Vec3d& offset, double scale, double voxels) {
   const Vec3d half(1, 0.32, 0.21);
   const Distance bar = shapes::box(half, 0.05);
@@ -89,7 +89,8 @@ TEST(Morph, BarTurnsBy30MovedAndScaled) {
 }
 TEST(Morph, BarTurnsBy75MovedAndScaled) { expectBarTurns(75, {1, 2, 3}, {0.7, -1.3, 0.4}, 1.7, 256); }
 
-/// The lattice's margin is a share of the objects' size: of large voxels the band reaches beyond it.
+/// The lattice's margin is a share of the objects' size, so with large voxels the narrow band
+/// reaches beyond it.
 void expectWholeBand(double voxels) {
   const double h = 2 / voxels;
   const Distance bar = shapes::box({1, 0.32, 0.21}, 0.05);
@@ -110,8 +111,8 @@ void expectWholeBand(double voxels) {
                                  openvdb::Coord::ceil((middle + reach) / h));
     for (auto c = box.begin(); c; ++c) {
       const double d = truth(h * (*c).asVec3d());
-      // A voxel less than the half width: the surface is met to one voxel. Outside, as the bar is thinner
-      // than its band.
+      // One voxel less than the half width, since the surface is met to one voxel; outside only, since the
+      // bar is thinner than its band.
       missing += d > 0 && d < (kHalfWidth - 1) * h && !accessor.isValueOn(*c);
       wrongSide += std::abs(d) > h && (accessor.getValue(*c) < 0) != (d < 0);
     }
@@ -123,8 +124,8 @@ void expectWholeBand(double voxels) {
 TEST(Morph, BandOfLargeVoxelsIsWhole) { expectWholeBand(48); }
 TEST(Morph, BandOfVeryLargeVoxelsIsWhole) { expectWholeBand(24); }
 
-/// By 120 degrees a bar alone could as well have turned another way; one with four knobs could not. They lie
-/// opposite each other, so that the middle stays where it is.
+/// A plain bar turned by 120 degrees could also have turned another way by its symmetry; one with four knobs
+/// could not. They are in opposite pairs, so that the centroid stays the same.
 TEST(Morph, UnsymmetricBarTurnsBy120) {
   const Distance body = shapes::box({1, 0.32, 0.21}, 0.05);
   const Distance shape = [=](const Vec3d& p) {
@@ -165,10 +166,10 @@ TEST(Morph, SphereOpensIntoATorusOnce) {
 /// Two lumpy shapes without symmetry, for the tests of stability.
 Distance lumpy(int seed) {
   std::mt19937 random(seed);
-  std::uniform_real_distribution<double> place(-0.45, 0.45), size(0.2, 0.4);
+  std::uniform_real_distribution<double> coordinate(-0.45, 0.45), size(0.2, 0.4);
   std::vector<std::pair<Vec3d, double>> balls{{{0, 0, 0}, 0.6}};
   for (int i = 0; i < 5; ++i) {
-    const Vec3d centre(1.4 * place(random), place(random), place(random));
+    const Vec3d centre(1.4 * coordinate(random), coordinate(random), coordinate(random));
     balls.emplace_back(centre, size(random));
   }
   return [=](const Vec3d& p) {
@@ -182,7 +183,7 @@ FloatGrid::Ptr lumpyGrid(int seed) {
   return shapes::levelSet(lumpy(seed), shapes::cube({0, 0, 0}, 1.2), 2.0 / 128);
 }
 
-/// From one to the other, made once for the tests that ask it.
+/// The plan between two lumpy shapes, made once for several tests.
 const MorphPlan& lumpyPlan() {
   static const MorphPlan plan({object(lumpyGrid(1)), object(lumpyGrid(2))});
   return plan;
@@ -200,8 +201,8 @@ TEST(Morph, EndFramesAreTheInputs) {
   const MorphPlan& plan = lumpyPlan();
   EXPECT_TRUE(sameValues(*plan.frame(at(0)).surface, *a));
   EXPECT_TRUE(sameValues(*plan.frame(at(1)).surface, *b));
-  // And the in-betweens arrive there: just beside the end the surface moves only by what linear interpolation
-  // rounds off the creases: up to half a voxel.
+  // In-betweens converge to the ends: very near to one the surface differs only by what linear interpolation
+  // rounds off at creases, up to half a voxel.
   const SurfaceDistance d = surfaceDistance(surfaceOf(*plan.frame(at(1e-4)).surface), surfaceOf(*a));
   EXPECT_LE(d.max, 0.5 * a->voxelSize()[0]);
 }

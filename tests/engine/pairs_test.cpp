@@ -30,25 +30,25 @@ const std::filesystem::path kMeshes = kSource / ".." / "shared" / "data" / "mesh
 struct Pair {
   const char* from;
   const char* to;
-  bool sameSize = true;  ///< else volumes and changes are compared free of size
+  bool sameSize = true;  ///< else volumes and changes are compared relative to the size
   int limbs = 0;         ///< that every in-between must have: legs, arms, neck or head, tail
   double section =
-      0;  ///< height of a horizontal section (y is up), of the whole, that must show `legs` parts
+      0;  ///< height (share of the whole, y is up) of a horizontal section that must have `legs` parts
   int legs = 0;
-  bool again = false;  ///< of a kind that another pair stands for
+  bool again = false;  ///< similar to another pair, so left out of the short tests
 };
 
 class RealPair : public testing::TestWithParam<Pair> {};
 class OwnPair : public testing::TestWithParam<Pair> {};
 
-/// How a pair is looked at.
+/// Resolution in space and time.
 struct Effort {
   double voxels = 256;  ///< along the longest side
   int times = 11;
 };
 
-/// The vertices of a mesh that are on the solid it bounds. Folds of skin that overlap themselves (the man's
-/// groin, the horse's mouth) and slits narrower than a voxel lie inside it and are no surface of it.
+/// The vertices of a mesh on the surface of the solid that it bounds. Self-overlapping folds (the man's
+/// groin, the horse's mouth) and slits narrower than a voxel are inside the solid and left out.
 std::vector<openvdb::Vec3s> visiblePoints(const Mesh& mesh, const FloatGrid::ConstPtr& solid) {
   const DistanceField field(solid);
   std::vector<openvdb::Vec3s> points;
@@ -58,7 +58,7 @@ std::vector<openvdb::Vec3s> visiblePoints(const Mesh& mesh, const FloatGrid::Con
   return points;
 }
 
-/// Mean and 99th percentile of the symmetric distance, and the largest distance each way, in voxels.
+/// Checks mean and 99th percentile of the symmetric distance, and the largest distance each way, in voxels.
 void expectEndFrame(const FloatGrid::ConstPtr& frame, const std::string& path) {
   const Mesh input = closeSurface(path, readPolygons(parseInput(path))).mesh, output = surfaceOf(*frame);
   const std::vector<openvdb::Vec3s> visible = visiblePoints(input, frame);
@@ -74,8 +74,8 @@ void expectEndFrame(const FloatGrid::ConstPtr& frame, const std::string& path) {
   EXPECT_LE(both.mean / h, 0.1) << path;
   EXPECT_LE(both.p99 / h, 0.5) << path;
   EXPECT_LE(toInput, 1.5) << path;
-  // Rims and tips thinner than a voxel do not exist at this resolution: there the input stands out by up to
-  // the band's half width. What stands out further would be a lost part.
+  // Rims and tips thinner than a voxel do not exist at this resolution: there the input is up to the band's
+  // half width away. Anything farther away would be a lost part.
   EXPECT_LE(toOutput, kHalfWidth) << path;
 }
 
@@ -144,7 +144,7 @@ TEST_P(OwnPair, StaysOneSolidThing) {
   expectOneSolidThing(GetParam(), kSource / "assets", {allTests() ? 256.0 : 128.0, allTests() ? 25 : 9});
 }
 
-// Where sizes differ, the largest change over the mean is printed and not judged: it follows the size.
+// Where sizes differ, the largest change over the mean is only printed, since it depends on the size.
 INSTANTIATE_TEST_SUITE_P(Assets, OwnPair,
                          testing::Values(Pair{"creature.ply", "amphora.ply", false},
                                          Pair{"ring.ply", "creature.ply", false},
@@ -157,7 +157,7 @@ INSTANTIATE_TEST_SUITE_P(Meshes, RealPair,
                                          Pair{"fandisk.obj", "armadillo.obj", false, 0, 0, 0, true},
                                          Pair{"stanford-bunny.obj", "armadillo.obj", false}));
 
-/// Two models that stand upright, and a place on the head or the tail of each, read off the meshes.
+/// Two upright models, and a position on the head or the tail of each, read off the meshes.
 struct Facing {
   const char* from;
   Vec3d there;
@@ -165,8 +165,8 @@ struct Facing {
   Vec3d here;
 };
 
-/// What looks another way is turned round: heads meet heads, and not tails. Spot's head is .44 of its length
-/// from the nose to the horns; its tail is a whole length off.
+/// Models that face different directions are turned so that heads meet heads, not tails. Spot's head measures
+/// 0.44 of its length from the nose to the horns; its tail is a whole length away.
 TEST(Facing, RealHeadsMeet) {
   const Vec3d horseNose(0, 0.812, 0.484), spotNose(0, 0.301, -0.669), bunnyNose(-0.095, 0.124, 0.02);
   for (const Facing& pair :
@@ -187,8 +187,8 @@ TEST(Facing, RealHeadsMeet) {
   }
 }
 
-/// A standing animal that looks along z or, `ahead` -1, against it: neck, head, tail, four legs. Then all is
-/// turned.
+/// A standing animal that faces along z (`ahead` 1) or against it (-1), with neck, head, tail and four legs;
+/// rotated by `turned` in the end.
 Object animal(double ahead, double legs, double thick, double neck, const Mat3d& turned) {
   const auto at = [&](double x, double y, double z) { return Vec3d(x, y, ahead * z); };
   std::vector<shapes::Distance> parts{
@@ -204,7 +204,7 @@ Object animal(double ahead, double legs, double thick, double neck, const Mat3d&
                            openvdb::BBoxd(Vec3d(-0.6, -1.6, -1.6), Vec3d(0.6, 1.6, 1.6)), 2.0 / 64)};
 }
 
-/// Whichever axis is said to be up.
+/// With either axis given as up.
 TEST(Facing, StandingAnimalsTurnTheirHeads) {
   const Vec3d nose(0, 0.45, 0.75 + 0.3 + 0.11), tail(0, -0.2, -0.85);
   const Vec3d stoutNose(0, 0.25, -(0.75 + 0.18 + 0.165)), stoutTail(0, -0.2, 0.85);
@@ -222,8 +222,8 @@ TEST(Facing, StandingAnimalsTurnTheirHeads) {
   }
 }
 
-/// Turns about what is up are cheap, by the same angle about anything else dear; where nothing is up all are
-/// dear.
+/// Turns about the upright axis have a low price, turns by the same angle about others a high one; without an
+/// upright axis all have the high one.
 TEST(Facing, UprightTurnsAreCheap) {
   for (const Vec3d& up : {Vec3d(0, 1, 0), Vec3d(0, 0, 1), Vec3d(0, 3, 4)})
     for (double angle : {0.5, 1.5, 3.1}) {

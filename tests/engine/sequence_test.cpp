@@ -1,4 +1,4 @@
-// Plans from frame to frame of a sequence: what was decided holds, follows the objects, and makes no jumps.
+// Plans from frame to frame of a sequence: decisions are kept, follow the objects and cause no jumps.
 #include "engine/frame/track.h"
 #include "engine/measure/measure.h"
 #include "engine/volume/moments.h"
@@ -53,7 +53,7 @@ Distance bumpy() {
   });
 }
 
-/// Merged balls whose radii and places billow with `phase`.
+/// Smoothly merged balls whose radii and positions oscillate with `phase`.
 Distance cloud(unsigned seed, double phase) {
   struct Ball {
     Vec3d centre;
@@ -127,7 +127,8 @@ double popOf(const std::vector<MorphPlan>& plans, const Time& time) {
   return largest * double(plans.size() - 1) / sum;
 }
 
-/// What a sequence's plans make of it: the in-betweens while both play, and half way between them.
+/// Prints the jumps of a sequence of plans, with t running from 0 to 1 and with t held at 0.5, and the
+/// time of planning.
 void report(const char* name, const Plans& plans, double playing, double held) {
   std::printf("%s: largest jump over the mean %.2f playing, %.2f held half way; ", name, playing, held);
   std::printf("%.2f s for the first plan, %.2f for each other\n", plans.first, plans.next);
@@ -149,8 +150,8 @@ void reportAnew(const Sequence& a, const Sequence& b) {
   report("planned anew", plans, popOf(plans.frames, playing), popOf(plans.frames, held));
 }
 
-/// The larger by about as much as makes its shrinking even out what the other one's turn adds, frame for
-/// frame.
+/// An ellipsoid whose two longest axes swap. It is larger than the other shape by about as much as makes the
+/// change by shrinking balance, frame for frame, the change that the other's turn adds.
 Sequence crossing() {
   return sequence([](int i) { return ellipsoid({1.1 - 0.2 * i / 9, 0.9 + 0.2 * i / 9, 0.75}); });
 }
@@ -167,7 +168,7 @@ TEST(Sequence, BillowingClouds) {
   expectNoJumps(billowing(1), billowing(2));
 }
 
-// For comparison; too slow for every day.
+// For comparison; too slow to be run regularly.
 TEST(Sequence, DISABLED_PlannedAnew) {
   reportAnew(crossing(), turning());
   reportAnew(billowing(1), billowing(2));
@@ -185,13 +186,13 @@ const FloatGrid::Ptr& stillBar() {
   return grid;
 }
 
-/// From a bar to the same one elsewhere.
+/// A plan between a bar and the same bar at another position.
 const MorphPlan& firstPlan() {
   static const MorphPlan plan({object(bar(0)), object(stillBar())});
   return plan;
 }
 
-/// Of the longest axis about z, degrees, from -90 to 90.
+/// Direction of the longest axis about z, degrees, from -90 to 90.
 double directionOf(const FloatGrid::Ptr& grid) {
   const Mat3d axes = principalAxes(insideMoments(DistanceField(grid)).covariance).axes;
   return std::atan(axes(1, 0) / axes(0, 0)) * 180 / kPi;
@@ -214,7 +215,7 @@ TEST(Sequence, TurningBarIsFollowedTheLongWay) {
     EXPECT_NEAR(between(direction, 0.5 * degrees), 0, 1) << degrees << " degrees";
     before = direction;
   }
-  // Planned anew, it takes the shorter way: the bar turned by 100 degrees is the one turned by -80.
+  // A new plan takes the shorter turn: a bar turned by 100 degrees looks like one turned by -80.
   const MorphPlan anew({object(bar(100)), object(still)});
   EXPECT_NEAR(directionOf(anew.frame(at(0.5)).surface), -40, 1);
 }
@@ -278,13 +279,13 @@ TEST(Track, FollowsAMovedTurnedAndScaledBody) {
 }
 
 TEST(Track, RoundBodiesDoNotTurn) {
-  // Where the surfaces say nothing of a turn it is not a tenth of a degree, in 100 frames not ten.
+  // Where the surfaces do not determine a turn it must be below 0.1 degrees, so below 10 in 100 frames.
   EXPECT_LE(
       degreesOf(motionOf(shapes::sphere({0, 0, 0}, 0.8), shapes::sphere({0.01, 0.02, 0}, 0.83)).rotation),
       0.1);
   EXPECT_LE(degreesOf(motionOf(ellipsoid({0.9, 0.7, 0.7}), ellipsoid({0.87, 0.73, 0.7})).rotation), 0.1);
   EXPECT_LE(degreesOf(motionOf(ellipsoid({0.81, 0.79, 0.6}), ellipsoid({0.79, 0.81, 0.6})).rotation), 0.1);
-  // About its axis a body of revolution keeps still while it is tilted.
+  // A body of revolution does not turn about its axis while it is tilted.
   const Mat3d tilt = rotationFromVector({0, 0, 10 * kPi / 180});
   const Motion m =
       motionOf(ellipsoid({0.9, 0.5, 0.5}), shapes::placed(ellipsoid({0.9, 0.5, 0.5}), tilt, {0, 0, 0}));

@@ -75,7 +75,7 @@ TEST_F(Formats, InputsAreTakenApart) {
   EXPECT_THROW(parseInput("a.nii:"), InputError);
 }
 
-/// Whatever colons and # a name holds: a file that is there is that file.
+/// A file that exists is taken by its whole name, whatever colons and # are in it.
 TEST_F(Formats, WhatIsThereIsTakenAsItIs) {
   const std::string odd = write("x.vdb:y.vdb");
   EXPECT_EQ(parseInput(odd).path, odd);
@@ -130,7 +130,7 @@ TEST_F(Formats, EveryRowIsComplete) {
 
 TEST_F(Formats, ListsNameWhatThereIs) {
   EXPECT_EQ(readableList(Contents::kGrids), ".vdb");
-  // Meshes: these at least, so that a further one is not a line to change here.
+  // Meshes: at least these, so that this line need not change for a new format.
   const std::string meshes = readableList(Contents::kMesh, ", ");
   EXPECT_EQ(meshes.substr(0, 28), ".obj, .ply, .stl, .off, .glb");
   EXPECT_EQ(writableList(Contents::kMesh).substr(0, 19), ".obj .ply .stl .glb");
@@ -140,7 +140,8 @@ TEST_F(Formats, ListsNameWhatThereIs) {
   EXPECT_EQ(readableList(Contents::kContours), ".csl, a DICOM RT structure set");
 }
 
-/// A mesh that can be read names itself in messages; a name that nothing reads names all that can be.
+/// For an unknown extension the message lists all formats that can be read; for contours it says
+/// what they are.
 TEST_F(Formats, MessagesListTheTable) {
   try {
     loadObject(write("x.doc"));
@@ -161,7 +162,7 @@ TEST_F(Formats, MessagesListTheTable) {
 
 // ---------------------------------------------------------------- plug-ins
 
-/// The variable is read when a plug-in is first needed, so this comes before all that needs one.
+/// The variable is read when a plug-in is first needed, so this test has to come before others that need one.
 TEST_F(Formats, AMissingPluginIsNamedWithThePlacesLookedAt) {
   const std::string image = write("x.nrrd");
   ::setenv("SLICEMORPH_PLUGINS", file("nowhere").c_str(), 1);
@@ -185,7 +186,7 @@ TEST_F(Formats, AMissingPluginIsNamedWithThePlacesLookedAt) {
   try {
     readImage(image);
     ADD_FAILURE();
-  } catch (const IoError& error) {  // read, and found to be no image
+  } catch (const IoError& error) {  // the plug-in was loaded and found no image
     EXPECT_EQ(error.note().about, image);
   }
 }

@@ -57,7 +57,7 @@ class Io : public ::testing::Test {
   fs::path folder_;
 };
 
-/// A file of the shared real data; empty where it is not at hand (set SLICEMORPH_TEST_DATA to its folder).
+/// Path of a file of the shared real data (folder: SLICEMORPH_TEST_DATA); empty where it does not exist.
 std::string realFile(const std::string& name) {
   const char* folder = std::getenv("SLICEMORPH_TEST_DATA");
   const fs::path path = fs::path(folder ? folder : "/work/shared/data") / name;
@@ -68,7 +68,7 @@ std::string realFile(const std::string& name) {
   const std::string variable = realFile(name); \
   if (variable.empty()) GTEST_SKIP() << name << " is not at hand; set SLICEMORPH_TEST_DATA"
 
-/// The message of the Error that loading throws; what happened instead otherwise.
+/// The message of the Error that loading throws; else what happened instead.
 template <typename Error>
 std::string refusal(const std::string& input, const LoadOptions& options = {}) {
   try {
@@ -293,8 +293,8 @@ TEST_F(Io, MissingAndWrongInputsAreNamed) {
   EXPECT_HAS(refusal<InputError>(cube, options), "voxel size -1");
 }
 
-/// What an error is about is told apart from what it says, wherever it comes from: the file, a file that it names,
-/// the engine, which knows no files.
+/// An error's note names the file apart from the text, whether the error comes from the file, from a file
+/// that it names or from the engine, which knows no files.
 TEST_F(Io, ErrorsAreAboutTheFile) {
   const auto noteOf = [](const std::string& input, const LoadOptions& options = {}) {
     try {
@@ -315,7 +315,7 @@ TEST_F(Io, ErrorsAreAboutTheFile) {
   EXPECT_HAS(noteOf(cube, options).text, "voxel size of at least");
   write("m.mtl", "newmtl red\nKd 1 nan 0\n");
   EXPECT_EQ(noteOf(cube).about, file("m.mtl"));
-  // A folder whose name is in the message: the text decides nothing.
+  // The grid's name looks like the file's: what an error is about does not depend on its text.
   writeSurface(file("grid.vdb"), *ball());
   EXPECT_EQ(noteOf(file("grid.vdb") + ":grid.vdb").about, file("grid.vdb"));
 }
@@ -369,7 +369,7 @@ TEST_F(Io, GridsAreChosenByName) {
   };
   FloatGrid::Ptr far = FloatGrid::create(1e4f);
   far->fill(openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(9)), 1e4f);
-  far->tree().setValue(openvdb::Coord(60), 1e4f);  // so that it is no dense one, which comes last
+  far->tree().setValue(openvdb::Coord(60), 1e4f);  // keeps it from being dense: those are tried last
   const openvdb::DoubleGrid::Ptr doubles(new openvdb::DoubleGrid(*ball(1.5)));
   doubles->setName("double");
   const auto vectors = openvdb::Vec3SGrid::create();

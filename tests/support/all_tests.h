@@ -4,8 +4,8 @@
 
 namespace slicemorph {
 
-/// Whether every case is to be run: with SLICEMORPH_ALL_TESTS set. Without it some of many like cases are
-/// left out, to keep the tests below ten minutes.
+/// Whether SLICEMORPH_ALL_TESTS is set. Without it some cases that are similar to others are left out, to
+/// keep the tests below ten minutes.
 inline bool allTests() { return std::getenv("SLICEMORPH_ALL_TESTS") != nullptr; }
 
 }  // namespace slicemorph

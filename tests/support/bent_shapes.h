@@ -8,8 +8,8 @@
 /// Bars that bend and twist, by the closed form of a rigid motion of constant rate.
 namespace slicemorph::shapes {
 
-/// A spine of unit speed whose frame turns at a constant rate (about itself, about y, about z; radians per
-/// unit) on each of some pieces; s = 0 lies at the origin, along x.
+/// A spine of unit speed whose coordinate frame turns, on each piece, at a constant rate (about the tangent,
+/// y and z of the frame; radians per unit). At s = 0 it passes the origin along x.
 class Curl {
  public:
   struct Piece {
@@ -19,7 +19,7 @@ class Curl {
   explicit Curl(const Vec3d& rate) : pieces_{{-1e9, 1e9, rate}} {}
   explicit Curl(std::vector<Piece> pieces) : pieces_(std::move(pieces)) {}
 
-  /// Rates a share `t` of the way to another's; one of the two must be of one piece.
+  /// Rates interpolated linearly to another's at `t`; one of the two must have one piece only.
   Curl mixed(const Curl& to, double t) const {
     Curl result = pieces_.size() > 1 ? *this : to;
     for (size_t i = 0; i < result.pieces_.size(); ++i)
@@ -28,20 +28,21 @@ class Curl {
     return result;
   }
 
-  Vec3d place(const Vec3d& p) const {
+  /// Where a point of the straight shape (spine along x) lies on the bent one.
+  Vec3d apply(const Vec3d& p) const {
     const Eigen::Matrix4d m = at(p[0]);
     const Eigen::Vector4d w = m * Eigen::Vector4d(0, p[1], p[2], 1);
     return {w[0], w[1], w[2]};
   }
 
  private:
-  /// The frame's motion from s = 0 to s.
+  /// Rigid motion of the coordinate frame from s = 0 to s.
   Eigen::Matrix4d at(double s) const {
     Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
     const double sign = s < 0 ? -1 : 1;
-    std::vector<Piece> way = pieces_;
-    if (s < 0) std::reverse(way.begin(), way.end());
-    for (const Piece& p : way) {
+    std::vector<Piece> ordered = pieces_;
+    if (s < 0) std::reverse(ordered.begin(), ordered.end());
+    for (const Piece& p : ordered) {
       const double a = s < 0 ? std::min(p.to, 0.0) : std::max(p.from, 0.0);
       const double b = s < 0 ? std::max(p.from, s) : std::min(p.to, s);
       if (sign * (b - a) <= 0) continue;
@@ -59,7 +60,7 @@ class Curl {
 /// The mesh of a shape along x, bent.
 inline Mesh bent(const Mesh& straight, const Curl& curl) {
   Mesh mesh = straight;
-  for (auto& p : mesh.points) p = openvdb::Vec3s(curl.place(Vec3d(p)));
+  for (auto& p : mesh.points) p = openvdb::Vec3s(curl.apply(Vec3d(p)));
   return mesh;
 }
 

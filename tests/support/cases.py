@@ -1,4 +1,4 @@
-"""What the Python tests share: every case runs in a folder of its own and tells its verdict and its time."""
+"""Shared by the Python tests: runs each case in a folder of its own and prints its verdict and time."""
 import tempfile
 import time
 

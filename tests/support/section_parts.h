@@ -7,11 +7,11 @@
 
 namespace slicemorph {
 
-/// Separate parts of the inside on the section at `place` (world) across an axis.
-inline int sectionParts(const FloatGrid& grid, int axis, double place) {
+/// Number of connected parts of the inside on the plane at `position` (world units) along an axis.
+inline int sectionParts(const FloatGrid& grid, int axis, double position) {
   auto accessor = grid.getConstAccessor();
   openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
-  box.min()[axis] = box.max()[axis] = int(std::lround(place / grid.voxelSize()[0]));
+  box.min()[axis] = box.max()[axis] = int(std::lround(position / grid.voxelSize()[0]));
   std::set<openvdb::Coord> left;
   for (auto it = box.begin(); it; ++it)
     if (accessor.getValue(*it) < 0) left.insert(*it);

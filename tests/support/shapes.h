@@ -17,7 +17,7 @@ inline Distance sphere(const Vec3d& centre, double radius) {
   return [=](const Vec3d& p) { return (p - centre).length() - radius; };
 }
 
-/// Around the z axis.
+/// A torus around an axis along z.
 inline Distance torus(const Vec3d& centre, double ring, double tube) {
   return [=](const Vec3d& p) {
     const Vec3d q = p - centre;
@@ -25,8 +25,7 @@ inline Distance torus(const Vec3d& centre, double ring, double tube) {
   };
 }
 
-/// Half sides along x, y, z, with edges rounded by `round` (outside the box of the half sides less the
-/// rounding).
+/// A box about the origin with half sides along x, y, z, whose edges are rounded with the radius `round`.
 inline Distance box(const Vec3d& half, double round) {
   return [=](const Vec3d& p) {
     Vec3d q;
@@ -45,7 +44,7 @@ inline Distance capsule(const Vec3d& a, const Vec3d& b, double radius) {
   };
 }
 
-/// What is inside any of the parts.
+/// The union of the parts.
 inline Distance joined(const std::vector<Distance>& parts) {
   return [=](const Vec3d& p) {
     double d = 1e30;
@@ -54,14 +53,13 @@ inline Distance joined(const std::vector<Distance>& parts) {
   };
 }
 
-/// The shape scaled, then turned, then moved.
+/// The shape scaled, then rotated, then moved.
 inline Distance placed(const Distance& shape, const Mat3d& rotation, const Vec3d& offset, double scale = 1) {
   const Mat3d back = rotation.transpose();
   return [=](const Vec3d& p) { return scale * shape(back * (p - offset) / scale); };
 }
 
-/// Level set of a distance function inside `box` (world), visited leaf by leaf; `shift` of the grid in
-/// voxels.
+/// Level set of a distance function inside `box` (world units), with voxel size `h`.
 inline FloatGrid::Ptr levelSet(const Distance& distance, const openvdb::BBoxd& box, double h) {
   const float band = float(kHalfWidth * h);
   auto grid = FloatGrid::create(band);

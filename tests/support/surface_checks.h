@@ -9,11 +9,10 @@
 #include <tuple>
 #include <vector>
 
-/// Named checkers of surface meshes, shared by the tests. Each returns what is wrong first; empty: nothing
-/// is.
+/// Checkers of surface meshes, shared by the tests. Each returns the first fault; empty: there is none.
 namespace slicemorph::checks {
 
-/// Every edge in exactly two triangles, in opposite directions, and every point in exactly one fan.
+/// Every edge is in exactly two triangles, in opposite directions, and every point in exactly one fan.
 inline std::string closedAndManifold(const Mesh& mesh) {
   std::vector<std::pair<unsigned, unsigned>> edges;
   std::vector<std::vector<std::pair<unsigned, unsigned>>> sides(mesh.points.size());
@@ -67,7 +66,7 @@ inline double volumeOf(const Mesh& mesh) {
   return volume;
 }
 
-/// Bytes of an object's values, for comparison of results.
+/// The bytes of values, for comparing results.
 template <typename T>
 std::string bytesOf(const std::vector<T>& values) {
   return std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));

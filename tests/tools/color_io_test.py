@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Colours of meshes and VDBs in and out, against files made here by hand and distances to every triangle.
+"""Colours of meshes and VDBs, read and written, against files made here and brute-force distances.
 
 usage: color_io_test.py PATH/TO/slicemorph REPOSITORY [NAME...]     (NAME: only the cases whose name contains it)
 """
@@ -34,14 +34,15 @@ def run(*words, code=0):
 
 
 def scaled(color, kind):
-    """A colour of bytes as numbers of a type."""
+    """A colour given in bytes as numbers of a type."""
     letter, most = PLY_TYPES[kind]
     return [c / 255 * most if letter in "fd" else c * most // 255 for c in color]
 
 
 def ply(path, layout="ascii", kind="uchar", points=None, faces=None, odd=False, names=("red", "green", "blue"),
         vertices=POINTS, polygons=FACES):
-    """A PLY file with colours of bytes for points or faces or both; `odd`: with elements and lists in between."""
+    """A PLY file with byte colours of points, faces or both; `odd`: with
+    unknown elements and lists in between."""
     order = ">" if layout == "binary_big_endian" else "<"
     head, body = ["ply", "format %s 1.0" % layout, "comment made by hand"], []
 
@@ -82,7 +83,7 @@ def ply(path, layout="ascii", kind="uchar", points=None, faces=None, odd=False, 
 
 
 def obj(path, points=None, materials=None, library="m.mtl"):
-    """The cube; `materials`: a name a face, None for a face before any is named."""
+    """The cube; `materials`: one name per face, None for faces before any is named."""
     with open(path, "w") as out:
         if materials:
             out.write("mtllib %s\n" % library)
@@ -151,13 +152,13 @@ def active(grid):
 
 
 def read_colors(path):
-    """World places and colours of the grid Cd, which lies on the surface's voxels; the voxel size."""
+    """World positions and colours of the grid Cd, which has the surface's voxels; the voxel size."""
     surface, colors = vdb.read(path, "surface"), vdb.read(path, "Cd")
     assert surface.transform.voxelSize() == colors.transform.voxelSize()
-    places, values = active(colors)
-    assert np.array_equal(places, active(surface)[0]), "Cd is not on the surface's voxels"
+    positions, values = active(colors)
+    assert np.array_equal(positions, active(surface)[0]), "Cd is not on the surface's voxels"
     voxel = surface.transform.voxelSize()[0]
-    return places * voxel + np.array(surface.transform.indexToWorld((0, 0, 0))), values, voxel
+    return positions * voxel + np.array(surface.transform.indexToWorld((0, 0, 0))), values, voxel
 
 
 def grids_of(path):
@@ -165,14 +166,17 @@ def grids_of(path):
 
 
 def convert(path, *words):
-    """Voxelised; returns what read_colors does."""
+    """Voxelises a file; returns what read_colors does."""
     out = path + ".vdb"
     run("convert", path, "-o", out, "--resolution", RESOLUTION, *words)
     return read_colors(out)
 
 
 def nearest(points, a, b, c):
-    """Places of a triangle nearest to points, as weights of its corners (Ericson, Real-Time Collision Detection, 5.1.5)."""
+    """Points of a triangle nearest to given points, as weights of its corners.
+
+    Ericson, Real-Time Collision Detection, 5.1.5.
+    """
     ab, ac, ap, bp, cp = b - a, c - a, points - a, points - b, points - c
     d1, d2, d3, d4, d5, d6 = ap @ ab, ap @ ac, bp @ ab, bp @ ac, cp @ ab, cp @ ac
     va, vb, vc = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
@@ -191,20 +195,21 @@ def nearest(points, a, b, c):
     return result
 
 
-def check_nearest(places, colors, voxel, corner_colors, vertices=POINTS, polygons=FACES):
-    """Each voxel has the colour of a nearest place; there are several on the planes between faces. Polygons are fans."""
+def check_nearest(positions, colors, voxel, corner_colors, vertices=POINTS, polygons=FACES):
+    """Each voxel has the colour of a nearest surface point, of which
+    there may be several. Polygons are fans."""
     vertices = np.array(vertices, float)
     triangles = [(f, 0, k, k + 1) for f in range(len(polygons)) for k in range(1, len(polygons[f]) - 1)]
     distance, found = [], []
     for f, *corners in triangles:
         a, b, c = (vertices[polygons[f][k]] for k in corners)
-        weights = nearest(places, a, b, c)
-        distance.append(np.linalg.norm(weights @ np.array([a, b, c]) - places, axis=1))
+        weights = nearest(positions, a, b, c)
+        distance.append(np.linalg.norm(weights @ np.array([a, b, c]) - positions, axis=1))
         found.append(weights @ np.array([corner_colors(f, k) for k in corners], float))
     distance, found = np.array(distance), np.array(found)
     as_near = distance <= distance.min(0) + 1e-4 * voxel  # of single precision
     off = np.where(as_near, np.abs(found - colors).max(2), np.inf).min(0)
-    assert off.max() < 1e-4, (int(off.argmax()), places[off.argmax()], colors[off.argmax()], off.max())
+    assert off.max() < 1e-4, (int(off.argmax()), positions[off.argmax()], colors[off.argmax()], off.max())
 
 
 def of_points(f, k):
@@ -216,16 +221,16 @@ def of_faces(f, k):
 
 
 def case_ply_points(folder):
-    """All three formats and all types give the same colours, those of the nearest places."""
+    """All three formats and all types give the same colours, those of the nearest surface points."""
     first = None
     for layout in ("ascii", "binary_little_endian", "binary_big_endian"):
         for kind in PLY_TYPES:
             path = folder + "/%s_%s.ply" % (layout, kind)
             ply(path, layout, kind, points=CORNER_COLORS, odd=kind in ("uchar", "double"),
                 names=("diffuse_red", "diffuse_green", "diffuse_blue") if kind == "ushort" else ("red", "green", "blue"))
-            places, colors, voxel = convert(path)
+            positions, colors, voxel = convert(path)
             if first is None:
-                check_nearest(places, colors, voxel, of_points)
+                check_nearest(positions, colors, voxel, of_points)
                 first = colors
             assert np.abs(colors - first).max() < 1e-6, (layout, kind)
 
@@ -235,31 +240,31 @@ def case_ply_faces(folder):
         for kind in ("uchar", "ushort", "float"):
             path = folder + "/%s_%s.ply" % (layout, kind)
             ply(path, layout, kind, faces=FACE_COLORS, odd=kind != "ushort")
-            places, colors, voxel = convert(path)
-            check_nearest(places, colors, voxel, of_faces)
-            # Exactly the two colours: nothing is blended.
+            positions, colors, voxel = convert(path)
+            check_nearest(positions, colors, voxel, of_faces)
+            # Exactly the two colours, without blending.
             wanted = {tuple(np.float32(c) / np.float32(255) for c in color) for color in FACE_COLORS}
             assert {tuple(c) for c in colors} == wanted
-    # Faces of two corners, which have no surface, keep the count; those of points win.
+    # Faces of two corners have no surface but are counted; colours of points win over those of faces.
     ply(folder + "/line.ply", faces=[(9, 9, 9)] + FACE_COLORS, polygons=[(0, 1)] + FACES)
-    places, colors, voxel = convert(folder + "/line.ply")
-    check_nearest(places, colors, voxel, of_faces)
+    positions, colors, voxel = convert(folder + "/line.ply")
+    check_nearest(positions, colors, voxel, of_faces)
     ply(folder + "/both.ply", points=CORNER_COLORS, faces=FACE_COLORS)
     check_nearest(*convert(folder + "/both.ply"), of_points)
 
 
 def case_ply_strips(folder):
-    """A tetrahedron of two strips that come before its points and a face of a colour; strips are white."""
+    """A tetrahedron of two strips, stored before its points, and a coloured face; strips are white."""
     points = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
     text = ("ply\nformat ascii 1.0\nelement tristrips 1\nproperty list int int vertex_indices\nelement vertex 4\n"
             "property float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_index\n"
             "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n8 1 0 2 3 -1 1 2 3\n"
             + "".join("%d %d %d\n" % p for p in points) + "3 0 1 3 255 0 51\n")
     open(folder + "/s.ply", "w").write(text)
-    told = json.loads(run("info", folder + "/s.ply", "--json"))["mesh"]
-    assert told["closed"] and abs(told["signedVolume"] - 1 / 6) < 1e-6 and told["notes"] == [], told
-    places, colors, voxel = convert(folder + "/s.ply")
-    check_nearest(places, colors, voxel, lambda f, k: np.array([1, 0, 0.2]) if f == 3 else np.ones(3), points,
+    reported = json.loads(run("info", folder + "/s.ply", "--json"))["mesh"]
+    assert reported["closed"] and abs(reported["signedVolume"] - 1 / 6) < 1e-6 and reported["notes"] == [], reported
+    positions, colors, voxel = convert(folder + "/s.ply")
+    check_nearest(positions, colors, voxel, lambda f, k: np.array([1, 0, 0.2]) if f == 3 else np.ones(3), points,
                   [(1, 0, 2), (0, 3, 2), (1, 2, 3), (0, 1, 3)])
 
 
@@ -307,12 +312,12 @@ def case_glb(folder):
         assert grids_of(folder + "/plain.vdb") == ["surface"]
     # Of two parts the one without a colour is white.
     glb(folder + "/two.glb", [{"base": [*base, 1]}, {}])
-    places, colors, _ = convert(folder + "/two.glb")
-    assert np.array_equal(colors, np.where((places[:, 0] < 2)[:, None], base, 1).astype(np.float32))
+    positions, colors, _ = convert(folder + "/two.glb")
+    assert np.array_equal(colors, np.where((positions[:, 0] < 2)[:, None], base, 1).astype(np.float32))
 
 
 def case_one_color(folder):
-    """Exactly that colour in every voxel, at the holes that were filled too, and in what is made of it."""
+    """One colour is kept exactly in every voxel, also at filled holes, and in all outputs."""
     color = np.array([51, 102, 153])
     exact = (color / 255).astype(np.float32)
     # A ball of rings without its poles: two holes of 12 edges.
@@ -378,22 +383,22 @@ def read_glb(path):
 
 
 def case_writers(folder):
-    """Points of the output have the colours of the places of the cube that they are at."""
-    # The colour of a corner is its place: on the surface colour and place are the same.
+    """Points of the output have the colours of the cube's surface at their positions."""
+    # The colour of a corner is its position, so colours equal positions all over the surface.
     ply(folder + "/in.ply", points=[tuple(255 * x for x in p) for p in POINTS])
     voxel = 1 / RESOLUTION
     for name, read in (("out.ply", read_ply), ("out.obj", read_obj), ("out.glb", read_glb)):
         run("convert", folder + "/in.ply", "-o", folder + "/" + name, "--resolution", RESOLUTION)
         points, colors = read(folder + "/" + name)[:2]
         off = np.abs(colors / (255 if name == "out.ply" else 1) - points)
-        # Voxels beside an edge have the colour of the edge: one voxel, and the rounding to bytes.
+        # Voxels beside an edge have the colour of the edge: one voxel, and rounding to bytes.
         assert len(points) > 1000 and off.max() < voxel + 0.5 / 255, (name, off.max() / voxel)
         inner = ((points > 4 * voxel) & (points < 1 - 4 * voxel)).sum(1) == 2
         assert inner.sum() > 100 and off[inner].max() < 1e-4 + 0.5 / 255, (name, off[inner].max())
     assert read_glb(folder + "/out.glb")[2] == [1, 1, 1, 1]
     run("convert", folder + "/in.ply", "-o", folder + "/out.stl", "--resolution", RESOLUTION)
     assert json.loads(run("info", folder + "/out.stl", "--json"))["mesh"]["colors"] == ""
-    # Without colours nothing is new.
+    # Without colours nothing is added.
     ply(folder + "/none.ply")
     for name in ("none.vdb", "p.ply", "p.obj", "p.glb"):
         run("convert", folder + "/none.ply", "-o", folder + "/" + name, "--resolution", RESOLUTION)
@@ -403,7 +408,7 @@ def case_writers(folder):
 
 
 def case_range(folder):
-    """Beyond 0 to 1 the VDB and the OBJ keep what there is; bytes and glTF are cut off."""
+    """Values beyond 0 to 1 are kept in VDB and OBJ, and clamped in bytes and glTF."""
     path = folder + "/bright.ply"
     ply(path, kind="float", points=[(510, -51, 127.5)] * 8)
     assert np.array_equal(np.unique(convert(path)[1], axis=0), np.array([[2, -0.2, 0.5]], np.float32))
@@ -414,7 +419,7 @@ def case_range(folder):
 
 
 def ball_grids(folder, name, **colors):
-    """A level set of a ball with grids of colours beside it, each from a function of the world place."""
+    """A level set of a ball with grids of colours, each from a function of the world position."""
     voxel = 0.1
     surface = vdb.createLevelSetSphere(1.0, voxelSize=voxel)
     surface.name = "surface"
@@ -427,33 +432,33 @@ def ball_grids(folder, name, **colors):
         cells = int(np.ceil(1.5 / (voxel * scale)))
         for ijk in np.ndindex(*[2 * cells + 1] * 3):
             ijk = np.array(ijk) - cells
-            place = ijk * voxel * scale
-            if abs(np.linalg.norm(place) - 1) < reach:
-                accessor.setValueOn(tuple(int(i) for i in ijk), tuple(float(x) for x in function(place)))
+            position = ijk * voxel * scale
+            if abs(np.linalg.norm(position) - 1) < reach:
+                accessor.setValueOn(tuple(int(i) for i in ijk), tuple(float(x) for x in function(position)))
         grids.append(grid)
     vdb.write(folder + "/" + name, grids)
     return folder + "/" + name
 
 
 def case_vdb(folder):
-    """A grid of colours of another transform; one that covers less than the band; the order of the names."""
+    """A colour grid with another transform; one that covers less than the band; the order of names."""
     linear = lambda p: (p + 2) / 4
     path = ball_grids(folder, "linear.vdb", Cd=(linear, 0.7, 0.6), color=(lambda p: [1, 0, 0], 1, 0.6))
     run("convert", path, "-o", folder + "/out.vdb")
-    places, colors, voxel = read_colors(folder + "/out.vdb")
-    assert np.abs(colors - linear(places)).max() < 1e-5  # trilinear is exact for it
-    # Of one layer, voxels further out take the nearest coloured voxel's.
+    positions, colors, voxel = read_colors(folder + "/out.vdb")
+    assert np.abs(colors - linear(positions)).max() < 1e-5  # trilinear is exact for it
+    # With one coloured layer, voxels further out take the colour of the nearest coloured voxel.
     thin = ball_grids(folder, "thin.vdb", Cd=(linear, 1, 0.05))
     run("convert", thin, "-o", folder + "/out.vdb")
-    places, colors, voxel = read_colors(folder + "/out.vdb")
+    positions, colors, voxel = read_colors(folder + "/out.vdb")
     own, given = active(vdb.read(thin, "Cd"))
     own = own * voxel
     here = {tuple(np.round(p / voxel).astype(int)): c for p, c in zip(own, given)}
-    for place, color in list(zip(places, colors))[::7]:
-        distance = np.linalg.norm(own - place, axis=1)
+    for position, color in list(zip(positions, colors))[::7]:
+        distance = np.linalg.norm(own - position, axis=1)
         as_near = distance < distance.min() + 1e-6
-        assert np.abs(given[as_near] - color).max(1).min() < 1e-6, (place, color)
-    # Cd before color before others; grids of other names are no colours; empty ones are left alone.
+        assert np.abs(given[as_near] - color).max(1).min() < 1e-6, (position, color)
+    # Cd before color before others; grids of other names are no colours; empty ones are ignored.
     red, blue = (lambda p: [1, 0, 0], 1, 0.5), (lambda p: [0, 0, 1], 1, 0.5)
     for title, wanted, grids in (("a", [0, 0, 1], {"albedo": red, "color": blue}), ("b", [1, 0, 0], {"rgb": red}),
                                  ("c", None, {"v": red}), ("d", None, {"Cd": (red[0], 1, -1)})):
@@ -476,15 +481,15 @@ def case_same_bytes(folder):
 
 
 def case_info(folder):
-    told = lambda path: json.loads(run("info", path, "--json"))["mesh"]["colors"]
+    reported = lambda path: json.loads(run("info", path, "--json"))["mesh"]["colors"]
     ply(folder + "/p.ply", points=CORNER_COLORS)
     ply(folder + "/f.ply", faces=FACE_COLORS)
     ply(folder + "/n.ply")
-    assert [told(folder + "/%s.ply" % n) for n in "pfn"] == ["points", "faces", ""]
+    assert [reported(folder + "/%s.ply" % n) for n in "pfn"] == ["points", "faces", ""]
     assert "of its faces" in run("info", folder + "/f.ply") and "colours" not in run("info", folder + "/n.ply")
     obj(folder + "/m.obj", materials=["red"] * 6)
     open(folder + "/m.mtl", "w").write("newmtl red\nKd 1 0 0\nmap_Kd skin.png\n")
-    assert told(folder + "/m.obj") == "materials" and "its textures are not read" in run("info", folder + "/m.obj")
+    assert reported(folder + "/m.obj") == "materials" and "its textures are not read" in run("info", folder + "/m.obj")
 
 
 def case_errors(folder):

@@ -252,7 +252,7 @@ def make_inputs(d):
     write(d + "/text.txt", "not a shape\n")
     write(d + "/text.vdb", "not a volume, but long enough to hold a header of one\n" * 20)
     write(d + "/points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n")
-    # Cut within the faces' list, in the middle of a line: half the surface is missing.
+    # Cut in the list of faces, within a line: half the surface is missing.
     write(d + "/cut.obj", a[: a.index("f ") + (len(a) - a.index("f ")) // 2])
     write(d + "/nan.obj", re.sub(r"v \S+", "v nan", a, count=5))
     write(d + "/index.obj", a + "f 1 2 999999\n")
@@ -327,7 +327,7 @@ def mount_small(folder, options):
 
 
 def read_only_folder(d, o):
-    """A folder that cannot be written to; root needs a read-only file system for that."""
+    """A folder that cannot be written to; for root that takes a read-only file system."""
     mounted = os.geteuid() == 0
     if mounted:
         mount_small(o, "ro,size=64k")
@@ -341,7 +341,7 @@ def read_only_folder(d, o):
 
 
 def disk_full(d, o):
-    """Neither a volume nor a mesh leaves a part of itself."""
+    """On a full disk neither a volume nor a mesh leaves a partial file."""
     mount_small(o, "size=48k")
     try:
         folders = {"d": d, "o": o}
@@ -365,7 +365,7 @@ def empty_grid(d, o):
 
 
 def options_of(help_text):
-    """Every option's text in a help, and the groups in their order."""
+    """The text of every option in a help, and its groups in order."""
     options, groups, name = {}, [], None
     for line in help_text.split("\n"):
         start = re.match(r"  (-\w,)?(--[\w-]+)", line)
@@ -380,7 +380,7 @@ def options_of(help_text):
 
 
 def help_of_all_options(d, o):
-    """Grouped; --help-all has all options, each with its default; --help some of them, in the same words."""
+    """Help has groups; --help-all has all options with defaults, --help some of them in the same words."""
     problems = []
     order = ["Inputs", "Shape", "Matching", "Outputs", "Images", "Pictures", "Farm", "Help"]
     for command in ("morph", "slice", "reconstruct", "convert", "render", "compare", "info"):
@@ -389,7 +389,7 @@ def help_of_all_options(d, o):
             if groups != [g for g in order if g in groups] or "Inputs" not in groups:
                 problems.append("%s: groups %s" % (command, groups))
         for name, text in all_of_it[0].items():
-            # Only the output of some commands has none: they cannot do without.
+            # Only required options have no default.
             if "default " not in text and name not in ("--help", "--help-all") and "REQUIRED" not in text:
                 problems.append("%s: no default: %s" % (command, text))
         if any(all_of_it[0].get(name) != text for name, text in short[0].items()):
@@ -402,7 +402,7 @@ def help_of_all_options(d, o):
 
 
 def version_is_the_projects(d, o):
-    """What the program says is what CMake's project says."""
+    """The version that the program prints is that of the CMake project."""
     with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../CMakeLists.txt")) as f:
         version = re.search(r"project\(slicemorph VERSION (\S+)", f.read()).group(1)
     said = run("--version", {}).stdout
@@ -443,7 +443,7 @@ def report_holds(d, o):
 
 
 def resume_keeps_frames(d, o):
-    """An interrupted sequence is continued: only what is missing is made, and the log goes away."""
+    """An interrupted sequence is continued: only missing frames are made, and the log is removed."""
     folders = {"d": d, "o": o}
     words = "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frames 60 --resolution 48"
     command = [PROGRAM] + [w.format(**folders) for w in words.split()]
@@ -477,7 +477,7 @@ def resume_keeps_frames(d, o):
 
 
 def resume_of_another_program(d, o):
-    """Frames of another version or build of the program are not kept beside new ones, and a note says why."""
+    """Frames of another version or build are made again, and a note says why."""
     folders = {"d": d, "o": o}
     words = "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frames 40 --resolution 24 --method sdf"
     process = subprocess.Popen([PROGRAM] + [w.format(**folders) for w in words.split()],
@@ -518,7 +518,7 @@ def threads_do_not_matter(d, o):
 
 
 def render_empty_fog(d, o):
-    """Fog without a voxel is nothing to see."""
+    """Fog without an active voxel is refused: there is nothing to see."""
     script = "import pyopenvdb as v, sys; g = v.FloatGrid(); g.name = 'density'; v.write(sys.argv[1], grids=[g])"
     if subprocess.run(["/usr/bin/python3", "-c", script, d + "/clear.vdb"], stderr=subprocess.DEVNULL).returncode:
         raise Skip("python3-openvdb is not there to write the file")
@@ -533,7 +533,7 @@ def render_preview_without_ffmpeg(d, o):
 
 
 def render_preview_that_fails(d, o):
-    """What ffmpeg says is passed on, and nothing is left."""
+    """An error of ffmpeg is passed on, and no file is left."""
     tools = d + "/broken"
     os.mkdir(tools)
     write(tools + "/ffmpeg", "#!/bin/sh\necho no such coder >&2\nexit 1\n")
@@ -544,7 +544,8 @@ def render_preview_that_fails(d, o):
 
 
 def render_previews(d, o):
-    """Both kinds hold all pictures, of the size and rate asked for, and are the same bytes every time."""
+    """Both kinds of video hold all pictures, have the given size and
+    rate, and are the same bytes every time."""
     if not shutil.which("ffmpeg") or not shutil.which("ffprobe"):
         raise Skip("ffmpeg is not installed")
     problems = []
@@ -560,7 +561,7 @@ def render_previews(d, o):
         probe = subprocess.run(["ffprobe", "-v", "error", "-count_frames", "-select_streams", "v", "-of", "json",
                                 "-show_entries", "stream=width,height,nb_read_frames,r_frame_rate", o + "/" + name],
                                stdout=subprocess.PIPE, universal_newlines=True).stdout
-        # MP4 has even sides: a black column more.
+        # MP4 needs even sides, so there is one more black column.
         wanted = {"width": 42 if name == "r.mp4" else 41, "height": 30, "r_frame_rate": "10/1", "nb_read_frames": "5"}
         if json.loads(probe)["streams"] != [wanted]:
             problems.append("%s is %s" % (name, probe))

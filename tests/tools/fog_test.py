@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Fog volumes, riders, velocities and sequences through the program, seen through pyopenvdb and vdb_print.
+"""Fog volumes, other grids, velocities and sequences through the program, read by pyopenvdb and vdb_print.
 
 usage: fog_test.py PATH/TO/slicemorph [NAME...]     (NAME: only the cases whose name contains it)
 
-Needs Debian's python3-openvdb; reads ../shared/data/vdb where it exists and skips those cases, with a message, where
-it does not.
+Needs Debian's python3-openvdb; cases that read ../shared/data/vdb are skipped, with a message, where it does
+not exist.
 """
 import json
 import math
@@ -37,7 +37,7 @@ def run(*arguments, code=0):
 
 
 def fog(values, transform, name="density", kind=vdb.FloatGrid):
-    """A grid of a function of index coordinates on a box: values[i, j, k] with i from `origin`."""
+    """A grid of values[i, j, k] on a box whose index coordinates begin at `origin`."""
     array, origin = values
     grid = kind(background=0.0) if kind is vdb.FloatGrid else kind()
     grid.copyFromArray(array, ijk=origin)
@@ -89,7 +89,7 @@ def dense(grid):
 
 
 def figures(grid):
-    """Total, peak and middle of a fog."""
+    """Total, peak and centroid of a fog."""
     array, low = dense(grid)
     matrix = np.array([grid.transform.indexToWorld(tuple(float(i == a) for i in range(3))) for a in range(3)])
     origin = np.array(grid.transform.indexToWorld((0.0, 0.0, 0.0)))
@@ -109,7 +109,7 @@ def frames(folder, name="m"):
 
 
 def names(path):
-    """Grids of a file, by vdb_print, which knows all types."""
+    """Grids of a file by vdb_print, which knows all types."""
     out = subprocess.run(["vdb_print", "-l", path], capture_output=True, text=True).stdout
     return dict(zip(re.findall(r"^Name: (.*)$", out, re.M), re.findall(r"^  Type: (.*)$", out, re.M)))
 
@@ -128,7 +128,7 @@ def real(name):
 # ---------------------------------------------------------------- puffs
 
 def puff_travels(d):
-    """Ten widths away: one puff on the way, of the same peak and total; cross-dissolve shows two."""
+    """Puffs ten widths apart: in-betweens have one of the same peak and total; cross-dissolve has two."""
     to = np.array([8.0, -5.0, 3.3])
     a = write(d + "/a.vdb", puff((0, 0, 0), (1, 1, 1), 0.25))
     b = write(d + "/b.vdb", puff(to, (1, 1, 1), 0.25))
@@ -138,7 +138,7 @@ def puff_travels(d):
         t = i / 6
         at = figures(vdb.read(path, "density"))
         assert abs(at[0] / total - 1) < 0.02 and abs(at[1] / peak - 1) < 0.02, (path, at, total, peak)
-        # A tenth of a voxel: what the spline's asymmetry and the cut at a thousandth leave.
+        # A tenth of a voxel allows for the spline's asymmetry and the cut at a thousandth.
         assert np.linalg.norm(at[2] - t * to) < 0.025, (path, at[2], t * to)
     run("morph", a, b, "-o", d + "/x.vdb", "--at", 0.5, "--method", "dissolve", "--quiet")
     ghosts = vdb.read(d + "/x.vdb", "density")
@@ -149,7 +149,7 @@ def puff_travels(d):
 
 
 def puff_turns(d):
-    """By 90 degrees, told apart from the way round by a second puff beside it."""
+    """A turn by 90 degrees, whose direction a second puff beside it determines."""
     turn = lambda a: np.array([[math.cos(a), -math.sin(a), 0], [math.sin(a), math.cos(a), 0], [0, 0, 1]])
 
     def pair(angle):
@@ -165,12 +165,13 @@ def puff_turns(d):
     array, low = dense(wanted)
     off = max(abs(float(array[i]) - accessor.getValue(tuple(int(c) for c in low + i)))
               for i in map(np.array, np.argwhere(array > 0.05)[::7]) for i in [tuple(i)])
-    # A tenth of a voxel at the steepest place: 0.1 * 0.25 / 0.5 * 0.61 = 0.03; the spline adds as much at the small puff.
+    # A tenth of a voxel where the puff is steepest: 0.1 * 0.25 / 0.5 * 0.61 = 0.03; the spline adds as much
+    # at the small puff.
     assert off < 0.08, off
 
 
 def puff_doubles(d):
-    """Twice the size: the total follows the volume, or, with --conserve, goes straight."""
+    """Twice the size: the total follows the volume or, with --conserve, changes linearly."""
     a = write(d + "/a.vdb", puff((0, 0, 0), (1, 1, 1), 0.25))
     b = write(d + "/b.vdb", puff((0, 0, 0), (2, 2, 2), 0.25))
     start, end = figures(vdb.read(a, "density"))[0], figures(vdb.read(b, "density"))[0]
@@ -189,7 +190,7 @@ def velocity_of_a_moving_sphere(d):
     to = np.array([3.0, 1.0, -2.0])
     a, b = write(d + "/a.vdb", ball((0, 0, 0))), write(d + "/b.vdb", ball(to))
     run("morph", a, b, "-o", d + "/m.####.vdb", "--frames", 5, "--fps", FPS, "--quiet")
-    speed = to * FPS / 4  # all the way in the four steps between five frames
+    speed = to * FPS / 4  # the whole distance in the four steps between five frames
     for path in frames(d):
         array, _ = dense(vdb.read(path, "vel"))
         moving = array[np.abs(array).sum(-1) > 0]
@@ -204,7 +205,7 @@ def velocity_of_a_moving_sphere(d):
 
 
 def velocity_of_a_turning_bar(d):
-    """omega x r, at every voxel of its band."""
+    """A turning body has the velocity omega x r at every voxel of its band."""
     def bar(angle):
         c, s = math.cos(angle), math.sin(angle)
 
@@ -232,13 +233,13 @@ def own_velocities_are_added(d):
     shape = puff((0, 0, 0), (1, 0.6, 0.6), 0.2)
     moved = puff((4, 0, 0), (1, 0.6, 0.6), 0.2)
 
-    def flow(like, name):
-        array, low = dense(like)
+    def flow(prototype, name):
+        array, low = dense(prototype)
         values = np.zeros(array.shape + (3,), np.float32)
         values[array > 0] = (0, 2, 0)
         grid = vdb.Vec3SGrid()
         grid.copyFromArray(values, ijk=tuple(int(c) for c in low))
-        grid.transform, grid.name = like.transform, name
+        grid.transform, grid.name = prototype.transform, name
         grid.gridClass = vdb.GridClass.STAGGERED
         return grid
     for name in ("vel", "velocity"):
@@ -255,7 +256,7 @@ def own_velocities_are_added(d):
 # ---------------------------------------------------------------- files
 
 def gas(d):
-    """Every grid of the cache at every frame, the ends equal to the inputs, the total on its way without turning."""
+    """Every grid of the cache at every frame; ends equal the inputs, and the total changes monotonically."""
     a, b = real("c42_gas_0006.vdb"), real("c42_gas_0010.vdb")
     run("morph", a, b, "-o", d + "/m.####.vdb", "--frames", 5, "--quiet")
     wanted = names(a)
@@ -278,7 +279,8 @@ def gas(d):
 
 
 def odd_files(d):
-    """Rotated transforms, three grids of one name, grids that are not there on one side: in the right place."""
+    """Rotated transforms, three grids of one name, grids missing in one
+    input: all end in the right position."""
     dragon, triple, sphere = real("dragon_with_xform.vdb"), real("three_grids_same_name.vdb"), real("ls_sphere.vdb")
     heat = puff((2, 0, 0), (2, 1, 1), 0.3, name="heat")
     other = write(d + "/other.vdb", puff((2, 0, 0), (2, 1, 1), 0.3), heat)
@@ -289,7 +291,7 @@ def odd_files(d):
         assert first.transform == source.transform and first.activeVoxelCount() == source.activeVoxelCount()
         assert middle.gridClass == vdb.GridClass.FOG_VOLUME
         ends = [figures(source)[2], (2, 0, 0) if to == other else (0, 0, 0)]
-        # What is densest need not be the middle of the shape that travels: a tenth of the dragon's 20 units.
+        # The centroid of density need not be that of the shape: a tenth of the dragon's 20 units.
         assert np.linalg.norm(figures(middle)[2] - np.mean(ends, 0)) < 2, (figures(middle)[2], ends)
     run("morph", dragon, other, "-o", d + "/m.####.vdb", "--frames", 3, "--quiet")
     whole = figures(heat)[1]
@@ -305,7 +307,7 @@ def odd_files(d):
 
 
 def unknown_types(d):
-    """A grid of a type that no OpenVDB knows is left out with a line that says so; the rest goes on."""
+    """A grid of an unknown type is left out with a note; the others are morphed."""
     good = puff((0, 0, 0), (1, 1, 1), 0.3)
     path = write(d + "/a.vdb", good, puff((0, 0, 0), (1, 1, 1), 0.3, name="mystery"))
     whole = open(path, "rb").read()
@@ -319,20 +321,20 @@ def unknown_types(d):
 
 
 def order_is_kept(d):
-    """Grids come out in the order of the first input's file, then the other's, then ours."""
+    """Output grids are in the order of the first input's file, then of the other's, then ours."""
     a = write(d + "/a.vdb", puff((0, 0, 0), (1, 1, 1), 0.3, name="zeta"), puff((0, 0, 0), (1, 1, 1), 0.3),
               puff((0, 0, 0), (1, 1, 1), 0.3, name="alpha"))
     b = write(d + "/b.vdb", puff((2, 0, 0), (1, 1, 1), 0.3, name="middle"), puff((2, 0, 0), (1, 1, 1), 0.3))
     run("morph", a, b, "-o", d + "/m.####.vdb", "--frames", 3, "--quiet")
     whole = open(d + "/m.0002.vdb", "rb").read()
     # The table of contents names each grid before its data, which ends with the next one's name.
-    places = [whole.index(b"\x10\x00\x00\x00Tree_", whole.index(struct.pack("<I", len(n)) + n)) for n in
+    offsets = [whole.index(b"\x10\x00\x00\x00Tree_", whole.index(struct.pack("<I", len(n)) + n)) for n in
               (b"zeta", b"density", b"alpha", b"middle", b"vel")]
-    assert places == sorted(places), places
+    assert offsets == sorted(offsets), offsets
 
 
 def mixed_pairs(d):
-    """A solid becomes smoke and the other way round; --grids chooses; meshes out of fog."""
+    """A solid becomes smoke and the other way round; --grids chooses; fog gives meshes."""
     ball = write(d + "/ball.vdb", solid(lambda x, y, z: np.sqrt(x * x + y * y + z * z) - 1, (0, 0, 0), 1.4, 0.1))
     smoke = write(d + "/smoke.vdb", puff((3, 0, 0), (1, 0.8, 0.8), 0.1), puff((3, 0, 0), (0.7, 0.7, 0.7), 0.1, name="heat"))
     with open(d + "/cube.obj", "w") as f:
@@ -360,7 +362,7 @@ def mixed_pairs(d):
 
 
 def sequences(d):
-    """Two clouds that billow while they morph: no jump between frames; a sequence that ends early stays at its end."""
+    """Two billowing clouds morph without jumps; a sequence that ends early keeps its last file."""
     def cloud(i, seed):
         grid = None
         for n in range(5):
@@ -389,7 +391,7 @@ def sequences(d):
         shutil.copy(d + "/b.%04d.vdb" % i, d + "/e.%04d.vdb" % i)
     note = run("morph", d + "/a.####.vdb", d + "/e.####.vdb", "-o", d + "/f.####.vdb", "--frames", 5).stderr
     assert "e.####.vdb has 3 files for 5 frames" in note and len(frames(d, "f")) == 5
-    # Grids may come and go, and change their order.
+    # Grids may be missing in some frames, and change their order.
     extra = cloud(4, 0)
     extra.name = "flame"
     write(d + "/a.0005.vdb", extra, cloud(4, 0))
@@ -401,7 +403,7 @@ def sequences(d):
 
 
 def truncated(d):
-    """Every real file, cut at ten places: a message, no output, no crash."""
+    """Every real file, cut at ten positions: a message, no output, no crash."""
     good = write(d + "/good.vdb", puff((0, 0, 0), (1, 1, 1), 0.4))
     real("ls_sphere.vdb")
     for name in sorted(os.listdir(DATA)):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""GLB outputs, read by a small parser of this file's own, and where they are there by the Khronos validator and Blender.
+"""GLB outputs, read by a small parser in this file and, if installed, by the Khronos validator and Blender.
 
 usage: glb_test.py PATH/TO/slicemorph REPOSITORY [NAME...]     (NAME: only the cases whose name contains it)
 
@@ -26,7 +26,7 @@ TYPES = {5125: np.uint32, 5126: np.float32}
 
 
 class Glb:
-    """A file's JSON and arrays, checked for the container's own rules."""
+    """A file's JSON and arrays, with the rules of the container checked."""
 
     def __init__(self, path):
         data = open(path, "rb").read()
@@ -83,7 +83,7 @@ class Glb:
         return points, normals, self.array(primitive["indices"]).reshape(-1, 3)
 
     def at(self, seconds):
-        """What is to be seen at a time: one mesh."""
+        """The one mesh that is visible at a time."""
         nodes = [n for n in self.nodes if self.shown(n, seconds)]
         assert len(nodes) == 1, "%d meshes are shown at %g s" % (len(nodes), seconds)
         return self.mesh(nodes[0], seconds)
@@ -101,7 +101,7 @@ def volume_of(points, triangles):
 
 
 def sphere(path, centre, radius, steps=48):
-    """A closed mesh of latitudes and longitudes."""
+    """A closed mesh along latitudes and longitudes."""
     points = [(0, 0, 1)]
     for i in range(1, steps):
         for j in range(2 * steps):
@@ -138,7 +138,7 @@ def distances(path, points):
 
 
 def check_normals(points, normals, triangles, whole=True):
-    """Unit length, and outwards: with the faces around each point, but where the surface has a fold or a sharp edge."""
+    """Normals have unit length and agree with the faces around each point, but for folds and sharp edges."""
     length = np.linalg.norm(normals, axis=1)
     assert np.abs(length - 1).max() < 1e-3 if whole else True, np.abs(length - 1).max()
     a, b, c = (points[triangles[:, i]] for i in range(3))
@@ -170,20 +170,21 @@ def case_sphere(folder):
         check_normals(points, normals, triangles)
         exact = 4 / 3 * np.pi * radius ** 3
         assert abs(volume_of(points, triangles) / exact - 1) < 0.01, (t, volume_of(points, triangles) / exact)
-    # Half way between two frames the points are half way, on a sphere still.
+    # Half way between two frames the points are half way, still on a sphere.
     points = glb.at(0.05)[0]
     off = np.abs(np.linalg.norm(points - (0.5, 0.125, 0), axis=1) - 1.125)
     assert off.max() < 0.5 * 2.25 / 48 + 0.002, off.max()
 
 
 def check_volume(points, triangles, frame):
-    """A tenth of a voxel all over, as moving meshes may be too large or too small; and what single precision adds."""
+    """Volume of a tenth of a voxel all over the surface, the accuracy of
+    moving meshes, and single precision."""
     off = abs(volume_of(points, triangles) - frame["volume"])
     assert off < 0.101 * frame["voxelSize"] * frame["area"], (frame["frame"], off / frame["voxelSize"] / frame["area"])
 
 
 def case_on_frames(folder):
-    """Every frame's points lie on the level set that the same morph writes as VDB; volumes are the frames' own."""
+    """Every frame's points are on the level set that the same morph writes as VDB; volumes agree."""
     words = ["morph", ASSETS + "/blade.ply", ASSETS + "/creature.ply", "--frames", 5, "--resolution", 64]
     print(run(*words, "-o", folder + "/m.glb", "--report", folder + "/m.json").splitlines()[-2])
     run(*words, "-o", folder + "/m.####.vdb")
@@ -198,7 +199,7 @@ def case_on_frames(folder):
 
 
 def case_hole(folder):
-    """Where a hole opens no mesh fits all frames: each frame shows one, of its own volume."""
+    """Where a hole opens no mesh fits all frames: each frame shows one, with the right volume."""
     words = ["morph", ASSETS + "/creature.ply", ASSETS + "/ring.ply", "--frames", 6, "--resolution", 48]
     text = run(*words, "-o", folder + "/m.glb", "--report", folder + "/m.json")
     frames = json.load(open(folder + "/m.json"))["frames"]
@@ -209,7 +210,7 @@ def case_hole(folder):
         points, normals, triangles = glb.at(i / 24)
         check_volume(points, triangles, frame)
         glb.at((i + 0.5) / 24)
-    # A reader that knows no animation sees the first frame.
+    # A reader without animation sees the first frame.
     assert [n.get("scale", [1, 1, 1]) == [1, 1, 1] for n in glb.nodes] == [True] + [False] * (len(glb.nodes) - 1)
 
 
@@ -222,7 +223,7 @@ def case_same_bytes(folder):
 
 
 def case_still(folder):
-    """One mesh a file, from morph and convert, as assimp reads them back."""
+    """One mesh per file, from morph and convert, read back by assimp."""
     run("convert", ASSETS + "/amphora.ply", "-o", folder + "/a.glb", "--resolution", 64)
     run("convert", ASSETS + "/amphora.ply", "-o", folder + "/a.ply", "--resolution", 64)
     assert json.loads(run("compare", folder + "/a.glb", folder + "/a.ply", "--json", "--resolution", 64))["dice"] > 0.9999
@@ -236,7 +237,7 @@ def case_still(folder):
 
 
 def case_space(folder):
-    """Z up and millimetres: the points stay, the node above them turns and scales."""
+    """Z up and millimetres: points are unchanged, the node above them turns and scales."""
     words = ["morph", ASSETS + "/blade.ply", ASSETS + "/ring.ply", "--at", 0.5, "--resolution", 32]
     run(*words, "-o", folder + "/a.glb")
     run(*words, "-o", folder + "/b.glb", "--glb-up", "z", "--glb-unit", "mm")
@@ -270,7 +271,7 @@ def painted(path, color):
 
 
 def make_samples(folder):
-    """A still mesh, morph targets, several meshes, with colours and without."""
+    """A static mesh, morph targets, several meshes, with colours and without."""
     small = ["--resolution", 40]
     run("convert", ASSETS + "/amphora.ply", "-o", folder + "/still.glb", *small)
     run("morph", ASSETS + "/blade.ply", ASSETS + "/blade.ply", "-o", folder + "/same.glb", "--frames", 4, *small)
@@ -335,7 +336,7 @@ print('RESULT' + json.dumps({'meshes': len(meshes), 'rows': rows,
 
 
 def case_blender(folder):
-    """Blender imports each sample and shows, frame by frame, what the file says, of the same volume."""
+    """Blender imports each sample and shows, frame by frame, the mesh of the file with its volume."""
     if not shutil.which("blender"):
         raise Skip("blender is not installed")
     open(folder + "/look.py", "w").write(BLENDER)

@@ -3,8 +3,8 @@
 
 usage: image_test.py PATH/TO/slicemorph [NAME...]     (NAME: only the cases whose name contains it)
 
-Needs Debian's python3-nibabel, python3-pydicom, python3-openvdb; reads ../shared/data/medical where it exists and skips
-those cases, with a message, where it does not. Places are LPS millimetres; nibabel's are RAS.
+Needs Debian's python3-nibabel, python3-pydicom, python3-openvdb; cases that read ../shared/data/medical are
+skipped, with a message, where it does not exist. Positions are LPS millimetres; nibabel's are RAS.
 """
 import gzip
 import json
@@ -112,21 +112,21 @@ def ramp(p):
 
 def write_series(folder, positions, size=(12, 16), spacing=(1.5, 0.75), orientation=(1, 0, 0, 0, 1, 0), uid="1.2.3.9", value=ramp,
                  order=None):
-    """Slices of `value` (HU, of LPS places) with their first pixels at `positions`."""
+    """Slices of `value` (HU, a function of LPS positions) with their first pixels at `positions`."""
     os.makedirs(folder, exist_ok=True)
     x, y = np.array(orientation[:3]), np.array(orientation[3:])
     rows, columns = np.meshgrid(np.arange(size[0]), np.arange(size[1]), indexing="ij")
     for n, position in enumerate(positions):
-        places = np.asarray(position) + columns[..., None] * x * spacing[1] + rows[..., None] * y * spacing[0]
+        world = np.asarray(position) + columns[..., None] * x * spacing[1] + rows[..., None] * y * spacing[0]
         name = "%03d.dcm" % (n if order is None else order[n])
-        write_slice(os.path.join(folder, name), np.rint(value(places)) + 1024, position, uid=uid, orientation=orientation,
+        write_slice(os.path.join(folder, name), np.rint(value(world)) + 1024, position, uid=uid, orientation=orientation,
                     spacing=spacing, number=n + 1)
 
 
 # ---------------------------------------------------------------------------------------------------------------------
 
 def case_orientation():
-    """One image stored in four orders: the same values at the same places, and no two layouts alike."""
+    """One image stored in four orders: the same values at the same positions, in different layouts."""
     data("orientation")
     images = {}
     for name in ("RAS", "LPS", "ASL", "PIR"):
@@ -150,7 +150,7 @@ def case_orientation():
 
 
 def case_chest_ct():
-    """Slice order, HU and geometry of a CT as pydicom has them at a thousand places."""
+    """Slice order, HU and geometry of a CT agree with pydicom at a thousand points."""
     folder = data("dicom_chest_ct")
     result = run("convert", folder, "-o", "ct.nii.gz")
     values, affine = lps("ct.nii.gz")
@@ -161,9 +161,9 @@ def case_chest_ct():
         d = slices[random.randint(len(slices))]
         r, c = random.randint(d.Rows), random.randint(d.Columns)
         o = np.array(d.ImageOrientationPatient, float)
-        place = np.array(d.ImagePositionPatient, float) + o[:3] * float(d.PixelSpacing[1]) * c + o[3:] * float(d.PixelSpacing[0]) * r
-        inside, found, off = at_points(values, affine, place[None])
-        assert inside[0] and off[0] < 1e-3, (place, off)
+        point = np.array(d.ImagePositionPatient, float) + o[:3] * float(d.PixelSpacing[1]) * c + o[3:] * float(d.PixelSpacing[0]) * r
+        inside, found, off = at_points(values, affine, point[None])
+        assert inside[0] and off[0] < 1e-3, (point, off)
         assert found[0] == d.pixel_array[r, c] * float(d.RescaleSlope) + float(d.RescaleIntercept)
     # A series with flipped axes, 17 slices.
     run("convert", data("dicom_small_ct"), "-o", "small.nii.gz")
@@ -171,8 +171,8 @@ def case_chest_ct():
     for f in sorted(os.listdir(data("dicom_small_ct"))):
         d = pydicom.dcmread(os.path.join(data("dicom_small_ct"), f))
         o = np.array(d.ImageOrientationPatient, float)
-        place = np.array(d.ImagePositionPatient, float) + o[:3] * float(d.PixelSpacing[1]) * 20 + o[3:] * float(d.PixelSpacing[0]) * 50
-        inside, found, off = at_points(values, affine, place[None])
+        point = np.array(d.ImagePositionPatient, float) + o[:3] * float(d.PixelSpacing[1]) * 20 + o[3:] * float(d.PixelSpacing[0]) * 50
+        inside, found, off = at_points(values, affine, point[None])
         assert inside[0] and off[0] < 1e-3 and found[0] == d.pixel_array[50, 20] * float(d.RescaleSlope) + float(d.RescaleIntercept), f
 
 
@@ -187,13 +187,13 @@ def case_round_trip():
         values = random.randint(low, top, (9, 12, 11)).astype(dtype) if whole else random.randn(9, 12, 11).astype(dtype)
         save_nifti("in.nii", values, affine)
         stored = nib.load("in.nii").affine
-        for way in ("vdb", "nrrd", "mha", "nii"):
-            run("convert", "in.nii", "-o", "way." + way, "--image", "grey")
-            run("convert", "way." + way, "-o", "back.nii.gz", "--image", "grey")
+        for extension in ("vdb", "nrrd", "mha", "nii"):
+            run("convert", "in.nii", "-o", "way." + extension, "--image", "grey")
+            run("convert", "way." + extension, "-o", "back.nii.gz", "--image", "grey")
             back = nib.load("back.nii.gz")
-            assert back.get_data_dtype() == dtype, (way, dtype, back.get_data_dtype())
-            assert np.array_equal(np.asanyarray(back.dataobj), values), (way, dtype)
-            assert np.array_equal(back.affine, stored), (way, dtype, back.affine - stored)
+            assert back.get_data_dtype() == dtype, (extension, dtype, back.get_data_dtype())
+            assert np.array_equal(np.asanyarray(back.dataobj), values), (extension, dtype)
+            assert np.array_equal(back.affine, stored), (extension, dtype, back.affine - stored)
     labels = np.zeros((8, 9, 10), np.uint16)
     labels[2:5, 3:6, 4:8], labels[5:7, 3:6, 4:8] = 7, 60001
     save_nifti("labels.nii.gz", labels, affine)
@@ -218,7 +218,7 @@ def case_round_trip():
 
 
 def case_gantry_tilt():
-    """Slices that lean by 17 degrees: straightened, exact for values that are linear in space."""
+    """Slices of a gantry tilted by 17 degrees are straightened, exactly for values linear in space."""
     tilt = np.radians(17)
     orientation = (1, 0, 0, 0, np.cos(tilt), np.sin(tilt))
     positions = [(-5, 8, -30 + 2.5 * n) for n in range(9)]
@@ -230,18 +230,18 @@ def case_gantry_tilt():
     axes = affine[:3, :3] / np.linalg.norm(affine[:3, :3], axis=0)
     assert np.abs(axes.T @ axes - np.eye(3)).max() < 1e-5, axes
     index = np.stack(np.meshgrid(*[np.arange(n) for n in values.shape], indexing="ij"), -1)
-    places = (index @ affine[:3, :3].T) + affine[:3, 3]
-    # Inside a slice's own pixels by at least one, where nothing is missing. HU are whole: half of one.
-    local = (places - np.array(positions[0])) @ np.array([orientation[:3], orientation[3:]]).T / [0.75, 1.5]
+    world = (index @ affine[:3, :3].T) + affine[:3, 3]
+    # At least one pixel inside a slice, where nothing is missing. HU are whole numbers: half of one.
+    local = (world - np.array(positions[0])) @ np.array([orientation[:3], orientation[3:]]).T / [0.75, 1.5]
     step = 2.5 * np.sin(tilt) / 1.5
     column, row = local[..., 0], local[..., 1] - index[..., 2] * step
     inside = (column > -0.1) & (column < 15.1) & (row >= 0) & (row <= 11)
     assert inside.mean() > 0.6
-    assert np.abs(values - ramp(places))[inside].max() <= 1.001, np.abs(values - ramp(places))[inside].max()
+    assert np.abs(values - ramp(world))[inside].max() <= 1.001, np.abs(values - ramp(world))[inside].max()
 
 
 def case_missing_slices():
-    """A missing slice and uneven gaps are told and filled from where slices truly lie; doubles are dropped or refused."""
+    """Missing slices and uneven gaps are noted and interpolated; duplicates are dropped or refused."""
     def positions(zs):
         return [(-4, 3, z) for z in zs]
     write_series("whole", positions([10, 12, 14, 16, 18, 20, 22]))
@@ -255,8 +255,8 @@ def case_missing_slices():
     assert "uneven" in run("convert", "uneven", "-o", "uneven.nii").stderr
     values, uneven_affine = lps("uneven.nii")
     index = np.stack(np.meshgrid(*[np.arange(n) for n in values.shape], indexing="ij"), -1)
-    places = (index @ uneven_affine[:3, :3].T) + uneven_affine[:3, 3]
-    assert np.abs(values - ramp(places)).max() <= 1.001  # both slices and result are whole HU
+    world = (index @ uneven_affine[:3, :3].T) + uneven_affine[:3, 3]
+    assert np.abs(values - ramp(world)).max() <= 1.001  # both slices and result are whole HU
     write_series("double", positions([10, 12, 14, 16]))
     shutil.copy("double/001.dcm", "double/9.dcm")
     assert "double" in run("convert", "double", "-o", "double.nii").stderr
@@ -285,7 +285,7 @@ def case_two_series():
 
 
 def case_pixels_not_square():
-    """Spacing between rows and between columns differ and are not taken for each other."""
+    """Spacings between rows and between columns differ and are not swapped."""
     write_series("tall", [(1, 2, 3 + n) for n in range(4)], size=(10, 20), spacing=(2.0, 0.5))
     run("convert", "tall", "-o", "tall.nii")
     values, affine = lps("tall.nii")
@@ -304,7 +304,7 @@ def case_damaged():
     run("convert", "whole.nii", "-o", "whole.mha")
     for name in ("whole.nii", "whole.nii.gz", "whole.nrrd", "whole.mha"):
         raw = open(name, "rb").read()
-        # A packed file ends with eight bytes of check sums, without which no voxel is missing.
+        # A gzip file ends with eight bytes of checksums, without which no voxel is missing.
         for cut in (0, 1, 100, 340, 360, len(raw) // 3, len(raw) // 2, len(raw) - 13):
             part = "part_%d.%s" % (cut, name[6:])
             open(part, "wb").write(raw[:cut])
@@ -314,7 +314,7 @@ def case_damaged():
     for cut in (140, 200, 400, len(raw) // 2, len(raw) - 20, len(raw) - 300):
         open("cut/002.dcm", "wb").write(raw[:cut])
         refused("convert", "cut", "-o", "out.nii.gz", says=["002.dcm"])
-    # A MetaImage of several files with wrong sizes: the whole stream is read and the repair told.
+    # A MetaImage of several files with wrong sizes: the whole stream is read, with a note.
     header = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = %s\nCompressedData = %s\n%s" \
              "TransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = 1 2 3\nElementSpacing = 1 1 2\nDimSize = 20 22 24\n" \
              "ElementType = MET_SHORT\nElementDataFile = %s\n"
@@ -369,7 +369,7 @@ def case_affines():
 
 
 def case_volumes():
-    """4D files: the first volume with a note, or the one that is named."""
+    """4D files: the first volume with a note, or the selected one."""
     values = np.random.RandomState(4).randn(5, 6, 7, 3).astype(np.float32)
     save_nifti("four.nii.gz", values, np.eye(4))
     assert "volume 0 of 3" in run("convert", "four.nii.gz", "-o", "v0.nii").stderr
@@ -407,15 +407,16 @@ def case_stacks():
 
 
 def ball(shape, affine, middle, radius, inside=900, outside=-1000, ramp=1.0):
-    """HU of a ball whose edge is a ramp of `ramp` millimetres either way: its surface lies exactly where values are half way."""
+    """HU of a ball with a ramp of `ramp` millimetres to either side of
+    its surface, which has the mean value."""
     index = np.stack(np.meshgrid(*[np.arange(n) for n in shape], indexing="ij"), -1)
-    places = index @ affine[:3, :3].T + affine[:3, 3]
-    d = np.linalg.norm(places - middle, axis=-1) - radius
+    world = index @ affine[:3, :3].T + affine[:3, 3]
+    d = np.linalg.norm(world - middle, axis=-1) - radius
     return np.rint(outside + (inside - outside) * np.clip(0.5 - d / (2 * ramp), 0, 1)).astype(np.int16)
 
 
 def case_grey_morph():
-    """Two balls in images of different lattices: the in-between has their mean size and place, the ends are the inputs."""
+    """Two balls on different lattices: the in-between has mean size and position, the ends are the inputs."""
     a_affine = np.array([[-1, 0, 0, 60.0], [0, 1, 0, -40], [0, 0, 2.0, 10], [0, 0, 0, 1]])
     b_affine = np.array([[0, 1.5, 0, -70.0], [1.5, 0, 0, -50], [0, 0, 1.5, -20], [0, 0, 0, 1]])
     a = ball((90, 90, 40), a_affine, (15, 5, 50), 22, ramp=3)
@@ -439,7 +440,8 @@ def case_grey_morph():
         index = np.argwhere(values > -50)
         volume = len(index) * abs(np.linalg.det(affine[:3, :3]))
         radius, middle = (1 - t) * 22 + t * 30, (1 - t) * np.array([15, 5, 50]) + t * np.array([-12, 15, 40])
-        # A voxel count of a ball is off by about the square root of its surface voxels; 1.5 % covers 2 mm voxels.
+        # A voxel count is off by about the square root of the number of surface voxels; 1.5 % covers 2 mm
+        # voxels.
         assert abs(volume / (4 / 3 * np.pi * radius ** 3) - 1) < 0.015, (t, volume)
         centroid = (affine[:3, :3] @ index.mean(0)) + affine[:3, 3]
         assert np.linalg.norm(centroid - middle) < 0.2, (t, centroid, middle)
@@ -448,14 +450,15 @@ def case_grey_morph():
         # Crofton's area over 13 directions: within 3 % of a ball's.
         assert abs(label["areaMm2"] / (4 * np.pi * radius ** 2) - 1) < 0.03, (t, label)
         assert all(abs(e - 2 * radius) < 2 * max(np.linalg.norm(affine[:3, :3], axis=0)) for e in label["extentsMm"]), label
-        # Deep inside and well outside nothing is made up: a voxel's diagonal (2.6 mm at most) beyond the edge's ramp of 3 mm.
+        # Deep inside and well outside values are kept: from a voxel's diagonal (2.6 mm at most) beyond the
+        # edge's ramp of 3 mm on.
         d = np.linalg.norm((np.indices(values.shape).reshape(3, -1).T @ affine[:3, :3].T + affine[:3, 3]) - middle, axis=1) - radius
         assert (values.reshape(-1)[d < -6] == 900).all() and (values.reshape(-1)[d > 6] == -1000).all(), t
-    # A lattice that is asked for.
+    # A lattice given by options.
     run("morph", "a.nii", "b.nii", "-o", "like.nii", "--at", 1, "--iso", -50, "--like", "b.nii")
     values, affine = lps("like.nii")
     assert np.array_equal(values, b) and np.allclose(affine, b_affine)
-    # VDB: values and surface in one file, in the same place.
+    # VDB: values and surface in one file, at the same position.
     run("morph", "a.nii", "b.nii", "-o", "half.vdb", "--at", 0.5, "--iso", -50)
     names = [g.name for g in vdb.readAllGridMetadata("half.vdb")]
     assert sorted(names) == ["image", "surface"], names
@@ -469,18 +472,18 @@ def case_grey_morph():
 
 
 def case_order_of_voxels():
-    """However the first image's voxels are ordered and its axes run, the in-between is the same image in space."""
+    """The in-between is the same image in space for any voxel order and axes of the first image."""
     n, h = 56, 1.5
     affine = np.array([[h, 0, 0, -40], [0, h, 0, -35], [0, 0, h, 5], [0, 0, 0, 1.0]])
     p = np.stack(np.meshgrid(*[np.arange(n) * h] * 3, indexing="ij"), -1) + affine[:3, 3]
-    def bar(middle, way, half, radius):
-        way = np.array(way) / np.linalg.norm(way)
-        along = np.clip((p - middle) @ way, -half, half)
-        d = np.linalg.norm(p - middle - along[..., None] * way, axis=-1) - radius
+    def bar(middle, direction, half, radius):
+        direction = np.array(direction) / np.linalg.norm(direction)
+        along = np.clip((p - middle) @ direction, -half, half)
+        d = np.linalg.norm(p - middle - along[..., None] * direction, axis=-1) - radius
         return d
     def grey(d):
         return np.rint(-1000 + 1900 * np.clip(0.5 - d / 6, 0, 1)).astype(np.int16)
-    # A knob that slides along a bar and rises: no turn or shift of the whole can do that, only the matching's own map.
+    # A knob that slides along a bar and rises, which no rigid motion can do, only the matching's map.
     a = grey(np.minimum(bar((0, 5, 45), (1, 0, 0), 25, 6), bar((-12, 5, 53), (0, 0, 1), 4, 10)))
     b = grey(np.minimum(bar((0, 5, 45), (1, 0, 0), 25, 6), bar((-2, 5, 58), (0, 0, 1), 4, 10)))
     save_nifti("b.nii", b, affine)
@@ -499,14 +502,14 @@ def case_order_of_voxels():
     points = p.reshape(-1, 3)
     for name in ("mirrored", "turned", "swapped"):
         inside, found, off = at_points(*frames[name], points)
-        # The level set is made anew from the mesh of each order: surfaces differ by hundredths of a voxel, and values change
-        # by 475 a voxel there.
+        # The level set is made from another mesh for each order: surfaces differ by hundredths of a voxel,
+        # and values change by 475 per voxel there.
         differ = np.abs(found - values.reshape(-1).astype(int))
         assert inside.all() and off.max() < 1e-3 and differ.mean() < 3 and np.percentile(differ, 99.9) < 150, (name, differ.mean(), np.percentile(differ, 99.9), differ.max())
 
 
 def case_label_morph():
-    """A ball of two halves with a core, moved: labels keep their numbers, no gaps, no overlaps, sizes between."""
+    """A moved ball of two halves with a core: labels keep their numbers, no gaps, sizes in between."""
     def halves(shape, affine, middle, radius):
         index = np.stack(np.meshgrid(*[np.arange(n) for n in shape], indexing="ij"), -1)
         p = index @ affine[:3, :3].T + affine[:3, 3] - middle
@@ -531,7 +534,7 @@ def case_label_morph():
         radius, middle = 20 + 6 * t, np.array([38, 36, 40]) * (1 - t) + np.array([42, 44, 38]) * t
         index = np.stack(np.meshgrid(*[np.arange(k) for k in values.shape], indexing="ij"), -1) @ affine[:3, :3].T
         d = np.linalg.norm(index - middle, axis=-1)
-        # A voxel's half diagonal from the border everything is decided: no hole, nothing outside.
+        # Farther than half a voxel's diagonal from the border there is no hole inside and no label outside.
         assert (values[d < radius - 1.1] > 0).all() and (values[d > radius + 1.1] == 0).all(), t
         assert (values[d < radius / 2.5 - 1.1] == 17).all() and not (values[d > radius / 2.5 + 1.1] == 17).any(), t
         shell = (d > radius / 2.5 + 1.1) & (d < radius - 1.1)
@@ -540,7 +543,7 @@ def case_label_morph():
         counts.append([np.count_nonzero(values == v) for v in (3, 17, 200)])
         assert [l["voxels"] for l in rows[n]["labels"]] == counts[-1] and [l["label"] for l in rows[n]["labels"]] == [3, 17, 200]
     assert (np.diff(np.array(counts), axis=0) > 0).all(), counts
-    # One that only the second has grows out of nothing.
+    # A label that only the second has grows from nothing.
     b2 = b.copy()
     b2[60:66, 60:66, 20:24] = 9
     save_nifti("b2.nii.gz", b2, affine)
@@ -551,7 +554,7 @@ def case_label_morph():
 
 
 def case_lungs():
-    """Lung masks at two times on different grids: volume goes one way; landmarks arrive nearer where they are told."""
+    """Lung masks at two times on different grids: volume is monotonic; prescribed landmarks arrive nearer."""
     a, b = data("lung/3DCT_lung_baseline_mask.mha"), data("lung/3DCT_lung_followup_mask.mha")
     points = data("lung/baseline_points.txt") + "," + data("lung/followup_points.txt")
     def landmarks(*options):
@@ -561,16 +564,16 @@ def case_lungs():
     volumes = [f["labels"][0]["volumeMl"] for f in plain["frames"]]
     steps = np.diff(volumes)
     assert (steps > 0).all() or (steps < 0).all(), volumes
-    told = landmarks("--landmarks", points, "--check-landmarks", points)
-    volumes = [f["labels"][0]["volumeMl"] for f in told["frames"]]
+    guided = landmarks("--landmarks", points, "--check-landmarks", points)
+    volumes = [f["labels"][0]["volumeMl"] for f in guided["frames"]]
     steps = np.diff(volumes)
     assert (steps > 0).all() or (steps < 0).all(), volumes
-    before, without, with_ = plain["checkLandmarks"]["meanDistanceBefore"], plain["checkLandmarks"]["mean"], told["landmarks"]["mean"]
+    before, without, with_ = plain["checkLandmarks"]["meanDistanceBefore"], plain["checkLandmarks"]["mean"], guided["landmarks"]["mean"]
     print("      landmarks off by %.1f mm as they are, %.1f without, %.2f with (largest %.1f, %.1f)" % (
-        before, without, with_, plain["checkLandmarks"]["max"], told["landmarks"]["max"]))
-    # Half of the spacing of the field that meets them, and far better than without.
+        before, without, with_, plain["checkLandmarks"]["max"], guided["landmarks"]["max"]))
+    # Half of the spacing of the displacement field, and far better than without.
     assert with_ < 1.366 and with_ < 0.5 * without < before, (before, without, with_)
-    # Told half of them the others do better, too.
+    # With half of them prescribed the others improve, too.
     rows = [[l for l in open(p).read().split("\n")[2:] if l.strip()] for p in points.split(",")]
     for part in (0, 1):
         for k in (0, 1):
@@ -579,7 +582,7 @@ def case_lungs():
         half = landmarks("--landmarks", "part0_0.txt,part0_1.txt", "--check-landmarks", "part1_0.txt,part1_1.txt")
         print("      told 26 of them the other 25 are off by %.1f" % half["checkLandmarks"]["mean"])
         assert half["checkLandmarks"]["mean"] < without, half["checkLandmarks"]
-    # The job file's own way to write them.
+    # The same landmarks as lists in a job file.
     pairs = [[[float(v) for v in rows[k][i].split()] for k in (0, 1)] for i in range(0, 51, 10)]
     open("job.toml", "w").write("inputs = [%r, %r]\noutput = 'job.nii'\nat = 0.5\nlandmarks = %r\n" % (a, b, pairs))
     run("morph", "--config", "job.toml", "--quiet")
@@ -595,7 +598,8 @@ def labels_py(*arguments):
 
 
 def case_reconstruct_labels():
-    """Thinned label maps: which slices are given is found, they stay, every label stays, and the rest beats both baselines."""
+    """Thinned label maps: given slices are found and kept, all labels are
+    kept, and the rest beats both baselines."""
     torso = data("torsoLabel.nii.gz")
     # Mean and weighted Dice on the missing slices: the larger of the two baselines of shared/baselines.md.
     for every, axis, mean, weighted in ((8, 2, .712, .838), (4, 2, .855, .923), (8, 0, .951, .974)):
@@ -609,24 +613,24 @@ def case_reconstruct_labels():
         assert "kept-voxels-changed 0" in found and "lost-between 0" in found, found
     full = nib.load(torso)
     assert np.allclose(nib.load("dense.nii.gz").affine, full.affine)
-    # Other numbers, the same partition; one thread, the same bytes.
+    # The same partition for other label numbers; the same bytes with one thread.
     thin = nib.load("thin.nii.gz")
     values = np.asanyarray(thin.dataobj)
     other = np.array([0] + [200 - 7 * v for v in range(1, 12)], np.uint8)
     nib.save(nib.Nifti1Image(other[values], thin.affine), "other.nii.gz")
     run("reconstruct", "other.nii.gz", "-o", "other_dense.nii.gz", "--threads", 1)
     assert np.array_equal(other[np.asanyarray(nib.load("dense.nii.gz").dataobj)], np.asanyarray(nib.load("other_dense.nii.gz").dataobj))
-    # A stack of the kept slices alone.
+    # A stack of the given slices alone.
     labels_py("thin", torso, "compact.nii.gz", "--axis", 0, "--every", 8, "--compact")
     run("reconstruct", "compact.nii.gz", "-o", "between.nii.gz", "--axis", "i", "--between", 7)
     dense, between = np.asanyarray(nib.load("dense.nii.gz").dataobj), np.asanyarray(nib.load("between.nii.gz").dataobj)
-    # Where the four slices that a gap looks at are the same: beyond the labelled ones the thinned map says nothing, and the
-    # stack has empty slices.
+    # Compared where a gap has the same four slices around it: beyond the labelled slices the thinned map has
+    # no slices, the stack empty ones.
     labelled = np.flatnonzero(between[::8].any((1, 2))) * 8
     span = slice(labelled[1], labelled[-2] + 1)
     assert np.array_equal(dense[span], between[span])
     assert np.allclose(nib.load("between.nii.gz").affine, full.affine, atol=1e-5)
-    # On the voxels of another image, turned and finer: what the nearest voxel of the dense map says.
+    # On the voxels of another image, turned and finer: the label of the nearest voxel of the dense map.
     c, n = math.cos(0.3), math.sin(0.3)
     middle = lps("dense.nii.gz")[1] @ np.array([*(np.array(dense.shape) / 2), 1])
     affine = np.array([[1.1 * c, -0.9 * n, 0, 0], [1.1 * n, 0.9 * c, 0, 0], [0, 0, 1.7, 0], [0, 0, 0, 1.0]])
@@ -638,7 +642,7 @@ def case_reconstruct_labels():
     ijk = np.stack(np.meshgrid(*map(np.arange, on.shape), indexing="ij"), -1).reshape(-1, 3)
     values, from_affine = lps("dense.nii.gz")
     inside, wanted, off = at_points(values, from_affine, (affine @ np.c_[ijk, np.ones(len(ijk))].T).T[:, :3])
-    clear = inside & (off < 0.499)  # half way between two voxels either is right
+    clear = inside & (off < 0.499)  # half way between two voxels either label is right
     assert clear.sum() > 50000 and np.array_equal(on.reshape(-1)[clear], wanted[clear]) and on.any()
     whole = np.zeros((9, 9, 9), np.uint8)
     whole[2:6, 2:6, 2:6] = 1
@@ -658,7 +662,7 @@ def stl_points(path):
 
 
 def to_triangles(points, triangles):
-    """Distance of each point to the nearest of the triangles, brute force over those whose middle is near."""
+    """Distance of each point to the nearest triangle, by brute force over those whose centroid is near."""
     from scipy.spatial import cKDTree
     middles = triangles.mean(1)
     radius = np.linalg.norm(triangles - middles[:, None], axis=2).max()
@@ -682,7 +686,7 @@ def to_triangles(points, triangles):
 
 
 def case_reconstruct_contours():
-    """A DICOM structure set: closed surfaces through every point that pydicom finds, by name; dense labels."""
+    """A DICOM structure set: closed surfaces through all points that pydicom reads, by name; dense labels."""
     path = data("contours/rtss.dcm")
     d = pydicom.dcmread(path)
     numbers = {r.ROIName: r.ROINumber for r in d.StructureSetROISequence}
@@ -696,7 +700,7 @@ def case_reconstruct_contours():
         row = json.load(open("s.json"))["structures"][0]
         volume = np.einsum("ij,ij->i", triangles[:, 0], np.cross(triangles[:, 1], triangles[:, 2])).sum() / 6
         assert row["label"] == numbers[name] and abs(row["volumeMl"] - volume / 1000) < 1e-3 * volume / 1000, (row, volume)
-        # Every edge is used once each way: closed and wound one way.
+        # Every edge is used once in each direction: closed and consistently wound.
         keys = {}
         ids = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)[1].reshape(-1, 3)
         edges = np.concatenate([ids[:, [0, 1]], ids[:, [1, 2]], ids[:, [2, 0]]])

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The installed program, library and package, used from outside the tree and from another place than they were installed to.
+"""The installed program, library and package, used from outside the tree after the installation was moved.
 
 usage: install_test.py CMAKE BUILD REPOSITORY [NAME...]     (NAME: only the cases whose name contains it)
 
@@ -34,7 +34,7 @@ ONLY = sys.argv[4:]
 ROOT = tempfile.TemporaryDirectory(prefix="slicemorph-install-")
 PREFIX = ROOT.name + "/moved"
 EXAMPLES = ROOT.name + "/examples"
-# Nothing but the installation may help to find plug-ins and libraries.
+# Plug-ins and libraries must be found through the installation alone.
 CLEAN = {name: value for name, value in os.environ.items() if name not in ("SLICEMORPH_PLUGINS", "LD_LIBRARY_PATH")}
 VOXELS = np.arange(7 * 6 * 5, dtype=np.uint8).reshape(5, 6, 7)  # z, y, x: every value differs
 
@@ -68,7 +68,7 @@ def read_nrrd(path):
 
 
 def write_tiff(path, pixels):
-    """A grey picture of bytes, one strip, nothing packed (TIFF 6.0, baseline)."""
+    """A grey 8-bit picture, one strip, uncompressed (TIFF 6.0, baseline)."""
     rows, columns = pixels.shape
     start = 8 + 2 + 9 * 12 + 4
     tags = [(256, columns), (257, rows), (258, 8), (259, 1), (262, 1), (273, start), (277, 1), (278, rows), (279, pixels.size)]
@@ -98,7 +98,7 @@ def write_dicom(path, pixels, z):
 
 # ---------------------------------------------------------------------------------------------------------------------
 def case_installed_program_reads_nrrd(folder):
-    """By the ITK plug-in, from a folder that has nothing to do with the installation."""
+    """The ITK plug-in is used from a folder unrelated to the installation."""
     head = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 7 6 5\nspace: left-posterior-superior\n" \
            "space directions: (1,0,0) (0,1,0) (0,0,2)\nspace origin: (0,0,0)\nencoding: raw\n\n"
     open(folder + "/in.nrrd", "wb").write(head.encode() + VOXELS.tobytes())
@@ -122,7 +122,7 @@ def write_stack(folder):
 
 
 def case_installed_program_reads_pictures(folder):
-    """A stack of TIFFs, by the picture plug-in; the program is called over a link in another folder."""
+    """The picture plug-in reads a stack of TIFFs; the program is called through a link in another folder."""
     write_stack(folder)
     os.symlink(PREFIX + "/bin/slicemorph", folder + "/linked")
     run("./linked", "convert", "in.#.tif", "-o", "out.nrrd", "--spacing", "1,1,2", folder=folder)
@@ -154,7 +154,7 @@ def configure_examples():
 
 
 def volume_and_middle(path):
-    """Of what is inside of a level set: every voxel counts by the share of it that a plane at its distance leaves inside."""
+    """Volume of the inside of a level set: each voxel counts by its share inside a plane at its distance."""
     import pyopenvdb as vdb
     grid = vdb.read(path, "surface")
     low, high = grid.evalActiveVoxelBoundingBox()
@@ -168,16 +168,16 @@ def volume_and_middle(path):
 
 
 def case_example(folder):
-    """Half way between balls of radius 1 and 0.5, 3 apart, is the ball of radius 0.75 in the middle between them."""
+    """Half way between balls of radius 1 and 0.5, 3 apart, is a ball of radius 0.75 midway between them."""
     configure_examples()
     run(CMAKE, "--build", EXAMPLES)
     printed = float(run(EXAMPLES + "/morph_two_balls", folder=folder).stdout)
     size, volume, middle = volume_and_middle(folder + "/half_way.vdb")
-    # The voxels follow the objects' linearly: half way between 1/25 and 0.5/25.
+    # The voxel size is interpolated linearly: half way between 1/25 and 0.5/25.
     assert abs(size - 0.03) < 1e-6, size
-    # Facets of one voxel, and voxels counted by planes, leave out the sphere's curvature within them: (1/8) size^2 / radius,
-    # a two hundredth of a voxel. A tenth of a voxel is far above that, and far below the voxel and a half by which a radius
-    # that changes by a constant factor (0.707) would be off.
+    # Facets of one voxel, and voxels counted by planes, ignore the sphere's curvature within them: (1/8)
+    # size^2 / radius, a two-hundredth of a voxel. A tenth of a voxel is far above that, and far below the
+    # voxel and a half by which a radius that changes by a constant factor (0.707) would be off.
     for name, value in (("printed", printed), ("in the file", volume)):
         radius = (3 * value / (4 * math.pi))**(1 / 3)
         assert abs(radius - 0.75) < 0.1 * size, "%s: radius %g" % (name, radius)
@@ -185,7 +185,7 @@ def case_example(folder):
 
 
 def included_by(header):
-    """All that a header includes, directly or by other headers of the package, as written; itself too."""
+    """All includes of a header, also through other headers of the package, as written; and itself."""
     found, queue = [], [header]
     while queue:
         name = queue.pop()
@@ -197,18 +197,20 @@ def included_by(header):
 
 
 def case_public_headers(folder):
-    """Each compiles alone, with nothing but the package's include folders, and includes only OpenVDB and the standard library."""
+    """Each header compiles alone with the package's include folders, and
+    includes only OpenVDB and std headers."""
     configure_examples()
     words = shlex.split(json.load(open(EXAMPLES + "/compile_commands.json"))[0]["command"])
-    # As a user's own headers, not as a system's, which may do what they like.
+    # As a user's headers: those of the system would not be warned about.
     words[words.index(PREFIX + "/include") - 1] = "-I"
     words = words[:words.index("-o")] + ["-Wall", "-Wextra", "-Werror", "-Winvalid-pch"]
     headers = [os.path.relpath(path, PREFIX + "/include") for path in
                sorted(glob.glob(PREFIX + "/include/slicemorph/**/*.h", recursive=True))]
     of_tree = glob.glob(REPOSITORY + "/*/include/slicemorph/**/*.h", recursive=True)
     assert len(headers) == len(of_tree) > 10, headers
-    # OpenVDB takes seconds to parse, so it is precompiled once. A compiler takes that only where it is included first, which
-    # makes no difference to headers that include it anyway; the others are compiled without.
+    # OpenVDB takes seconds to parse, so it is precompiled once. A compiler uses that only where it is
+    # included first, which makes no difference to headers that include it anyway; the others are compiled
+    # without.
     open(folder + "/first.h", "w").write("#include <openvdb/openvdb.h>\n")
     run(*words, "-x", "c++-header", folder + "/first.h", "-o", folder + "/first.h.gch")
 
@@ -226,7 +228,7 @@ def case_public_headers(folder):
 
 
 def case_package(folder):
-    """The engine alone asks for no library of io; a later minor version is not to be had."""
+    """The engine alone needs no library of io; a later minor version is refused."""
     version = re.search(r"project\(slicemorph VERSION (\d+)\.(\d+)", open(REPOSITORY + "/CMakeLists.txt").read())
     major, minor = map(int, version.groups())
     assert program("--version", folder=folder).stdout.startswith("slicemorph %d.%d." % (major, minor))

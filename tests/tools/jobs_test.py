@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Job files of `slicemorph morph`: the examples in assets/jobs, --print-config, and what wrong ones are told.
+"""Job files of `slicemorph morph`: the examples in assets/jobs, --print-config, and messages for wrong ones.
 
 usage: jobs_test.py PATH/TO/slicemorph REPOSITORY [NAME...]     (NAME: only the cases whose name contains it)
 
-Volumes are looked at with Debian's python3-openvdb; that part is left out, with a message, where it is not installed.
+Volumes are read with Debian's python3-openvdb; that part is skipped, with a message, where it is not installed.
 """
 import glob
 import json
@@ -25,7 +25,7 @@ BASE = 'inputs = ["x/fish.ply", "b.ply"]\noutput = "m.####.vdb"\n'
 FEATURE = '[[feature]]\nname = "nose"\n'
 REGION = '[[region]]\nname = "head"\nweights = [0, 1]\n'
 
-# (name, what follows the two lines of BASE, line:column, texts of the message)
+# (name, text after the two lines of BASE, line:column, texts of the message)
 WRONG = [
     ("unknown key", "sices = 3\n", "3:1", ["'sices'", "slices", "feature", "keys"]),
     ("value out of range", "slices = 2\n", "3:10", ["--slices 2", "8 to 1024"]),
@@ -85,7 +85,7 @@ WRONG = [
     ("missing input", "frames = 2\n", "1:10", ["x/fish.ply", "no such file"]),
 ]
 
-# Every kind of option, with names that need care in quotes; no file of them is there.
+# Every kind of option, with names that need escapes in quotes; none of the files exists.
 ALL_OPTIONS = r'''
 morph "a \"b\" c.ply" 'back\slash.vdb:den sity' "grün.obj" -o "out put.####.vdb" --frames 7 --keys "1@0 2@0.125 grün@0.7 1@1"
 --timing catmull-rom --ease 0.1,0.2,0.3,1.1 --voxel-size 0.0123456789012345678 --iso 300/250,-7.5e-3/0.1 --image grey --spacing 1,2.5,3
@@ -123,7 +123,7 @@ for path in sys.argv[1:]:
 
 
 def round_trip(o, *words):
-    """--print-config of what --print-config wrote is the same; returns the file."""
+    """--print-config of a file that --print-config wrote gives the same file, which is returned."""
     first = done("morph", *words, "--print-config", cwd=o).stdout
     path = os.path.join(o, "printed.toml")
     open(path, "w", encoding="utf-8").write(first)
@@ -138,7 +138,7 @@ def settings_of(report):
 
 
 def run_example(job, o):
-    """Its frames are there and hold something; a printed copy of it is the same job."""
+    """The job's frames exist and are not empty; a printed copy of it is the same job."""
     os.symlink(os.path.join(REPOSITORY, "assets"), os.path.join(o, "assets"))
     text = open(job).read()
     output = re.search(r'^output = "(.*?)"', text, re.M).group(1)
@@ -156,7 +156,7 @@ def run_example(job, o):
         check_keyed(report)
     copy = round_trip(o, "--config", job)
     os.mkdir(os.path.join(o, "again"))
-    # Another method is quicker where it takes the same job; the settings but the method have to be the same.
+    # Another method is quicker, if it takes the job; all settings but the method have to be the same.
     quick = [] if re.search(r"^\[\[|^interpolation", text, re.M) else ["--method", "sdf"]
     for config, name in ((job, "a.json"), (copy, "b.json")):
         done("morph", "--config", config, "-o", "again/" + output, "--report", name, *quick, cwd=o)
@@ -164,7 +164,7 @@ def run_example(job, o):
 
 
 def check_keyed(report):
-    """At a key's time the weights are the key's; between keys a smooth course leaves the straight one."""
+    """At a key's time the weights are the key's; between keys a smooth course differs from the linear one."""
     at = {frame["t"]: frame["weights"] for frame in report["frames"]}
     assert at[0] == [1, 0, 0] and at[0.4] == [0, 1, 0] and at[0.6] == [0, 0.5, 0.5] and at[1] == [1, 0, 0], at
     assert [key["at"] for key in report["settings"]["keys"]] == [0, 0.4, 0.6, 0.8, 1]
@@ -184,7 +184,7 @@ def case_all_options(o):
 
 
 def case_bare(o):
-    """Without inputs: a file to be filled in, which says nothing yet."""
+    """Without inputs --print-config prints a file to be filled in, which sets nothing."""
     text = done("morph", "--print-config", cwd=o).stdout
     for line in ("# slices = 96", "# frames = 24", "# inputs =", "# quiet = false", '# timing = "linear"', "# keys =", "# [[feature]]",
                  "# [[region]]"):
@@ -196,7 +196,7 @@ def case_bare(o):
 
 
 def case_guidance_is_printed(o):
-    """Features, regions and keys as tables come out as they went in."""
+    """Features, regions and keys as tables are printed as they were read."""
     open(o + "/job.toml", "w").write(BASE + '''keys = [{at = 0.1, input = "fish"}, {at = 0.5, weights = [1, 2]}, {at = 1, input = "2"}]
 [[feature]]
 point = [[0.1, 2, 3], [4, 5, 6e-7]]
@@ -239,7 +239,7 @@ def case_command_line_wins(o):
 
 
 def case_notes(o):
-    """On stderr, none of them with --quiet."""
+    """Notes are on stderr, and absent with --quiet."""
     base = ["morph", "a.ply", "b.ply", "c.ply", "-o", "m.####.vdb", "--print-config"]
     assert done(*base, "--keys", "a@0 b@1", cwd=o).stderr == "note: --keys: no key shows c.ply\n"
     assert done(*base, "--weights", "1,3,0", cwd=o).stderr == "note: --weights 1,3,0 sum to 4: taken as 0.25,0.75,0\n"
@@ -248,7 +248,7 @@ def case_notes(o):
 
 
 def case_print_config_checks(o):
-    """What is wrong is wrong there, too."""
+    """Errors are reported with --print-config, too."""
     result = run("morph", "a.ply", "b.ply", "-o", "m.####.vdb", "--slices", "3", "--print-config", cwd=o)
     assert result.returncode == 2 and "--slices 3" in result.stderr and result.stdout == "", result
     result = run("morph", b"a\xff.ply".decode("utf-8", "surrogateescape"), "b.ply", "-o", "m.####.vdb", "--print-config", cwd=o)
@@ -256,11 +256,11 @@ def case_print_config_checks(o):
 
 
 def wrong_job(case, o):
-    name, text, place, says = case
+    name, text, location, says = case
     open(o + "/job.toml", "w").write(BASE + text)
     result = run("morph", "--config", "job.toml", cwd=o)
     assert result.returncode == (1 if name == "missing input" else 2), (result.returncode, result.stderr)
-    assert result.stderr.startswith("slicemorph: job.toml:%s: " % place), result.stderr
+    assert result.stderr.startswith("slicemorph: job.toml:%s: " % location), result.stderr
     for said in says:
         assert said in result.stderr, "'%s' is not in: %s" % (said, result.stderr)
     assert os.listdir(o) == ["job.toml"], os.listdir(o)

@@ -28,7 +28,7 @@ CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shuti
 
 
 class Browser:
-    """Chromium by its DevTools protocol: JSON messages that end with a zero byte, through a pair of pipes."""
+    """Chromium through its DevTools protocol: JSON messages that end with a zero byte, on a pair of pipes."""
 
     def __init__(self, width=1280, height=1000):
         if not CHROMIUM:
@@ -36,7 +36,7 @@ class Browser:
         self.folder = tempfile.mkdtemp(prefix="slicemorph-chromium-")
         to_read, self.to = os.pipe()
         self.back, back_write = os.pipe()
-        # Out of the way of the ends that Chromium wants to find as 3 and 4.
+        # Moved away from 3 and 4, the descriptors that Chromium expects.
         ends = [fcntl.fcntl(end, fcntl.F_DUPFD, 20) for end in (to_read, back_write)]
 
         def wire():
@@ -95,7 +95,7 @@ class Browser:
             time.sleep(0.1)
 
     def picture(self, selector=None):
-        """RGB, rows x columns x 3, of what is to be seen of an element, or of the window."""
+        """RGB, rows x columns x 3, of the visible part of an element, or of the window."""
         clip = {}
         if selector:
             box = self.run("(r => [r.x + scrollX, r.y + scrollY, r.width, r.height])(document.querySelector(%s).getBoundingClientRect())"
@@ -108,7 +108,7 @@ class Browser:
         return base64.b64decode(self.call("Page.captureScreenshot", format="png", **options)["data"])
 
     def errors(self):
-        """What the console and the network complain of."""
+        """Errors and warnings of console and network."""
         found = []
         for event in self.events:
             name, p = event.get("method"), event.get("params", {})
@@ -120,7 +120,7 @@ class Browser:
                 found.append("log: " + p["entry"]["text"])
             elif name == "Network.requestWillBeSent" and not p["request"]["url"].startswith(("file:", "data:", "blob:")):
                 found.append("asks the network for " + p["request"]["url"])
-        # Headless Chromium without a graphics card says so itself when pixels are read back.
+        # Headless Chromium without a graphics card warns when pixels are read back.
         return [f for f in found if "GPU stall due to ReadPixels" not in f]
 
     def close(self):
@@ -154,12 +154,12 @@ def morph(folder, *words):
 
 
 def scrub(browser, t):
-    """As a hand does it: the slider's value, and its event."""
+    """Moves the slider as a user does: sets its value and sends its event."""
     browser.run("(s => { s.value = %r; s.dispatchEvent(new Event('input')); })(document.getElementById('time'))" % t)
 
 
 def case_player(folder):
-    """Opens without a complaint; scrubbing shows the shape of that time; nothing is asked of the network."""
+    """Opens without errors; scrubbing shows the shape of that time; the network is not used."""
     page = morph(folder, ASSETS + "/blade.ply", ASSETS + "/creature.ply", "-o", folder + "/m.####.vdb", "--frames", 9,
                  "--resolution", 64)
     with Browser() as browser:
@@ -181,7 +181,7 @@ def case_player(folder):
 
 
 def case_parts(folder):
-    """Curves, sheet, slices, notes, settings: all there, and of this job."""
+    """Curves, sheet, slices, notes and settings are there, and are those of the job."""
     page = morph(folder, ASSETS + "/blade.ply", ASSETS + "/ring.ply", "-o", folder + "/m.####.vdb", "--frames", 5,
                  "--resolution", 48, "--report", folder + "/m.json")
     report = json.load(open(folder + "/m.json"))
@@ -190,7 +190,7 @@ def case_parts(folder):
         titles = browser.run("[...document.querySelectorAll('#curves svg text:first-of-type')].map(e => e.textContent)")
         for word in ("Volume", "Area", "Pieces", "Genus", "Fold", "Seconds"):
             assert any(word in title for title in titles), (word, titles)
-        # The curve of the volume: its points lie as high as the figures say.
+        # The curve of the volume: the heights of its points agree with the figures.
         y = np.array(browser.run("[...document.querySelectorAll('#curves svg')[0].querySelectorAll('circle')].map(c => +c.getAttribute('cy'))"))
         v = np.array([f["volume"] for f in report["frames"]])
         assert len(y) == len(v) and np.corrcoef(-y, v)[0, 1] > 0.9999
@@ -205,7 +205,7 @@ def case_parts(folder):
 
 
 def case_without_shapes(folder):
-    """A method without a surface, and blends without times: still a page without complaints."""
+    """A method without a surface, and blends without times, give a page without errors, too."""
     for words in (["-o", folder + "/m.####.vdb", "--frames", 3, "--method", "dissolve"],
                   ["-o", folder + "/m.vdb", "--weights", "0.4,0.6"], ["-o", folder + "/m.####.png", "--frames", 2, "--size", "60x40"]):
         page = morph(folder, ASSETS + "/blade.ply", ASSETS + "/ring.ply", "--resolution", 40, *words)
@@ -216,7 +216,7 @@ def case_without_shapes(folder):
 
 
 def case_names_cannot_break_the_page(folder):
-    """A file's name is text, whatever is in it."""
+    """A file's name is shown as text, whatever it contains."""
     name = folder + "/a<b>&'\"<!--.ply"
     shutil.copy(ASSETS + "/blade.ply", name)
     page = morph(folder, name, ASSETS + "/ring.ply", "-o", folder + "/m.vdb", "--at", 0.5, "--resolution", 32)

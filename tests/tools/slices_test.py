@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""EXR slices through the program, seen through OpenImageIO, oiiotool and pyopenvdb.
+"""EXR slices through the program, read by OpenImageIO, oiiotool and pyopenvdb.
 
 usage: slices_test.py PATH/TO/slicemorph [NAME...]     (NAME: only the cases whose name contains it)
 
-Needs Debian's python3-openvdb; cases that need python3-openimageio or openimageio-tools are skipped, with a message, where
-these are not installed.
+Needs Debian's python3-openvdb; cases that need python3-openimageio or openimageio-tools are skipped, with a
+message, where these are not installed.
 """
 import math
 import os
@@ -52,7 +52,8 @@ def transform():
 
 
 def make_volume(path, n=24):
-    """A cloud with temperature and velocity on a rotated grid of unequal voxels, and a ball as a level set."""
+    """A cloud with temperature and velocity on a rotated grid with
+    unequal voxels, and a level set of a ball."""
     i, j, k = np.meshgrid(*[np.arange(-n, n + 1)] * 3, indexing="ij")
     r2 = (i / n) ** 2 + (j / n) ** 2 + (k / n) ** 2
     values = np.where(r2 < 1, np.exp(-2 * r2) * (1 + 0.3 * np.sin(i / 3) * np.cos(j / 4)), 0)
@@ -132,7 +133,7 @@ def check_values(parts, grids, tolerance, points=1000):
 
 
 def values_are_trilinear(d):
-    """Along an oblique axis, one file a slice: 1,000 points within 1e-5 (relative to values above 1)."""
+    """Along an oblique axis, one file per slice: 1,000 points within 1e-5 (relative to values above 1)."""
     grids = make_volume(d + "/v.vdb")
     run("slice", d + "/v.vdb", "-o", d + "/s.####.exr", "--slices", 12, "--axis", "1,2,-0.7")
     parts = sum((read("%s/s.%04d.exr" % (d, n)) for n in range(1, 13)), [])
@@ -171,7 +172,7 @@ def oiiotool_reads_all(d):
 
 
 def rebuilt_within_a_tenth_of_a_voxel(d):
-    """Rotated, unequal voxels, an oblique axis: the fog's values and the ball's distances come back."""
+    """Rotated, unequal voxels, an oblique axis: the fog's values and the ball's distances are recovered."""
     grids = make_volume(d + "/v.vdb")
     run("slice", d + "/v.vdb", "-o", d + "/s.####.exr", "--slices", 80, "--axis", "1,2,-0.7")
     run("reconstruct", d + "/s.####.exr", "-o", d + "/back.vdb")
@@ -188,7 +189,7 @@ def rebuilt_within_a_tenth_of_a_voxel(d):
     error = np.abs(trilinear(back["surface"], world) - (np.linalg.norm(world - ORIGIN, axis=1) - 8)) / h
     print("    ball: mean %.4f, largest %.4f voxels" % (error.mean(), error.max()))
     assert error.mean() <= 0.1
-    # A field's error in voxels: what is missing, over how much it changes in a voxel there.
+    # Error in voxels: the difference divided by the change of the field over a voxel there.
     world = ORIGIN + rng.uniform(-7, 7, (4000, 3)) @ TURN
     inside = np.linalg.norm((world - ORIGIN) @ np.linalg.inv(STEPS) / 24, axis=1) < 0.9
     world = world[inside]
@@ -211,7 +212,7 @@ def same_bytes_for_any_threads(d):
 
 
 def constants_stay_themselves(d):
-    """A background that no float sums up to exactly: nothing is active in what comes back but what was."""
+    """With a background that is no exact sum of floats, only voxels that were active are active again."""
     grid = vdb.FloatGrid(293.15)
     grid.copyFromArray(np.full((6, 6, 6), 300.1, np.float32), ijk=(10, 10, 10))
     grid.name, grid.transform = "temperature", transform()
@@ -234,7 +235,7 @@ def frames_are_not_mixed(d):
 
 
 def morph_slices_hold_all_of_the_fog(d):
-    """Fog beyond the surface that was found in it, at the fog's own voxel size."""
+    """Slices show fog beyond the surface that was found in it, at the fog's own voxel size."""
     grids = make_volume(d + "/v.vdb")
     run("morph", d + "/v.vdb:density", d + "/v.vdb:density", "-o", d + "/m.exr", "--at", 0.5, "--exr", "slices", "--exr-slices", 60,
         "--exr-axis", "z")
@@ -248,7 +249,7 @@ def morph_slices_hold_all_of_the_fog(d):
 
 
 def what_cannot_be_written_leaves_nothing(d):
-    """A disk that is full after so many bytes, of slices and of pictures; and Ctrl-C in the middle."""
+    """A disk that is full after some bytes, for slices and pictures; and Ctrl-C in the middle."""
     make_volume(d + "/v.vdb")
     os.mkdir(d + "/out")
     run("slice", d + "/v.vdb", "-o", d + "/whole.exr", "--slices", 6)
@@ -285,7 +286,7 @@ def lost_slices_are_told(d):
 
 
 def morph_straight_to_images(d):
-    """What morph puts into EXR slices and pictures is what slice and render make of its VDBs."""
+    """EXR slices and pictures of morph equal those that slice and render make of its VDBs."""
     assets = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../assets")
     words = ["morph", assets + "/blade.ply", assets + "/ring.ply", "--resolution", 40, "--frames", 3]
     run(*words, "-o", d + "/m.####.vdb")
@@ -299,14 +300,14 @@ def morph_straight_to_images(d):
         run("slice", "%s/m.%04d.vdb" % (d, n), "-o", d + "/s.exr", "--plane", plane, "--pixel-size", 0.02)
         (own, a), = read("%s/m.%04d.exr" % (d, n))
         (_, b), = read(d + "/s.exr")
-        # The one's plane is as large as all frames need, the other's as its own frame: they share whole pixels.
+        # One plane is as large as all frames need, the other as its own frame: they share whole pixels.
         shift = np.array(attribute(own, "sliceOrigin"), float) - attribute(_, "sliceOrigin")
         i, j = (int(round(np.dot(shift, attribute(own, axis)) / 0.02)) for axis in ("sliceAxisX", "sliceAxisY"))
         height, width = (min(b.shape[n] - max(o, 0), a.shape[n] - max(-o, 0)) for n, o in ((0, j), (1, i)))
         theirs = b[max(j, 0):max(j, 0) + height, max(i, 0):max(i, 0) + width]
         same = a[max(-j, 0):max(-j, 0) + height, max(-i, 0):max(-i, 0) + width]
         assert list(own.channelnames) == list(_.channelnames) and same.size > 0.8 * b.size, (same.shape, b.shape)
-        # Their pixels' places are sums of other doubles.
+        # Their pixels' positions are sums of different doubles.
         assert np.abs(same - theirs).max() < 1e-6, np.abs(same - theirs).max()
         assert abs(attribute(own, "sliceT") - (n - 1) / 2) < 1e-12 and attribute(own, "sliceFrame") == n
         run("render", "%s/m.%04d.vdb" % (d, n), "-o", d + "/r.exr", *camera)

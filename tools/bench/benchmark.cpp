@@ -1,7 +1,7 @@
-// Benchmarks as ratios against peers of the same run. Usage: slicemorph_benchmark [MESH MESH] [--quick]
-// [--fog] [--many] Without meshes: the bundled creature and ring. --fog leaves out all but the fog (of the
-// files given, if any), --many all but what many objects cost, --quick OpenVDB's LevelSetMorphing and 512
-// voxels.
+// Benchmarks as ratios against peers of the same run.
+// Usage: slicemorph_benchmark [MESH MESH] [--quick] [--fog] [--many]
+// Without meshes the bundled creature and ring are used. --fog runs only the fog (of the files given, if
+// any), --many only the blends of many objects; --quick leaves out OpenVDB's LevelSetMorphing and 512 voxels.
 #include "engine/measure/measure.h"
 #include "engine/peers/peers.h"
 #include "engine/volume/level_set.h"
@@ -34,7 +34,7 @@ double seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// Best of three: what the machine does when nothing disturbs it.
+/// Seconds, the best of three runs, which is least disturbed by other processes.
 template <typename Work>
 double timeOf(const Work& work) {
   double best = 1e30;
@@ -62,7 +62,7 @@ struct FrameCost {
   double ours = 0, voxelising = 0;
 };
 
-/// Time per frame, and of meshToLevelSet on those frames' own meshes; means over some in-betweens.
+/// Seconds per frame, and of meshToLevelSet on the meshes of the same frames; means over some in-betweens.
 FrameCost frameCost(const MorphPlan& plan) {
   FrameCost cost;
   const double times[] = {0.2, 0.5, 0.8};
@@ -104,12 +104,12 @@ void againstLevelSet(const std::vector<Object>& objects) {
       ours / theirs, ours, theirs, peer.restDistance, peer.steps);
 }
 
-/// A rod, straight or bent to an arc of this many radians.
+/// A rod, straight or bent to an arc of `bend` radians.
 Object rod(double bend, double voxelSize) {
   constexpr double kLength = 2, kThick = 0.18;
   constexpr int kSides = 24, kRings = 120;
   Mesh mesh;
-  const auto place = [&](double s, double y, double z) {
+  const auto bent = [&](double s, double y, double z) {
     if (bend == 0) return openvdb::Vec3s(float(s), float(y), float(z));
     const double radius = kLength / bend, a = s / radius;
     return openvdb::Vec3s(float((radius - y) * std::sin(a)), float(radius - (radius - y) * std::cos(a)),
@@ -118,7 +118,7 @@ Object rod(double bend, double voxelSize) {
   for (int i = 0; i <= kRings; ++i)
     for (int j = 0; j < kSides; ++j) {
       const double s = kLength * (double(i) / kRings - 0.5), angle = 2 * 3.14159265358979 * j / kSides;
-      mesh.points.push_back(place(s, kThick * std::cos(angle), 0.7 * kThick * std::sin(angle)));
+      mesh.points.push_back(bent(s, kThick * std::cos(angle), 0.7 * kThick * std::sin(angle)));
     }
   const auto point = [&](int ring, int side) { return unsigned(ring * kSides + side % kSides); };
   for (int i = 0; i < kRings; ++i)
@@ -127,7 +127,7 @@ Object rod(double bend, double voxelSize) {
       mesh.triangles.emplace_back(point(i, j), point(i + 1, j + 1), point(i, j + 1));
     }
   for (int end : {0, kRings}) {
-    mesh.points.push_back(place(kLength * (double(end) / kRings - 0.5), 0, 0));
+    mesh.points.push_back(bent(kLength * (double(end) / kRings - 0.5), 0, 0));
     const unsigned middle = unsigned(mesh.points.size()) - 1;
     for (int j = 0; j < kSides; ++j) {
       if (end == 0)
@@ -139,7 +139,8 @@ Object rod(double bend, double voxelSize) {
   return {"rod", voxelise(mesh, voxelSize)};
 }
 
-/// Setting up a morph that takes curved spines, beside the same with straight ones.
+/// Planning a morph with curved spines against the same with straight ones, and its
+/// frames against meshToLevelSet.
 void curvedAgainstStraight() {
   const std::vector<Object> objects{rod(0, 2.0 / 256), rod(2.1, 2.0 / 256)};
   MorphOptions straight;
@@ -153,19 +154,20 @@ void curvedAgainstStraight() {
               bent.ours / bent.voxelising, bent.ours, bent.voxelising);
 }
 
-/// Clouds of puffs: `extent` voxels along the longest side, active where some puff is.
+/// A cloud of overlapping puffs, active where some puff is. `extent`: voxels along the longest side;
+/// `radius`: of a puff, voxels.
 FloatGrid::Ptr cloud(int extent, int puffs, double radius, unsigned seed) {
   auto grid = FloatGrid::create(0.f);
   grid->setGridClass(openvdb::GRID_FOG_VOLUME);
   grid->setName("density");
   std::mt19937 random(seed);
-  std::uniform_real_distribution<double> place(radius, extent - radius);
+  std::uniform_real_distribution<double> coordinate(radius, extent - radius);
   for (int i = 0; i < puffs; ++i) {
     // Along a bent plume, so that the box is mostly empty.
     const double t = (i + 0.5) / puffs, bend = 0.3 * std::sin(3 * t + seed);
-    const Vec3d middle(extent * (0.5 + bend) + 0.1 * (place(random) - 0.5 * extent),
+    const Vec3d middle(extent * (0.5 + bend) + 0.1 * (coordinate(random) - 0.5 * extent),
                        radius + t * (extent - 2 * radius),
-                       0.5 * extent + 0.1 * (place(random) - 0.5 * extent));
+                       0.5 * extent + 0.1 * (coordinate(random) - 0.5 * extent));
     FloatGrid::Ptr puff = openvdb::tools::createLevelSetSphere<FloatGrid>(float(radius * (0.6 + 0.4 * t)),
                                                                           openvdb::Vec3f(middle), 1.f, 3.f);
     openvdb::tools::sdfToFogVolume(*puff, float(0.5 * radius));
@@ -175,7 +177,7 @@ FloatGrid::Ptr cloud(int extent, int puffs, double radius, unsigned seed) {
   return grid;
 }
 
-/// A trilinear resampling onto voxels that lie between the grid's own; the nearest voxels of labels.
+/// Resamples a grid onto voxels between its own, trilinearly; labels by the nearest voxel.
 void resample(const GridBase& grid) {
   using Types = openvdb::TypeList<FloatGrid, openvdb::Vec3SGrid, openvdb::Int32Grid>;
   grid.apply<Types>([](const auto& typed) {
@@ -192,7 +194,7 @@ void resample(const GridBase& grid) {
   });
 }
 
-/// A frame of fog with all that rides along, beside a resampling of the same grids.
+/// A frame of fog with all its grids against a resampling of the same grids.
 void fogAgainstResample(const std::vector<Object>& objects,
                         const std::vector<std::vector<GridBase::ConstPtr>>& sets, const char* name) {
   const MorphPlan plan(objects);
@@ -235,7 +237,7 @@ void fogFiles(const std::vector<std::string>& inputs, const char* name) {
               peakGiB(), before);
 }
 
-/// Through files, as users do: what is read is what is touched.
+/// Fog through files, as users have it, so that reading voxels on demand counts too.
 void clouds(int extent, int puffs, double radius, const char* name) {
   namespace fs = std::filesystem;
   std::vector<std::string> files;
@@ -275,7 +277,7 @@ Object lumpyBall(unsigned seed) {
   return {"ball " + std::to_string(seed), voxelise(mesh, 2.4 / 128)};
 }
 
-/// What a blend of N objects costs: it is to grow with N, no faster.
+/// The cost of a blend of N objects, which should grow no faster than N.
 void manyObjects() {
   double plan2 = 0, frame2 = 0;
   for (size_t n : {2, 4, 8}) {

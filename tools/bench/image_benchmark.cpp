@@ -1,5 +1,5 @@
-/// Reading a DICOM series and making in-betweens of two grey images, beside ITK's own reader and ITK's
-/// trilinear resampling, in one run. Usage: slicemorph_image_benchmark DICOM_FOLDER [ISO]
+/// Reading a DICOM series and making an in-between of two grey images, against ITK's reader and ITK's
+/// trilinear resampling in the same run. Usage: slicemorph_image_benchmark DICOM_FOLDER [ISO]
 #include "slicemorph/io/image_file.h"
 #include "slicemorph/io/input.h"
 #include "slicemorph/slicemorph.h"
@@ -72,7 +72,7 @@ int main(int argc, char** argv) {
   LoadOptions options;
   options.iso = argc > 2 ? std::atof(argv[2]) : 300;
   ImageFile file;
-  // The files are in the system's memory from the first reading on; the better of two each.
+  // The better of two runs each: from the first reading on the files are in the system's cache.
   double own = 1e30, itks = 1e30;
   ItkImage::Pointer theirs;
   for (int i = 0; i < 2; ++i) {
@@ -88,7 +88,7 @@ int main(int argc, char** argv) {
   file = ImageFile();
 
   LoadedObject a = loadObject(folder, options);
-  // The same patient a little later: moved, and its slices further apart.
+  // The second image is the first one moved, with slices further apart.
   auto moved = std::make_shared<Image>(*a.image);
   moved->lattice.origin += Vec3d(3, -2, 5);
   moved->lattice.step[2] *= 1.03;

@@ -1,6 +1,6 @@
-/// Times of `slicemorph slice` as a ratio against writing the same pixels with OpenEXR alone, in one run:
-/// 256 slices of a 256^3 volume with four channels (density, velocity), ZIP, one file a slice, in parallel
-/// both. usage: slicemorph_slice_benchmark [FOLDER [SIDE]]
+/// Times of `slicemorph slice` as a ratio against writing the same pixels with OpenEXR alone in the same run:
+/// 256 slices of a 256^3 volume with four channels (density, velocity), ZIP, one file per slice, both in
+/// parallel. Usage: slicemorph_slice_benchmark [FOLDER [SIDE]]
 
 #include "engine/sections/place_sections.h"
 #include "engine/sections/section.h"
@@ -23,10 +23,10 @@ using namespace slicemorph;
 
 namespace {
 
-constexpr size_t kTogether = 8;
+constexpr size_t kTogether = 8;  // slices sampled together, as in exr_slice_writer.cpp
 constexpr const char* kChannels[] = {"density.Y", "vel.X", "vel.Y", "vel.Z"};
 
-/// A value at every voxel of a cube, by the voxel's place in units of the cube's half side.
+/// A cube with a value at every voxel: a function of the voxel's position, from -1 to 1 along each axis.
 template <typename Grid, typename Function>
 typename Grid::Ptr filled(int side, const char* name, const Function& function) {
   const auto grid = Grid::create();

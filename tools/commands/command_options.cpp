@@ -6,15 +6,16 @@
 namespace slicemorph {
 namespace {
 
-/// Column in which the help's sentences begin, and the one before which they end.
+/// Columns of the help: where descriptions begin, and the width of the whole.
 constexpr size_t kHelpColumn = 34, kHelpWidth = 118;
 
-/// As CLI11 wants names: `INPUT`, `-o,--output`, `--frames`.
+/// An option's names in CLI11's notation: `INPUT`, `-o,--output`, `--frames`.
 std::string commandLineName(const OptionRow& row) {
   if (!row.positional.empty()) return row.positional;
   return (row.name == "output" ? "-o," : "") + ("--" + row.name);
 }
 
+/// Text with lines of at most `width` characters.
 std::string wrapped(const std::string& text, size_t width) {
   std::string lines;
   size_t length = 0;
@@ -27,7 +28,7 @@ std::string wrapped(const std::string& text, size_t width) {
   return lines;
 }
 
-/// The help of one command: options by the table's groups, only the usual ones unless all are asked for.
+/// The help of one command: options by the table's groups; `--help` shows the basic ones, `--help-all` all.
 class GroupedHelp : public CLI::Formatter {
  public:
   explicit GroupedHelp(std::shared_ptr<const OptionSet> options) : options_(std::move(options)) {

@@ -8,8 +8,8 @@
 
 namespace slicemorph {
 
-/// A subcommand with the options that the table gives it, checked as they are parsed, and with their help by
-/// groups: `--help` the usual ones, `--help-all` every one. The set outlives the parsing.
+/// Adds the table's options to a subcommand, checked as they are parsed, with their help by groups: `--help`
+/// shows the basic ones, `--help-all` all. Returns the set that parsing fills.
 std::shared_ptr<OptionSet> addOptions(CLI::App& command, Command which);
 
 }  // namespace slicemorph

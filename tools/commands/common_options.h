@@ -5,14 +5,14 @@
 #include <memory>
 #include <string>
 
-/// What several commands share.
+/// Helpers that several commands share.
 namespace slicemorph {
 
-/// Limits TBB for as long as the result lives; 0: no limit.
+/// Limits TBB to that number of threads as long as the result lives; 0: no limit.
 std::shared_ptr<void> limitThreads(int threads);
 
-/// Prints what was found or chosen, one line each, on stderr: `note: ABOUT...`, or `warning: ABOUT...`. How
-/// decisions were reached (Severity::kDetail) is for `verbose` alone.
+/// Prints notes on stderr, one line each: `note: ABOUT...` or `warning: ABOUT...`. Details of how decisions
+/// were reached (Severity::kDetail) only with `verbose`.
 void printNotes(const std::string& about, const Notes& notes, bool quiet, bool verbose = false);
 
 }  // namespace slicemorph

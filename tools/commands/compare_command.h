@@ -4,7 +4,7 @@
 
 namespace slicemorph {
 
-/// Adds `slicemorph compare`; its callback does the work and throws what is to be reported.
+/// Adds `slicemorph compare`. Its callback runs the command; errors are thrown.
 void addCompareCommand(CLI::App& program);
 
 }  // namespace slicemorph

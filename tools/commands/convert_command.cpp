@@ -31,7 +31,7 @@ bool isLabelMap(const Image& image, ImageKind kind) {
   return kind == ImageKind::kLabels || (kind == ImageKind::kAuto && looksLikeLabels(image));
 }
 
-/// The image on the lattice that was asked for, its own where none was.
+/// The image on the lattice that the options ask for; unchanged where they ask for none.
 Image onAskedLattice(Image image, const ConvertSettings& s) {
   if (s.like.empty() && s.load.voxelSize == 0 && s.load.resolution == 0) return image;
   const ImageLattice on =
@@ -39,7 +39,7 @@ Image onAskedLattice(Image image, const ConvertSettings& s) {
   return isLabelMap(image, s.load.imageKind) ? nearestTo(image, on) : resampledTo(image, on);
 }
 
-/// An image's values, and with --iso its surface beside them.
+/// Writes an image's values as a grid, and with --iso its surface as another.
 void writeGrids(const ConvertSettings& s, const Image& image) {
   const bool labels = isLabelMap(image, s.load.imageKind);
   openvdb::GridCPtrVec grids{gridOf(image, labels ? "labels" : "image", labels)};
@@ -51,6 +51,8 @@ void writeGrids(const ConvertSettings& s, const Image& image) {
   writeVdb(s.output, grids, {});
 }
 
+/// The grid that is named, else the first that was made from an image, else the one that loadObject
+/// would try first.
 Image imageOfGrid(const ConvertSettings& s) {
   const InputSpec name = parseInput(s.input);
   const VdbFile file(name.path);
@@ -61,7 +63,7 @@ Image imageOfGrid(const ConvertSettings& s) {
   return imageOf(*file.read(gridsToTry(file, name.path).at(0)));
 }
 
-/// 1 inside, 0 outside.
+/// A mask of a level set: 1 inside, 0 outside.
 Image maskOf(const FloatGrid& levelSet) {
   Image distances = imageOf(levelSet);
   std::vector<std::uint8_t> mask;

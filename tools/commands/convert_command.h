@@ -4,7 +4,7 @@
 
 namespace slicemorph {
 
-/// Adds `slicemorph convert`; its callback does the work and throws what is to be reported.
+/// Adds `slicemorph convert`. Its callback runs the command; errors are thrown.
 void addConvertCommand(CLI::App& program);
 
 }  // namespace slicemorph

@@ -4,7 +4,7 @@
 
 namespace slicemorph {
 
-/// Adds `slicemorph info`; its callback does the work and throws what is to be reported.
+/// Adds `slicemorph info`. Its callback runs the command; errors are thrown.
 void addInfoCommand(CLI::App& program);
 
 }  // namespace slicemorph

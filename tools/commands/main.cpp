@@ -21,7 +21,7 @@ int fail(int code, const std::string& message) {
   return code;
 }
 
-/// Errors of the command line name the command whose help tells more.
+/// Reports an error of the command line and names the command whose help lists the options.
 int failUsage(const CLI::App& program, const CLI::ParseError& error) {
   std::string command = "slicemorph";
   for (const CLI::App* sub : program.get_subcommands()) command += " " + sub->get_name();

@@ -13,13 +13,13 @@
 namespace slicemorph {
 namespace {
 
-/// Reads the job file, checks everything that can be checked without reading the inputs, and morphs. With
-/// --print-config it prints a job file instead.
+/// Reads the job file, checks everything that can be checked without reading the inputs, and morphs; with
+/// --print-config prints a job file instead.
 void runMorphCommand(OptionSet& options) {
   const JobOptions& given = options.values();
   if (!given.config.empty()) applyJobFile(given.config, options);
   MorphJob job;
-  // A job file that is to be filled in asks for nothing.
+  // --print-config alone prints an empty job file to be filled in, for which no inputs are needed.
   if (!given.printConfig || !given.config.empty() || !given.inputs.empty()) job = morphJob(options);
   printNotes("", job.notes, given.quiet, given.verbose);
   if (given.printConfig) {

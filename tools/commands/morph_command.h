@@ -4,7 +4,7 @@
 
 namespace slicemorph {
 
-/// Adds `slicemorph morph`; its callback does the work and throws what is to be reported.
+/// Adds `slicemorph morph`. Its callback runs the command; errors are thrown.
 void addMorphCommand(CLI::App& program);
 
 }  // namespace slicemorph

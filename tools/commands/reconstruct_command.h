@@ -4,7 +4,7 @@
 
 namespace slicemorph {
 
-/// Adds `slicemorph reconstruct`; its callback does the work and throws what is to be reported.
+/// Adds `slicemorph reconstruct`. Its callback runs the command; errors are thrown.
 void addReconstructCommand(CLI::App& program);
 
 }  // namespace slicemorph

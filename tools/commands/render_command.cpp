@@ -28,7 +28,7 @@ void checkRenderOutputs(const RenderJob& job) {
   VideoWriter::checkAvailable(job.output);
 }
 
-/// One option for two sizes that everybody calls the resolution: of the picture, and of a mesh's voxels.
+/// --resolution means two sizes: WIDTHxHEIGHT that of the picture, one number that of a mesh in voxels.
 RenderJob withResolution(RenderJob job, const std::string& text) {
   if (text.empty()) return job;
   int used = 0;

@@ -4,7 +4,7 @@
 
 namespace slicemorph {
 
-/// Adds `slicemorph render`; its callback does the work and throws what is to be reported.
+/// Adds `slicemorph render`. Its callback runs the command; errors are thrown.
 void addRenderCommand(CLI::App& program);
 
 }  // namespace slicemorph

@@ -4,7 +4,7 @@
 
 namespace slicemorph {
 
-/// Adds `slicemorph slice`; its callback does the work and throws what is to be reported.
+/// Adds `slicemorph slice`. Its callback runs the command; errors are thrown.
 void addSliceCommand(CLI::App& program);
 
 }  // namespace slicemorph

@@ -5,8 +5,9 @@
 
 namespace slicemorph {
 
-/// A job's events on the terminal: progress and notes on stderr, one line each; the names of finished files
-/// on stdout. `quiet`: nothing of it; `verbose`: also how decisions were reached. The first Ctrl-C ends the job cleanly.
+/// Shows a job's events on the terminal: progress and notes on stderr, the names of finished files on
+/// stdout. `quiet`: shows nothing; `verbose`: also shows how decisions were reached. The first Ctrl-C ends
+/// the job cleanly.
 class TerminalEvents : public JobEvents {
  public:
   explicit TerminalEvents(bool quiet, bool verbose = false);

@@ -9,7 +9,7 @@
 namespace slicemorph {
 namespace {
 
-/// A signal handler can reach nothing but a global.
+/// Global, since a signal handler can access nothing else.
 volatile sig_atomic_t interrupted = 0;
 
 extern "C" void onInterrupt(int) { interrupted = 1; }
@@ -61,7 +61,7 @@ void TerminalProgress::report(const char* stage, double fraction) {
   std::fflush(stderr);
 }
 
-/// At the pace of the present stage, for paces differ between stages.
+/// Estimated from the current stage alone, since stages differ in speed; empty in its first half second.
 std::string TerminalProgress::timeLeft(Clock::time_point now, double fraction) const {
   const double done = fraction - stageFraction_;
   const double seconds = std::chrono::duration<double>(now - stageStart_).count();

@@ -8,11 +8,11 @@
 
 namespace slicemorph {
 
-/// From now on the first Ctrl-C asks for a clean end (TerminalProgress::cancelled); a second one ends at
-/// once.
+/// From now on the first Ctrl-C or SIGTERM sets TerminalProgress::cancelled; the next one ends the
+/// program at once.
 void cancelOnInterrupt();
 
-/// One line on stderr, redrawn in place: stage, share done, time left. Silent unless stderr is a terminal.
+/// One line on stderr, redrawn in place: stage, percentage, time left. Silent unless stderr is a terminal.
 class TerminalProgress : public Progress {
  public:
   explicit TerminalProgress(bool quiet);
@@ -30,7 +30,7 @@ class TerminalProgress : public Progress {
   const bool shown_;
   std::mutex mutex_;
   std::string stage_;
-  double stageFraction_ = 0;  ///< where the stage began
+  double stageFraction_ = 0;  ///< fraction at which the stage began
   Clock::time_point stageStart_, lastDrawn_;
   size_t width_ = 0;  ///< of the line on the screen
 };

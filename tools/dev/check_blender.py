@@ -1,7 +1,7 @@
-"""Runs inside Blender: opens a VDB sequence as an artist does, tells what Blender sees in it and renders one frame.
+"""Runs inside Blender: opens a VDB sequence as an artist does, prints what Blender reads, renders one frame.
 
-check_blender.sh starts it. Anything that Blender cannot use is an error with exit code 1. Coordinates are world units,
-turned from the files' "y up" to Blender's "z up" by the objects' rotation, not in the data.
+check_blender.sh starts it. Anything that Blender cannot use is an error with exit code 1. Coordinates are world
+units, turned from the files' "y up" to Blender's "z up" by the objects' rotation, not in the data.
 """
 
 import argparse
@@ -24,7 +24,7 @@ kLit = 0.2  # brightness that the backdrop stays below
 kFramed = 2000  # points that the camera is fitted to, per frame
 kIncandescent = 700.0  # temperatures that reach this are kelvin; below it they are some 0-to-1 field
 kHottest = 2000.0  # kelvin; shown where such a field is highest
-kLookAlong = Vector((-0.55, -0.3, -1.0))  # y up; as `slicemorph render` looks
+kLookAlong = Vector((-0.55, -0.3, -1.0))  # y up; the default view of `slicemorph render`
 kWarm, kCool = (1.0, 0.93, 0.85), (0.72, 0.83, 1.0)  # light
 kVectorGrids = ("vel", "velocity", "color", "Cd")
 
@@ -67,9 +67,9 @@ def find_frames(first):
 
 
 def check_whole(file):
-    """Refuses a file that was cut off: there OpenVDB reads arbitrary sizes, and Blender ends in abort(), after minutes.
+    """Refuses a file that was cut short: OpenVDB reads arbitrary sizes of it, and Blender aborts much later.
 
-    The layout is that of openvdb/io/Archive.cc and File.cc; what does not follow it is left to Blender to judge.
+    The layout is that of openvdb/io/Archive.cc and File.cc; other files are left to Blender.
     """
     size = file.stat().st_size
     with open(file, "rb") as data:
@@ -151,7 +151,7 @@ def print_grids(grids):
 
 
 def load_sequence(volume, frames, surface):
-    """Loads every frame; the name of the grid to show, and what grids the frames have in common."""
+    """Loads every frame; returns the name of the grid to show, and the grids that all frames have."""
     common = None
     for frame, file in frames.items():
         grids = load_frame(volume, frame, file)
@@ -169,13 +169,13 @@ def load_sequence(volume, frames, surface):
 # ---- what is to be seen
 
 def box_corners(grid, low, high):
-    """World space of the index box's eight corners."""
+    """The index box's eight corners in world space."""
     return [Vector(grid.transform.indexToWorld((x, y, z)))
             for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]
 
 
 def some(points):
-    """Evenly picked from N x 3, enough to frame them all."""
+    """An even selection of N x 3 points, enough to fit the camera to all."""
     return points[::max(1, len(points) // kFramed)]
 
 
@@ -184,7 +184,7 @@ def bounds(points):
 
 
 class Fog:
-    """Extent (of what is to be seen, world units of the file) and thickness of a scalar grid; empty: no corners."""
+    """Extent (of the visible part, world units) and thickness of a scalar grid; no corners if it is empty."""
 
     def __init__(self, file, name):
         grid = pyopenvdb.read(str(file), name)
@@ -212,7 +212,8 @@ class Fog:
 
 
 def check_velocity_reach(file, name, fog, seconds):
-    """Says where Cycles cannot blur: it looks the velocity up where smoke arrives, so that must be active there too."""
+    """Reports where Cycles cannot blur: velocity must be active where smoke
+    arrives, too, since it is read there."""
     grid = pyopenvdb.read(str(file), name)
     low, high = grid.evalActiveVoxelBoundingBox()
     if low[0] > high[0]:
@@ -230,7 +231,7 @@ def check_velocity_reach(file, name, fog, seconds):
 
 
 def mesh_from_level_set(volume_object, name):
-    """The object that carries Blender's Volume to Mesh modifier."""
+    """The object with Blender's Volume to Mesh modifier."""
     thing = bpy.data.objects.new(name, bpy.data.meshes.new(name))
     bpy.context.scene.collection.objects.link(thing)
     modifier = thing.modifiers.new("Volume to Mesh", "VOLUME_TO_MESH")
@@ -243,7 +244,7 @@ def mesh_from_level_set(volume_object, name):
 
 
 def measure_mesh(thing, frame, file):
-    """World-space points to frame; refuses no mesh at all, and one that is inside out."""
+    """World-space points to fit the camera to; raises Unusable for an empty or inside-out mesh."""
     bpy.context.scene.frame_set(frame)
     evaluated = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
     mesh = evaluated.to_mesh()
@@ -295,7 +296,7 @@ def smoke_material(thickest, extent, names, heat):
         hottest = highest if highest >= kIncandescent else kHottest
         inputs["Temperature Attribute"].default_value = name
         inputs["Temperature"].default_value = hottest / highest
-        # Stefan and Boltzmann's law in Cycles' units, so that looking through the hottest part gives about 50.
+        # The Stefan-Boltzmann law in Cycles' units; the radiance through the hottest part becomes about 50.
         inputs["Blackbody Intensity"].default_value = 50 * math.pi * 1e6 / (5.670373e-8 * hottest**4 * extent)
     return material
 
@@ -313,7 +314,7 @@ def clay_material():
 # ---- camera and light
 
 def add_camera(points, rotation, margin):
-    """Sees all the points (world space) from the house's direction, `margin` times the distance further back."""
+    """A camera that sees all the points (world space) along kLookAlong, `margin` times the distance away."""
     forward = (rotation.to_3x3() @ kLookAlong).normalized()
     right = forward.cross((0, 0, 1)).normalized()
     camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
@@ -348,7 +349,7 @@ def add_light(name, camera, middle, radius, direction, size, power, color):
 
 
 def add_backdrop(dim):
-    """`dim` light from everywhere; to the camera, a dark grey that is a little lighter in the picture's middle."""
+    """`dim` light from all directions; the camera sees a dark grey that is a little lighter in the middle."""
     world = bpy.data.worlds.new("backdrop")
     bpy.context.scene.world = world
     world.use_nodes = True
@@ -453,7 +454,7 @@ def box(values, radius):
 
 
 def denoise(a, b, reach=6, patch=2, strength=0.6):
-    """Mean of two renderings that differ in noise alone, each filtered by weights found in the other.
+    """Mean of two renderings that differ only in noise, each filtered with weights found in the other.
 
     Non-local means: Rousselle, Knaus, Zwicker, "Adaptive Rendering with Non-Local Means Filtering", 2012.
     """

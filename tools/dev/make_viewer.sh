@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Makes assets/viewer/report.html, the page that `morph --report x.html` fills in: tools/report/viewer/ and the parts of npm's three
-# that it uses, bundled, minified, with their licence. Needs node and npm; packages go into a scratch folder.
+# Makes assets/viewer/report.html, the page that `morph --report x.html` fills in: tools/report/viewer/ and
+# the parts of npm's three that it uses, bundled, minified, with their licence. Needs node and npm; packages
+# go into a scratch folder.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 scratch=$(mktemp -d)

@@ -1,5 +1,5 @@
 // Models the bundled shapes (assets/*.ply) as closed-form distance fields with smooth unions, meshes them and
-// pulls every vertex onto the exact surface. Usage: model_assets FOLDER. Distance functions after Inigo
+// moves every vertex onto the exact surface. Usage: model_assets FOLDER. Distance functions after Inigo
 // Quilez, https://iquilezles.org/articles/distfunctions (formulas); the shapes are the project's own. Up is
 // y, front is x.
 
@@ -28,7 +28,7 @@ using Field = std::function<double(const Vec3d&)>;
 
 struct Shape {
   std::string name;
-  Field field;         ///< negative inside; near the surface about a distance
+  Field field;         ///< negative inside; close to a distance near the surface
   openvdb::BBoxd box;  ///< holds the whole surface
   int genus = 0;
 };
@@ -65,7 +65,7 @@ struct Joint {
   double radius;
 };
 
-/// Limbs from joint to joint. A smooth union would swell where they overlap.
+/// Limbs from joint to joint, by a plain union: a smooth one would swell where they overlap.
 double chain(const Vec3d& p, const std::vector<Joint>& joints) {
   double d = limb(p, joints[0].at, joints[0].radius, joints[1].at, joints[1].radius);
   for (size_t n = 2; n < joints.size(); ++n) {
@@ -120,7 +120,7 @@ double creatureHead(const Vec3d& p, const Vec3d& mirrored) {
   return smoothUnion(d, sphere(mirrored, {1.130, 1.632, 0.118}, 0.042), 0.006);  // eye
 }
 
-/// A leaf of an ear, hollow in front.
+/// A leaf-shaped ear, hollow in front.
 double ear(const Vec3d& mirrored) {
   static const std::vector<Joint> joints =
       curve({{{0.90, 1.74, 0.10}, 0.075}, {{0.83, 1.91, 0.165}, 0.088}, {{0.73, 2.13, 0.215}, 0.022}});
@@ -212,7 +212,7 @@ double valueAt(const Profile& profile, double x) {
          h * (slope(n - 1) * (t3 - 2 * t2 + t) + slope(n) * (t3 - t2));
 }
 
-/// What a slope of the profile adds to the gradient: a distance to it is that much shorter.
+/// Factor from a horizontal difference to a distance from the profile: 1 / sqrt(1 + slope^2).
 double steepness(const Profile& profile, double x) {
   const double slope = (valueAt(profile, x + 1e-3) - valueAt(profile, x - 1e-3)) / 2e-3;
   return 1 / std::sqrt(1 + slope * slope);
@@ -359,7 +359,7 @@ Topology topologyOf(const Mesh& mesh) {
   DisjointSets sets(mesh.points.size());
   Topology topology;
   for (size_t e = 0; e < edges.count(); ++e) {
-    int balance = 0;  // +1 one way, -1 the other: 0 where the mesh is closed
+    int balance = 0;  // sum of +1 and -1 by the edge's direction in each face: 0 where the mesh is closed
     for (size_t i = 0; i < edges.faces(e); ++i) balance += edges.half(e, i).forward ? 1 : -1;
     topology.closed = topology.closed && balance == 0;
     sets.join(edges.half(e, 0).low, edges.half(e, 0).high);
@@ -370,7 +370,7 @@ Topology topologyOf(const Mesh& mesh) {
   return topology;
 }
 
-/// As many vertices as fit a small file, evenly spread.
+/// A mesh of about that many evenly spread vertices: the mesher makes about 1.2 per squared voxel side.
 Mesh meshOf(const Shape& shape, double vertices) {
   const double longest = shape.box.extents()[shape.box.maxExtent()];
   const double area = areaOf(surfaceOf(*sampleField(shape, longest / 100)));

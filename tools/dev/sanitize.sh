@@ -13,6 +13,7 @@ rm -f build-sanitize.log
 cmake --build build-sanitize --parallel "$(build_jobs)" --target "${tests[@]}"
 say "running the engine's unit tests with sanitizers"
 pattern=$(IFS='|'; echo "${tests[*]}")
-# OpenVDB and TBB keep what they have made until the end; libraries that are not instrumented hide what they own.
+# No leak check: OpenVDB and TBB keep objects until exit, and libraries without instrumentation hide what they
+# own.
 ASAN_OPTIONS=detect_leaks=0:detect_container_overflow=0 \
   ctest --test-dir build-sanitize --parallel 2 --output-on-failure -R "^($pattern)\$"

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Runs clang-tidy (.clang-tidy) over all sources, those of a folder as one. Usage: ./tools/dev/tidy.sh [PART OF A PATH...]
+# Runs clang-tidy (.clang-tidy) over all sources, those of a folder as one.
+# Usage: ./tools/dev/tidy.sh [PART OF A PATH...]
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 source tools/dev/setup.sh

@@ -13,10 +13,10 @@ namespace {
 
 using openvdb::GridBase;
 
-/// Names that hosts give to velocities.
+/// Names that Houdini, Blender and other programs give to velocity grids.
 const std::set<std::string> kVelocityNames{"vel", "v", "velocity"};
 
-/// The voxel size that was asked for, world units; 0 where the grids keep their own.
+/// The voxel size that the options ask for, world units; 0: grids keep their own.
 double voxelSizeOf(const FrameTask& task) {
   if (task.settings.plan.voxelSize > 0) return task.settings.plan.voxelSize;
   if (task.settings.load.resolution == 0) return 0;
@@ -27,7 +27,8 @@ double voxelSizeOf(const FrameTask& task) {
   return size;
 }
 
-/// The fog that the shapes are part of; of solids that with a soft rim.
+/// The in-between of the fog that the shapes were found in; inputs that are solids become fog with
+/// a soft rim.
 GridBase::ConstPtr densityOf(const FrameTask& task, Pullback& pullback, double voxelSize) {
   const GridSet& set = task.plan.content.sets[*task.plan.content.shapeSet];
   std::vector<GridBase::ConstPtr> grids = readGrids(set, task.inputs);
@@ -46,7 +47,8 @@ GridBase::ConstPtr densityOf(const FrameTask& task, Pullback& pullback, double v
   return pullback.carry(grids, {task.settings.conserve, voxelSize});
 }
 
-/// Under the name that was asked for, or NAME_morph where the inputs' own velocities have that.
+/// The morph's velocities on the voxels of `where`, named as the options say, or NAME_morph where the inputs'
+/// own velocities have that name and are not added.
 GridBase::Ptr velocityOf(const FrameTask& task, const Pullback& pullback, const GridBase& where,
                          const openvdb::GridCPtrVec& grids) {
   const VelocitySettings& v = task.settings.velocity;
@@ -70,7 +72,7 @@ GridBase::Ptr velocityOf(const FrameTask& task, const Pullback& pullback, const 
   return velocity;
 }
 
-/// In the place of one of the same name.
+/// Appends a grid, after removing any of the same name.
 void addOrReplace(openvdb::GridCPtrVec& grids, const GridBase::ConstPtr& grid) {
   const auto replaced = std::remove_if(
       grids.begin(), grids.end(), [&](const auto& other) { return other->getName() == grid->getName(); });

@@ -4,16 +4,16 @@
 
 namespace slicemorph {
 
-/// Grids of a frame.
+/// The grids of a frame.
 struct CarriedGrids {
-  openvdb::GridCPtrVec grids;           ///< in their order
-  openvdb::GridBase::ConstPtr density;  ///< of these, the fog that the shapes are part of; null: none
+  openvdb::GridCPtrVec grids;           ///< in the order of the output
+  openvdb::GridBase::ConstPtr density;  ///< one of these: the fog that the shapes were found in; null: none
 };
 
-/// Adds to a frame's `grids` those that ride along with its shape, and the velocities where these are wanted.
-/// `where`: on whose voxels velocities are, unless there is fog; null: the first grid that rides along.
+/// Adds to a frame's `grids` the pullback of the inputs' other grids, and the velocities if they are wanted.
+/// `where`: the grid whose voxels velocities are put on, unless there is fog; null: the first other grid.
 /// `half`: velocities are stored as half floats. Throws Cancelled between two grids; InputError for grids
-/// that do not fit together, IoError.
+/// that do not fit together; IoError.
 CarriedGrids carryGrids(const FrameTask& task, openvdb::GridBase::ConstPtr where, openvdb::GridCPtrVec grids,
                         bool half, const Progress& cancel);
 

@@ -38,7 +38,7 @@ Image imageBetween(const FrameTask& task) {
       images.push_back(input.image.get()), isos.push_back(input.iso);
     return pullback.carry(images, plan.lattice, isos);
   }
-  // The inputs themselves are not made anew.
+  // At the weights of one input alone that input's labels are taken as they are.
   if (const std::optional<size_t> alone = aloneIn(task.job.weights))
     return nearestTo(*task.inputs[*alone].image, plan.lattice);
   std::vector<const LabelField*> fields;

@@ -8,7 +8,8 @@
 namespace slicemorph {
 namespace {
 
-/// Grids of VDB files are sliced as they are: what says how to voxelise would do nothing.
+/// Throws InputError for options of voxelising that would have no effect, since grids of VDB files are sliced
+/// as they are.
 void checkVoxels(const CutJob& job) {
   const bool voxels = job.load.voxelSize > 0 || job.load.resolution > 0;
   const bool vdb = parseInput(job.input).isGrids();
@@ -24,7 +25,7 @@ openvdb::GridCPtrVec baresOf(const std::vector<SliceGrid>& grids) {
   return bare;
 }
 
-/// What the file of a frame says of its time.
+/// Takes frame number and frames per second from a file's metadata.
 void takeTime(const openvdb::MetaMap& metadata, SliceExrOptions& exr) {
   if (const auto frame = metadata.getMetadata<openvdb::Int32Metadata>("frame")) exr.frame = frame->value();
   if (const auto fps = metadata.getMetadata<openvdb::FloatMetadata>("fps"); fps && fps->value() > 0)

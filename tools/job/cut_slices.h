@@ -9,17 +9,17 @@
 
 namespace slicemorph {
 
-/// What `slicemorph slice` is to do, checked.
+/// What `slicemorph slice` is to do; values are checked.
 struct CutJob {
   std::string input;
-  std::string output;              ///< one .exr, or one a slice where it has ####
-  std::vector<std::string> grids;  ///< none: all
+  std::string output;              ///< one .exr, or one per slice where it has ####
+  std::vector<std::string> grids;  ///< empty: all
   SliceOptions slices;
   LoadOptions load;
 };
 
-/// Oriented slices of any volume, all its grids, as EXR images. Throws InputError, IoError, GeometryError,
-/// Cancelled.
+/// Writes oriented slices of a volume's grids as EXR images. Throws InputError,
+/// IoError, GeometryError, Cancelled.
 void cutSlices(const CutJob& job, JobEvents& events);
 
 }  // namespace slicemorph

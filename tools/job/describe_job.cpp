@@ -22,7 +22,7 @@ Json toJson(const Feature& feature) {
   Json json = {{"name", feature.name}, {"kind", kinds[int(feature.kind)]}, {"places", Json::array()}};
   for (const std::vector<Vec3d>& ofInput : feature.positions) {
     json["places"].push_back(Json::array());
-    for (const Vec3d& place : ofInput) json["places"].back().push_back(toJson(place));
+    for (const Vec3d& position : ofInput) json["places"].back().push_back(toJson(position));
   }
   if (feature.kind != Feature::Kind::kDisk) return json;
   json["normals"] = Json::array();

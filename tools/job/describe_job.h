@@ -6,7 +6,7 @@
 
 namespace slicemorph {
 
-/// A job's settings as they bear on the result: what --resume compares, and the head of the report.
+/// The settings that affect a job's result: --resume compares them, and reports begin with them.
 nlohmann::ordered_json describeJob(const MorphSettings& settings);
 
 }  // namespace slicemorph

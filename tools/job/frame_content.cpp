@@ -36,8 +36,8 @@ FrameContent contentOfImages(const MorphSettings& settings, const Inputs& inputs
   return content;
 }
 
-/// Colours of surfaces go along with them, not as grids of their own: takes them out of the sets. Returns the
-/// name of their grid; empty: there are none.
+/// Takes the colours of surfaces out of the sets, since they are carried with the surface and not as grids of
+/// their own. Returns the name of their grid; empty: there are none.
 std::string takeColors(std::vector<GridSet>& sets, const Inputs& inputs) {
   std::string colorName;
   for (const LoadedObject& input : inputs)
@@ -54,27 +54,28 @@ std::string takeColors(std::vector<GridSet>& sets, const Inputs& inputs) {
   return colorName;
 }
 
-/// The shapes' own grids are taken out of the sets, for the shapes stand for them. Returns the set that the
-/// first fog of these was in; none: no shape is fog.
+/// Takes the grids that the shapes were read from out of the sets, since the shapes represent them. Returns
+/// the index of the set that the first of them that is fog was in; none: no shape is fog.
 std::optional<size_t> takeShapes(std::vector<GridSet>& sets, const Inputs& inputs) {
-  std::optional<size_t> place;
+  std::optional<size_t> fogSet;
   for (size_t s = 0; s < sets.size(); ++s)
     for (size_t k = 0; k < inputs.size(); ++k)
       if (inputs[k].file && sets[s].index[k] == inputs[k].grid) {
         sets[s].index[k].reset();
-        if (inputs[k].fog && !place) place = s;
+        if (inputs[k].fog && !fogSet) fogSet = s;
       }
-  return place;
+  return fogSet;
 }
 
-/// The grids that ride along, and where the result is fog that of the shapes in the place it had.
+/// Adds the sets of other grids; where the result is fog, also the set of the shapes' fog, at the index
+/// that it had.
 void addSets(FrameContent& content, std::vector<GridSet> found, const MorphSettings& settings,
              const Inputs& inputs, bool fog) {
   GridSet shape = shapeSet(inputs);
   if (shape.name.empty()) shape.name = "density";
-  const std::optional<size_t> place = takeShapes(found, inputs);
+  const std::optional<size_t> fogSet = takeShapes(found, inputs);
   for (size_t s = 0; s < found.size(); ++s) {
-    if (fog && place == s) content.shapeSet = content.sets.size(), content.sets.push_back(shape);
+    if (fog && fogSet == s) content.shapeSet = content.sets.size(), content.sets.push_back(shape);
     const auto& index = found[s].index;
     const bool there = std::any_of(index.begin(), index.end(), [](const auto& i) { return i.has_value(); });
     if (there && (!settings.toPictures() || isDrawn(found[s].name))) content.sets.push_back(found[s]);
@@ -82,7 +83,7 @@ void addSets(FrameContent& content, std::vector<GridSet> found, const MorphSetti
   if (fog && !content.shapeSet) content.shapeSet = 0, content.sets.insert(content.sets.begin(), shape);
 }
 
-/// Leaves what --grids names.
+/// Keeps only what --grids names.
 void keepAsked(FrameContent& content, const MorphSettings& settings, bool first) {
   const std::vector<std::string>& asked = settings.grids;
   std::string known = "surface";
@@ -127,7 +128,7 @@ FrameContent contentOf(const MorphSettings& settings, const Inputs& inputs, bool
         "the inputs' colours are left out: only " + methodsThat(&MethodTraits::colors) + " carries them");
   if (!can.grids) return content;
   GridSets found = pairGrids(inputs, settings.grids.empty());
-  // Colours of fog are grids like others.
+  // Colours of fog are treated as any other grid.
   if (!fog && can.colors) content.colorName = takeColors(found.sets, inputs);
   if (!settings.holdsGrids()) return content;
   if (first) content.notes.insert(content.notes.end(), found.notes.begin(), found.notes.end());

@@ -12,11 +12,12 @@
 namespace slicemorph {
 namespace {
 
-/// Of the largest box's diagonal: what shapes may reach beyond the positions that are known, and their fog's
-/// soft rim.
+/// Share of the diagonal of the box around everything: room for the soft rim of fog and for parts of shapes
+/// that lie between the points surveyed.
 constexpr double kFrameMargin = 0.02;
 
-/// A grid that is active in a box of the world and nowhere else: one tile, whatever its size.
+/// A grid that is active in a box of the world and nowhere else. Voxels are scaled so that the box is always
+/// one tile, a lower node's 128^3 voxels.
 openvdb::MaskGrid::Ptr boxGrid(const openvdb::BBoxd& box) {
   constexpr int kTile = 128;
   const auto grid = openvdb::MaskGrid::create();
@@ -28,7 +29,7 @@ openvdb::MaskGrid::Ptr boxGrid(const openvdb::BBoxd& box) {
   return grid;
 }
 
-/// Names for channels: one each.
+/// The grids with unique names for channels.
 std::vector<SliceGrid> namedGrids(const openvdb::GridCPtrVec& grids) {
   std::vector<SliceGrid> named;
   std::map<std::string, int> seen;
@@ -77,7 +78,7 @@ Notes writeSlicesOf(const FrameTask& task, const ImageSetup& setup, const MorphF
 ImageSetup setUpImages(const MorphSettings& s, const FrameMaker& maker, Progress& progress) {
   const FrameSurvey survey = surveyFrames(s, maker, progress);
   openvdb::BBoxd all = boxAround(survey.boxes);
-  // Velocities reach as far around the shapes as these get while a shutter is open.
+  // Velocities are kept as far around the shapes as these move while a shutter is open.
   const double margin = kFrameMargin * all.extents().length() + kShutter * survey.fastest;
   all = openvdb::BBoxd(all.min() - Vec3d(margin), all.max() + Vec3d(margin));
   ImageSetup setup;

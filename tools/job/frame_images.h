@@ -9,8 +9,8 @@
 
 namespace slicemorph {
 
-/// How a morph's frames are put straight into images, EXR slices of their grids or pictures of them: one
-/// camera, one look and one stack of planes serve all frames.
+/// How a morph's frames become images, EXR slices of their grids or pictures: one camera, one look or one
+/// stack of planes for all frames.
 struct ImageSetup {
   Camera camera;
   FogLook look;
@@ -18,12 +18,11 @@ struct ImageSetup {
   Notes notes;
 };
 
-/// Looks where the shapes will be in all frames and chooses camera, look or planes, once the maker has been
-/// moved to the first frame. Reads the files of sequences for that.
+/// Surveys all frames and chooses camera and look, or planes. The maker must have been moved to the first
+/// frame. Reads the files of sequences. Throws as surveyFrames.
 ImageSetup setUpImages(const MorphSettings& settings, const FrameMaker& maker, Progress& progress);
 
-/// Writes the image of one frame and returns what was found. Throws IoError; InputError for planes that do
-/// not cut the shapes.
+/// Writes the image of one frame. Throws IoError; InputError for planes that do not cut the shapes.
 Notes writeFrameImage(const FrameTask& task, const ImageSetup& setup, const MorphFrame& frame,
                       const Progress& cancel);
 

@@ -9,29 +9,29 @@
 
 namespace slicemorph {
 
-/// The inputs of a job at each of its frames: of a numbered sequence the file of that place in it, the last
-/// one when it is over; any other input is the same throughout.
+/// The inputs of a job at each of its frames: of a numbered sequence the n-th file, and its last one when it
+/// is over; any other input is the same throughout.
 class FrameInputs {
  public:
   /// Throws IoError where there is no file of a sequence.
   explicit FrameInputs(const MorphSettings& settings);
 
-  /// Which sequences end before a job of so many frames does.
+  /// Notes on the sequences that have fewer files than the job has frames.
   Notes notes(size_t frames) const;
 
   /// What a step from one frame to another changed.
   struct Step {
     bool changed = false;
-    Notes notes;  ///< on what was read
+    Notes notes;  ///< of reading
   };
-  /// Loads what a frame (from 0) needs and is not loaded. Throws as loadObject.
+  /// Loads the files that a frame (from 0) needs unless they are loaded. Throws as loadObject, and Cancelled.
   Step moveTo(size_t frame, Progress& progress);
   const std::vector<LoadedObject>& loaded() const { return loaded_; }
 
  private:
   const MorphSettings& settings_;
   std::vector<std::vector<InputSpec>> files_;  ///< per input
-  std::vector<std::string> open_;              ///< per input: what is loaded
+  std::vector<std::string> open_;              ///< per input: the file that is loaded
   std::vector<LoadedObject> loaded_;
 };
 

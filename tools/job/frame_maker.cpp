@@ -7,7 +7,7 @@
 namespace slicemorph {
 namespace {
 
-/// Reading's share of the time until the frames of an input can be made.
+/// Share of reading in the time for reading and planning; only the progress display depends on it.
 constexpr double kReadShare = 0.4;
 
 }  // namespace
@@ -24,7 +24,7 @@ void FrameMaker::moveTo(size_t index, double from, double to) {
   const double read = from + kReadShare * (to - from);
   PartProgress reading(events_, from, read), planning(events_, read, to);
   const FrameInputs::Step step = inputs_.moveTo(job.inputFrame, reading);
-  // Of a sequence the first files stand for the others.
+  // Notes on the first files of a sequence stand for those on the others.
   if (!planned_) events_.notes(step.notes);
   seconds_.load += watch.lap();
   if (!step.changed) return;

@@ -10,20 +10,21 @@
 
 namespace slicemorph {
 
-/// Goes along the frames of a job, whatever its method: reads the inputs and plans whenever they change.
+/// Steps through the frames of a job: reads the inputs, and plans whenever they change.
 class FrameMaker {
  public:
   FrameMaker(const MorphSettings& settings, JobEvents& events);
 
-  /// Reads and plans what a frame (index into the settings' frames) needs; frames are to come in order.
-  /// `from`, `to`: this step's part of the whole job, for the progress.
+  /// Reads and plans what a frame (index into the settings' frames) needs; frames must come in order. `from`,
+  /// `to`: this step's part of the whole job, 0 to 1, for the progress.
   void moveTo(size_t index, double from, double to);
 
-  /// Of the frame moved to; see make_frame.h.
+  /// The task of the current frame; see make_frame.h.
   FrameTask task() const { return {settings_, inputs_.loaded(), plan_, settings_.frames[index_]}; }
   const std::vector<LoadedObject>& inputs() const { return inputs_.loaded(); }
   const MethodPlan& plan() const { return plan_.method; }
-  /// The matched slices of all frames; null where each has its own, or the method none.
+  /// The plan that all frames share; null where inputs change from frame to frame, or the method
+  /// matches no slices.
   const MorphPlan* commonPlan() const { return settings_.moving() ? nullptr : plan_.method.slices.get(); }
 
   struct Seconds {
@@ -36,7 +37,7 @@ class FrameMaker {
   JobEvents& events_;
   FrameInputs inputs_;
   size_t index_ = 0;
-  bool planned_ = false;  ///< the first plan is made
+  bool planned_ = false;  ///< there is a plan
   FramePlan plan_;
   Seconds seconds_;
 };

@@ -12,7 +12,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Inputs' measures that are kept: enough for all inputs of a frame, few of a sequence's frames that are over.
+/// Measures of inputs that are cached: enough for the inputs of a frame, so that inputs that do not change
+/// are measured once; a bound where they do.
 constexpr size_t kMostKeptMeasures = 8;
 
 GridFigures figuresOf(const openvdb::GridBase& grid) {

@@ -8,21 +8,21 @@
 
 namespace slicemorph {
 
-/// What a job measures of its frames for its reports. Nothing is measured where none is asked for.
+/// Measures a job's frames for its reports. Nothing is measured if no report is asked for.
 class FrameReport {
  public:
   explicit FrameReport(const MorphSettings& settings);
 
   bool wanted() const { return !settings_.reports.empty(); }
-  /// Adds a frame that was made, frames in order; its shape, if it has one, is compared with the frame's
-  /// before.
+  /// Measures a frame that was made; frames in order, since its shape is compared with that of
+  /// the frame before.
   FrameFigures measure(const FrameTask& task, const MorphFrame& frame);
-  /// Its row of the report, kept; null where nothing is measured.
+  /// Adds the frame's row to the report and returns it; null where nothing is measured.
   nlohmann::ordered_json addRow(const FrameFigures& figures, const std::vector<LoadedObject>& inputs);
-  /// Adds a frame that an earlier run made. `row`: of that run; `compared`: the next frame will be made, and
+  /// Adds a frame that an earlier run made. `row`: of that run; `compared`: the next frame will be made and
   /// compared with this one.
   void addKept(size_t index, const FrameTask& task, const nlohmann::ordered_json& row, bool compared);
-  /// Shows the frame (`index`: of the job, from 0) on the page, where it has room for it.
+  /// Puts the frame (`index`: in the job, from 0) on the page if it is one of those shown.
   void addToPage(size_t index, const FrameTask& task, const MorphFrame& frame);
 
   /// Throws IoError.
@@ -35,7 +35,7 @@ class FrameReport {
   PageShapes page_;
   std::vector<nlohmann::ordered_json> rows_;
   FloatGrid::ConstPtr previous_;                           ///< surface of the frame before
-  std::map<FloatGrid::ConstPtr, ShapeMeasures> measures_;  ///< of inputs
+  std::map<FloatGrid::ConstPtr, ShapeMeasures> measures_;  ///< cache, of inputs
 };
 
 }  // namespace slicemorph

@@ -11,7 +11,8 @@
 namespace slicemorph {
 namespace {
 
-/// Points of each input's surface that are followed through the frames, at most.
+/// Most points of each input's surface that are followed through the frames: bounds the time. What lies
+/// between them is covered by the margin of frame_images.cpp.
 constexpr size_t kMostFollowedPoints = 4000;
 
 std::vector<Vec3d> somePoints(const FloatGrid& surface) {
@@ -36,7 +37,7 @@ openvdb::BBoxd boxOf(const ImageLattice& lattice) {
   return box;
 }
 
-/// The active box of a grid in a file, world, by the file's statistics where it has some.
+/// The active box of a grid in a file, in world units, from the file's statistics if it has some.
 openvdb::BBoxd boxInFile(const VdbFile& file, size_t index, const openvdb::GridBase& header) {
   const auto low = header.getMetadata<openvdb::Vec3IMetadata>(openvdb::GridBase::META_FILE_BBOX_MIN);
   const auto high = header.getMetadata<openvdb::Vec3IMetadata>(openvdb::GridBase::META_FILE_BBOX_MAX);
@@ -48,14 +49,14 @@ openvdb::BBoxd boxInFile(const VdbFile& file, size_t index, const openvdb::GridB
   return box.empty() ? openvdb::BBoxd() : header.transform().indexToWorld(box);
 }
 
-/// What is looked for.
+/// What is to be surveyed.
 struct SurveyTask {
   const MorphSettings& settings;
-  bool slices;  ///< of all grids, else pictures
+  bool slices;  ///< for slices of all grids, else for pictures
   bool fog;     ///< inputs are shown as fog
 };
 
-/// Of the grids of an input that ride along.
+/// Extent of an input's grids that are sliced.
 struct GridExtent {
   openvdb::BBoxd box;  ///< world
   double finest = 0;   ///< voxel size, world units; 0: none
@@ -86,7 +87,7 @@ GridExtent extentOfGrids(const LoadedObject& input, const SurveyTask& task) {
   return extent;
 }
 
-/// An input as fog, with the grids that colour it; a solid as fog with a soft rim.
+/// An input as fog, with the heat and colour grids drawn with it; a solid as fog with a soft rim.
 Fog fogOfInput(const LoadedObject& input) {
   if (!input.fog) {
     Fog fog;
@@ -99,7 +100,7 @@ Fog fogOfInput(const LoadedObject& input) {
   return fogOf(input.file->read(input.grid), grids);
 }
 
-/// Adds where an input is in the world, with all that is shown of it.
+/// Adds the box of an input with all that is shown of it.
 void surveyInput(const LoadedObject& input, const SurveyTask& task, FrameSurvey& survey) {
   openvdb::BBoxd box = surfaceBox(*input.object.levelSet);
   if (task.slices) {
@@ -113,8 +114,8 @@ void surveyInput(const LoadedObject& input, const SurveyTask& task, FrameSurvey&
   survey.boxes.push_back(box);
 }
 
-/// Adds where the map takes the inputs' surfaces, and the corners of what is around them. `reach`: per input;
-/// empty: nothing around it is seen.
+/// Adds the boxes of the inputs' surfaces, and of what surrounds them, as the map moves them in each frame.
+/// `reach`: per input, the box of what surrounds it; empty: nothing of that is shown.
 void surveyBetween(const FrameMaker& maker, const MorphSettings& settings,
                    const std::vector<openvdb::BBoxd>& reach, FrameSurvey& survey) {
   const MorphPlan* plan = maker.plan().slices.get();
@@ -153,7 +154,7 @@ FrameSurvey surveyFrames(const MorphSettings& settings, const FrameMaker& maker,
   FrameSurvey survey;
   for (const LoadedObject& input : first) surveyInput(input, task, survey);
   std::vector<openvdb::BBoxd> reach = survey.boxes;
-  // What is around a surface alone is not seen.
+  // Where only surfaces are shown, their surroundings need no room.
   if (!task.fog && !task.slices) reach.assign(reach.size(), openvdb::BBoxd());
   surveyBetween(maker, settings, reach, survey);
   if (!settings.moving()) return survey;

@@ -7,18 +7,20 @@
 
 namespace slicemorph {
 
-/// Where a job's shapes are in all its frames, and what else pictures or slices of all of them depend on.
+/// Boxes and other measures of all frames of a job, which its pictures or slices depend on.
 struct FrameSurvey {
-  std::vector<openvdb::BBoxd> boxes;  ///< world, of what is to be seen in all frames
+  std::vector<openvdb::BBoxd> boxes;  ///< world units, of what is shown in all frames
   double finest = 0;                  ///< voxel size of the grids that are sliced, world units; 0: none known
-  double fastest = 0;                 ///< world units from frame to frame
-  std::vector<FogMeasure> fogs;       ///< of each input that is fog, or is to look like it
+  double fastest = 0;                 ///< largest step of a point from frame to frame, world units
+  std::vector<FogMeasure> fogs;       ///< of each input that is fog, or shown as fog
 };
 
-/// Looks at the inputs of all frames, once the maker has been moved to the first one, and follows their
-/// surfaces through the map. Reads the files of sequences for that. Throws as loadObject, Cancelled.
+/// Surveys the inputs of all frames and follows the surfaces of the first ones through the map. The
+/// maker must have been moved to the first frame. Reads the files of sequences. Throws as
+/// loadObject, and Cancelled.
 FrameSurvey surveyFrames(const MorphSettings& settings, const FrameMaker& maker, Progress& progress);
 
+/// The box around all boxes.
 openvdb::BBoxd boxAround(const std::vector<openvdb::BBoxd>& boxes);
 
 }  // namespace slicemorph

@@ -30,7 +30,7 @@ void writeGrids(const FrameTask& task, const MorphFrame& frame) {
   writeVdb(task.job.path, frame.grids, options);
 }
 
-/// "1-4, 5": the frames that each mesh serves.
+/// The frames of each mesh: "1-4, 5".
 std::string runsOf(const std::vector<MovingMesh>& meshes) {
   std::string runs;
   for (const MovingMesh& m : meshes) {

@@ -9,18 +9,19 @@
 
 namespace slicemorph {
 
-/// Writes frames as the output's name says: grids, a mesh, an image, slices or a picture each, or all into one
-/// animated .glb.
+/// Writes frames in the form that the output's name asks for: grids, a mesh, an image, slices or a picture
+/// each, or all frames in one animated .glb.
 class FrameWriter {
  public:
   FrameWriter(const MorphSettings& settings, JobEvents& events) : settings_(settings), events_(events) {}
 
-  /// Once the maker has been moved to the first frame. `done`: how much of the whole job that is.
+  /// To be called once the maker has been moved to the first frame. `done`: share of the job that is done,
+  /// for the progress.
   void prepare(const FrameMaker& maker, double done);
   /// Throws IoError, and what writing images throws.
   void write(const FrameTask& task, const MorphFrame& frame);
-  /// Where all frames go into one file: writes it. `plan`: of all frames; null: there is none. `from`: how
-  /// much of the job is done.
+  /// Writes the file if all frames go into one. `plan`: of all frames; null: there is none. `from`: share of
+  /// the job that is done.
   void finish(const MorphPlan* plan, double from);
 
  private:

@@ -22,7 +22,8 @@ std::vector<const toml::table*> tablesOf(const toml::table& root, const std::str
   return tables;
 }
 
-/// `feature 'nose'`, or by number where it has no name.
+/// A table's name, or kind and number (`feature 1`) where it has none; sets what messages are
+/// about (`feature 'nose'`).
 std::string nameOf(const toml::table& table, const std::string& kind, size_t number, TomlReader& read) {
   std::string name = kind + " " + std::to_string(number);
   read.setAbout(name);
@@ -63,17 +64,17 @@ Weights weightsOf(const toml::table& table, const InputTexts& inputs, TomlReader
   return weights;
 }
 
-/// Two or more places along a line.
+/// Two or more points along a line.
 std::vector<Vec3d> lineOf(const toml::node& node, const std::string& what, const TomlReader& read) {
-  std::vector<Vec3d> places;
-  for (const toml::node& place : read.array(node, what, "[[0, 0, 0], [0, 0, 1]]"))
-    places.push_back(read.vector(place, what));
-  if (places.size() < 2)
-    read.refuse(node, what + " has " + std::to_string(places.size()) + " places; a line needs two or more");
+  std::vector<Vec3d> points;
+  for (const toml::node& point : read.array(node, what, "[[0, 0, 0], [0, 0, 1]]"))
+    points.push_back(read.vector(point, what));
+  if (points.size() < 2)
+    read.refuse(node, what + " has " + std::to_string(points.size()) + " places; a line needs two or more");
   double length = 0;
-  for (size_t i = 1; i < places.size(); ++i) length += (places[i] - places[i - 1]).length();
+  for (size_t i = 1; i < points.size(); ++i) length += (points[i] - points[i - 1]).length();
   if (length == 0) read.refuse(node, what + " has no length; its places must differ");
-  return places;
+  return points;
 }
 
 void addDisk(Feature& feature, const toml::node& node, const std::string& what, const TomlReader& read) {

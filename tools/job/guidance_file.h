@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-/// What a job file says beyond its `key = value` lines: keys over time, features, regions. Inputs go by the
-/// names of inputNamed(). Everything throws IoError where the file cannot be read and InputError
-/// `file:line:column: ...`.
+/// Reads the parts of a job file that are not plain `key = value` lines: keys over time, features, regions.
+/// Inputs are named as inputNamed() knows them. Everything throws IoError where the file cannot be read and
+/// InputError `file:line:column: ...`.
 namespace slicemorph {
 
 struct Guidance {

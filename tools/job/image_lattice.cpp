@@ -11,7 +11,7 @@
 namespace slicemorph {
 namespace {
 
-/// Voxels around a shape that leaves the first image.
+/// Voxels added around a shape that reaches beyond the first image.
 constexpr int kMargin = 2;
 
 }  // namespace
@@ -24,7 +24,8 @@ ImageLattice cubicLattice(const ImageLattice& lattice, const LoadOptions& option
   ImageLattice cubic = lattice;
   for (int d = 0; d < 3; ++d) {
     const Vec3d direction = lattice.step[d] / spacing[d];
-    // The faces of the box stay where they are, half a voxel beyond the outermost centres.
+    // The box, whose faces are half a voxel beyond the outermost voxel centres, keeps its centre, and its
+    // size to half a new voxel.
     cubic.size[d] = std::max(1, int(std::lround(lattice.size[d] * spacing[d] / edge)));
     cubic.step[d] = direction * edge;
     cubic.origin += direction * (0.5 * (lattice.size[d] * spacing[d] - cubic.size[d] * edge) + 0.5 * edge -
@@ -39,7 +40,7 @@ LatticeChoice latticeAround(const std::vector<LoadedObject>& objects) {
   openvdb::Coord low(0), high = first.size - openvdb::Coord(1);
   for (size_t k = 1; k < objects.size(); ++k) {
     const FloatGrid& shape = *objects[k].object.levelSet;
-    // Of the surface, not of the band around it.
+    // The box of the surface without the narrow band around it.
     openvdb::CoordBBox band = shape.evalActiveVoxelBoundingBox();
     band.expand(-int(kHalfWidth));
     const openvdb::BBoxd box = shape.transform().indexToWorld(band);

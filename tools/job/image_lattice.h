@@ -8,20 +8,20 @@
 
 namespace slicemorph {
 
-/// A lattice's box with cubic voxels: of the size that was asked for, or as many as were asked for along its
-/// longest side.
+/// A lattice of cubic voxels over the same box: of the given voxel size, or with `resolution` voxels along
+/// the longest side.
 ImageLattice cubicLattice(const ImageLattice& lattice, const LoadOptions& options);
 
-/// The voxels that the in-betweens of images are put on: those of the first, and as many more around them as
-/// the other objects' shapes need; the notes say where that is so.
+/// The voxels of in-between images: those of the first image, extended as far as the other objects' shapes
+/// need; if so, the notes say it.
 struct LatticeChoice {
   ImageLattice lattice;
   Notes notes;
 };
 LatticeChoice latticeAround(const std::vector<LoadedObject>& objects);
 
-/// Throws where the folder of an output is missing or its extension is none that a surface or image can be
-/// written to.
+/// Throws InputError where no surface or image can be written with the path's extension, IoError where its
+/// folder is missing or cannot be written to.
 void checkOutput(const std::string& path);
 
 }  // namespace slicemorph

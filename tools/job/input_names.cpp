@@ -28,6 +28,7 @@ std::vector<size_t> inputsThat(const std::vector<std::string>& inputs, const Is&
   return found;
 }
 
+/// Inputs that are typed like `name`; else those whose stem or number it is; else that whose letter it is.
 std::vector<size_t> inputsCalled(const std::string& name, const std::vector<std::string>& inputs) {
   const std::vector<size_t> typed = inputsThat(inputs, [&](size_t k) { return inputs[k] == name; });
   if (!typed.empty()) return typed;

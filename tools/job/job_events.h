@@ -8,13 +8,13 @@
 
 namespace slicemorph {
 
-/// What a job tells its caller while it runs, and the caller's way to end it; the default does nothing. Notes
-/// and files come from the thread that runs the job, progress from any.
+/// What a job reports to its caller while it runs, and the caller's way to cancel it; the default does
+/// nothing. Notes and files come from the thread that runs the job, progress from any thread.
 class JobEvents : public Progress {
  public:
-  /// Something was found, decided or changed.
+  /// Reports something that was found, decided or changed.
   virtual void note(const Note& note) { (void)note; }
-  /// An output is complete. `kept`: it was there already, from an earlier run of the same job.
+  /// Reports an output that is complete. `kept`: it exists from an earlier run of the same job.
   virtual void fileWritten(const std::string& path, bool kept) { (void)path, (void)kept; }
 
   void notes(const Notes& notes) {
@@ -26,7 +26,7 @@ class JobEvents : public Progress {
   }
 };
 
-/// A part of a larger job: fractions 0 to 1 become `from` to `to` of the whole.
+/// Progress of a part of a larger job: fractions 0 to 1 become `from` to `to` of the whole.
 class PartProgress : public Progress {
  public:
   PartProgress(Progress& whole, double from, double to) : whole_(whole), from_(from), to_(to) {}
@@ -40,7 +40,7 @@ class PartProgress : public Progress {
   double from_, to_;
 };
 
-/// Passes nothing on but that the job is to end.
+/// Passes on cancellation only, and no reports.
 class OnlyCancel : public Progress {
  public:
   explicit OnlyCancel(const Progress& of) : of_(of) {}

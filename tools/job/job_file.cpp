@@ -23,7 +23,7 @@ const char* expectedOf(OptionType type) {
       return "a number, a list of numbers or a text in quotes";
     case OptionType::kTexts:
       return "a list of texts in quotes";
-    case OptionType::kPlaces:
+    case OptionType::kLandmarks:
       return "a text in quotes or a list of landmarks, each with a place [x, y, z] for every input";
     case OptionType::kTables:
       break;
@@ -51,13 +51,13 @@ std::string spellLandmarks(const toml::array& marks) {
   std::string joined;
   for (const auto& mark : marks) {
     if (!mark.is_array() || mark.as_array()->size() < 2) return "";
-    std::string places;
-    for (const auto& place : *mark.as_array()) {
-      const std::string numbers = place.is_array() ? spellNumbers(*place.as_array()) : "";
+    std::string positions;
+    for (const auto& position : *mark.as_array()) {
+      const std::string numbers = position.is_array() ? spellNumbers(*position.as_array()) : "";
       if (numbers.empty()) return "";
-      places += (places.empty() ? "" : "=") + numbers;
+      positions += (positions.empty() ? "" : "=") + numbers;
     }
-    joined += (joined.empty() ? "" : ";") + places;
+    joined += (joined.empty() ? "" : ";") + positions;
   }
   return joined;
 }
@@ -74,9 +74,9 @@ std::vector<std::string> spellTexts(const toml::array& list) {
 /// A list as the command line would spell it; empty where it has the wrong type.
 std::vector<std::string> spellList(const toml::array& list, OptionType type) {
   if (type == OptionType::kTexts) return spellTexts(list);
-  const std::string joined = type == OptionType::kNumbers  ? spellNumbers(list)
-                             : type == OptionType::kPlaces ? spellLandmarks(list)
-                                                           : "";
+  const std::string joined = type == OptionType::kNumbers     ? spellNumbers(list)
+                             : type == OptionType::kLandmarks ? spellLandmarks(list)
+                                                              : "";
   return joined.empty() ? std::vector<std::string>() : std::vector<std::string>{joined};
 }
 
@@ -84,7 +84,7 @@ std::vector<std::string> spellList(const toml::array& list, OptionType type) {
 std::vector<std::string> spell(const toml::node& node, OptionType type) {
   const bool numeric = type == OptionType::kNumber || type == OptionType::kNumbers;
   const bool textual = type == OptionType::kText || type == OptionType::kTexts ||
-                       type == OptionType::kNumbers || type == OptionType::kPlaces;
+                       type == OptionType::kNumbers || type == OptionType::kLandmarks;
   if (const auto* list = node.as_array()) return spellList(*list, type);
   if (const auto* flag = node.as_boolean(); flag && type == OptionType::kFlag)
     return {flag->get() ? "true" : "false"};
@@ -111,15 +111,15 @@ void applyJobFile(const std::string& path, OptionSet& options) {
   const toml::table table = parseToml(path);
   for (const auto& [key, node] : table) {
     const OptionRow& row = rowOf(path, key, options);
-    const std::string place = positionOf(path, node.source());
+    const std::string source = positionOf(path, node.source());
     const bool tables = row.type == OptionType::kTables;
     const std::vector<std::string> values = tables ? std::vector<std::string>() : spell(node, row.type);
     if (!tables && values.empty())
-      throw InputError(place + "'" + row.name + "' must be " + expectedOf(row.type));
+      throw InputError(source + "'" + row.name + "' must be " + expectedOf(row.type));
     if (options.silenced(row)) continue;
-    // A flag that is off is as good as not said.
+    // A flag that is off counts as not given.
     if (row.type == OptionType::kFlag && values[0] == "false") continue;
-    options.setPlace(row.name, place);
+    options.setSource(row.name, source);
     if (!tables) options.about(row.name, [&] { options.set(row, values); });
   }
 }

@@ -10,9 +10,9 @@
 
 namespace slicemorph {
 
-/// What the options of all commands are bound to, as typed: texts are parsed and values of several options
-/// compared later. The initial values are the defaults that the help tells; what stands for "not given" (an
-/// empty text, 0) has its default told in the table (option_table.h).
+/// The fields that the options of all commands are bound to, as typed: texts are parsed, and options checked
+/// against each other, later. The initial values are the defaults in the help; where one only means "not
+/// given" (an empty text, 0), the table (option_table.h) states the default.
 struct JobOptions {
   // Inputs
   std::vector<std::string> inputs;  ///< of commands that take any number
@@ -44,7 +44,7 @@ struct JobOptions {
   std::string contactSheet;
   int columns = 0, turntable = 0;
 
-  // Farm
+  // Execution
   int threads = 0;  ///< 0: as many as the machine has
   bool resume = false, quiet = false, verbose = false, printConfig = false;
   std::string config;

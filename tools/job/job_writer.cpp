@@ -13,7 +13,7 @@
 namespace slicemorph {
 namespace {
 
-constexpr size_t kCommentWidth = 100;
+constexpr size_t kCommentWidth = 100;  // columns
 
 std::string quoted(const std::string& text) {
   std::string result = "\"";
@@ -32,9 +32,9 @@ std::string tomlList(const std::vector<std::string>& items) {
   return "[" + text + "]";
 }
 
-std::string placeOf(const Vec3d& v) { return tomlOf(std::vector<double>{v[0], v[1], v[2]}); }
+std::string tomlOfVector(const Vec3d& v) { return tomlOf(std::vector<double>{v[0], v[1], v[2]}); }
 
-/// Numbers parted by commas, one by itself; anything else is a text.
+/// One number as a number, several that are separated by commas as a list, anything else as a text.
 std::string numbersOrText(const std::string& text) {
   try {
     const std::vector<double> numbers = parseNumbers("", text);
@@ -44,19 +44,19 @@ std::string numbersOrText(const std::string& text) {
   }
 }
 
-/// Landmarks as options have them, `x,y,z=x,y,z;...`, or the names of files.
-std::string placesOrText(const std::string& text) {
+/// Landmarks, `x,y,z=x,y,z;...` on the command line, as lists; names of files as a text.
+std::string landmarksOrText(const std::string& text) {
   if (text.find('=') == std::string::npos) return quoted(text);
   std::vector<std::string> marks;
   for (const std::string& mark : parted(text, ';')) {
-    std::vector<std::string> places;
-    for (const std::string& place : parted(mark, '=')) places.push_back(numbersOrText(place));
-    marks.push_back(tomlList(places));
+    std::vector<std::string> positions;
+    for (const std::string& position : parted(mark, '=')) positions.push_back(numbersOrText(position));
+    marks.push_back(tomlList(positions));
   }
   return tomlList(marks);
 }
 
-/// A value that the command line has as these texts, as TOML.
+/// The TOML form of a value that these texts give on the command line.
 std::string valueOf(const OptionRow& row, const std::vector<std::string>& texts) {
   const std::string& text = texts.back();
   switch (row.type) {
@@ -66,8 +66,8 @@ std::string valueOf(const OptionRow& row, const std::vector<std::string>& texts)
     case OptionType::kNumber:
     case OptionType::kNumbers:
       return numbersOrText(text);
-    case OptionType::kPlaces:
-      return placesOrText(text);
+    case OptionType::kLandmarks:
+      return landmarksOrText(text);
     case OptionType::kTexts: {
       std::vector<std::string> items;
       for (const std::string& each : texts) items.push_back(quoted(each));
@@ -88,7 +88,7 @@ std::string comment(const std::string& text) {
   return lines + line + "\n";
 }
 
-/// The option with its help: its value where it was given, else its default as a comment.
+/// An option's lines: its help as a comment, then its value if it was given, else its default as a comment.
 std::string describe(const OptionRow& row, const OptionSet& options, const JobTables& tables) {
   const std::string form = formOf(row);
   const std::string text = comment(helpOf(row) + (form.empty() ? "" : " [" + form + "]"));
@@ -118,14 +118,14 @@ std::string describe(const std::vector<WeightKey>& keys, const std::vector<std::
 std::string describe(const Feature& feature) {
   std::vector<std::string> items;
   for (size_t k = 0; k < feature.positions.size(); ++k) {
-    std::vector<std::string> places;
-    for (const Vec3d& place : feature.positions[k]) places.push_back(placeOf(place));
+    std::vector<std::string> positions;
+    for (const Vec3d& position : feature.positions[k]) positions.push_back(tomlOfVector(position));
     if (feature.kind == Feature::Kind::kPoint)
-      items.push_back(places[0]);
+      items.push_back(positions[0]);
     else if (feature.kind == Feature::Kind::kLine)
-      items.push_back(tomlList(places));
+      items.push_back(tomlList(positions));
     else
-      items.push_back("{center = " + places[0] + ", normal = " + placeOf(feature.normals[k]) +
+      items.push_back("{center = " + positions[0] + ", normal = " + tomlOfVector(feature.normals[k]) +
                       ", radius = " + formatExactly(feature.radii[k]) + "}");
   }
   const char* kind = feature.kind == Feature::Kind::kPoint  ? "point"
@@ -138,10 +138,11 @@ std::string describe(const Region& region, const std::vector<std::string>& input
   std::string text = "\n[[region]]\nname = " + quoted(region.name) +
                      "\non = " + quoted(nameOfInput(region.object, inputs)) + "\n";
   if (region.kind == Region::Kind::kSphere)
-    text +=
-        "sphere = {center = " + placeOf(region.center) + ", radius = " + formatExactly(region.radius) + "}\n";
+    text += "sphere = {center = " + tomlOfVector(region.center) +
+            ", radius = " + formatExactly(region.radius) + "}\n";
   else if (region.kind == Region::Kind::kBox)
-    text += "box = {min = " + placeOf(region.box.min()) + ", max = " + placeOf(region.box.max()) + "}\n";
+    text += "box = {min = " + tomlOfVector(region.box.min()) + ", max = " + tomlOfVector(region.box.max()) +
+            "}\n";
   else
     text += "spine = " + tomlOf(std::vector<double>{region.from, region.to}) + "\n";
   return text + "border = " + formatExactly(region.border) + "\nweights = " + tomlOf(region.weights) + "\n";

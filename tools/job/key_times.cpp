@@ -13,11 +13,13 @@
 namespace slicemorph {
 namespace {
 
-/// Times that are as near as this are one.
+/// Times that differ by less are equal: far above the rounding of times computed as i / (n - 1).
 constexpr double kSameTime = 1e-9;
-/// Tangents that lead too far are shortened in steps of this.
+/// Tangents that lead too far are multiplied by this until they do not: they end at most 5 %
+/// shorter than needed.
 constexpr double kShorter = 0.95;
 
+/// Weight 1 for one input, 0 for the others.
 Weights only(size_t input, size_t inputs) {
   Weights weights(inputs, 0.0);
   weights[input] = 1;
@@ -28,13 +30,13 @@ double length(const WeightCourse& course, size_t stretch) {
   return course.keys[stretch + 1].at - course.keys[stretch].at;
 }
 
-/// Mean change of one weight per unit of time from a key to the next.
+/// Mean rate of change of one weight between a key and the next, per unit of eased time.
 double secant(const WeightCourse& course, size_t stretch, size_t input) {
   const double change = course.keys[stretch + 1].weights[input] - course.keys[stretch].weights[input];
   return change / length(course, stretch);
 }
 
-/// Weights stay from this key to the next; `stretch` -1: before the first key.
+/// Whether weights are constant from a key to the next; `stretch` -1: before the first key.
 bool stays(const WeightCourse& course, size_t stretch) {
   if (stretch == size_t(-1)) return course.keys.front().at > 0;
   if (stretch + 1 == course.keys.size()) return course.keys.back().at < 1;
@@ -47,7 +49,7 @@ double tangentBetween(const WeightCourse& course, size_t key, size_t input) {
   return (after * secant(course, key - 1, input) + before * secant(course, key, input)) / (before + after);
 }
 
-/// Catmull-Rom for any spacing; at the ends the second derivative is 0.
+/// Catmull-Rom tangents [CR74] for uneven keys; at the ends the second derivative is 0.
 void setTangents(WeightCourse& course) {
   const size_t last = course.keys.size() - 1;
   const auto set = [&](size_t key, const auto& tangentOf) {
@@ -63,7 +65,8 @@ void setTangents(WeightCourse& course) {
   set(last, [&](size_t k) { return 1.5 * secant(course, last - 1, k) - 0.5 * course.tangents[last - 1][k]; });
 }
 
-/// The least that a weight gets between a key and the next.
+/// The minimum of a weight between a key and the next: of the cubic at its ends and where its
+/// derivative is 0.
 double leastBetween(const WeightCourse& course, size_t stretch, size_t input) {
   const double from = course.keys[stretch].weights[input], to = course.keys[stretch + 1].weights[input];
   const double first = course.tangents[stretch][input] * length(course, stretch),
@@ -72,7 +75,8 @@ double leastBetween(const WeightCourse& course, size_t stretch, size_t input) {
   const double root = squared * squared - 3 * cubed * first;
   double least = std::min(from, to);
   if (root < 0) return least;
-  // Both forms of the root, so that none divides by what vanishes with straight or parabolic courses.
+  // The two roots by the stable form of the quadratic formula. For straight and parabolic courses `cubed` or
+  // `sum` is 0; the quotient is then infinite or NaN and is ignored below.
   const double sum = -squared - std::copysign(std::sqrt(root), squared);
   for (const double s : {sum / (3 * cubed), first / sum})
     if (s > 0 && s < 1) least = std::min(least, from + s * (first + s * (squared + s * cubed)));
@@ -85,9 +89,9 @@ bool leadsTooFar(const WeightCourse& course, size_t stretch) {
   return false;
 }
 
-/// Shortens tangents that lead a weight below kLeastWeight, each as a whole, so that the sum of its weights
-/// stays 0 and the speed is the same on both sides of its key. Without tangents weights stay between those of
-/// the keys, so this ends.
+/// Shortens tangents that lead a weight below kLeastWeight. All components of a key's tangent are shortened
+/// alike, so that their sum stays 0 and the speed is the same on both sides of the key. This ends, since
+/// without tangents weights stay between those of the keys.
 void limitTangents(WeightCourse& course) {
   for (bool changed = true; changed;) {
     changed = false;
@@ -100,7 +104,7 @@ void limitTangents(WeightCourse& course) {
   }
 }
 
-/// A cubic from (0, 0) to (1, 1) with two more control values.
+/// A cubic Bezier curve in one dimension with the control values 0, `first`, `second`, 1.
 double bezier(double first, double second, double s) {
   const double rest = 1 - s;
   return s * (3 * rest * (rest * first + s * second) + s * s);
@@ -111,7 +115,8 @@ double bezierSlope(double first, double second, double s) {
   return 3 * (rest * rest * first + 2 * rest * s * (second - first) + s * s * (1 - second));
 }
 
-/// Where the curve is at that time; it never goes back.
+/// The curve's parameter at time t. Times rise along the curve, so bisection finds it; 60 steps reach the
+/// precision of doubles.
 double parameterAt(const Easing& e, double t) {
   double low = 0, high = 1;
   for (int i = 0; i < 60; ++i) {
@@ -123,7 +128,7 @@ double parameterAt(const Easing& e, double t) {
 
 bool isLinear(const Easing& e) { return e.x1 == e.y1 && e.x2 == e.y2; }
 
-/// Time to look keys up at, put onto a key that it means.
+/// Eased time, or that of a key within kSameTime of it.
 double keyTimeAt(const WeightCourse& course, double t) {
   const double eased = easedTime(course.easing, t);
   for (const WeightKey& key : course.keys)
@@ -179,7 +184,8 @@ Weights slopeAt(const WeightCourse& course, double t) {
   const std::vector<WeightKey>& keys = course.keys;
   Weights slope(keys[0].weights.size(), 0.0);
   const double speed = easedSpeed(course.easing, t), time = keyTimeAt(course, t);
-  // An easing that swings beyond its ends also goes back.
+  // Eased time can also run backwards: an easing may overshoot its ends. At a key the stretch that follows
+  // counts, at t = 1 the one before.
   const bool upwards = (speed >= 0) == (t < 1);
   const size_t before = size_t(std::count_if(keys.begin(), keys.end(), [&](const WeightKey& key) {
     return upwards ? key.at <= time : key.at < time;
@@ -203,7 +209,7 @@ double easedTime(const Easing& e, double t) {
 
 double easedSpeed(const Easing& e, double t) {
   if (isLinear(e)) return 1;
-  // At an end the curve leads to the first control point that is another place.
+  // At an end the tangent points to the nearest control point that differs from the end.
   if (t <= 0 && e.x1 > 0) return e.y1 / e.x1;
   if (t <= 0 && e.y1 == 0 && e.x2 > 0) return e.y2 / e.x2;
   if (t >= 1 && e.x2 < 1) return (1 - e.y2) / (1 - e.x2);
@@ -215,6 +221,7 @@ double easedSpeed(const Easing& e, double t) {
 }
 
 Easing parseEasing(const std::string& option, const std::string& text) {
+  // The keywords' curves are those of CSS Easing Functions Level 1.
   if (text == "linear") return {};
   if (text == "in") return {0.42, 0, 1, 1};
   if (text == "out") return {0, 0, 0.58, 1};

@@ -18,8 +18,8 @@ Vec3d parsePosition(const std::string& option, const std::string& text) {
   return {n[0], n[1], n[2]};
 }
 
-/// The coordinates in a line of 3D Slicer's .fcsv: its second to fourth field; none where these are no
-/// numbers.
+/// The coordinates in a line of 3D Slicer's .fcsv: the second to fourth field; none where these
+/// are no numbers.
 std::optional<Vec3d> slicerPoint(const std::string& line) {
   const std::vector<std::string> fields = parted(line, ',');
   if (fields.size() < 4) return std::nullopt;
@@ -28,7 +28,7 @@ std::optional<Vec3d> slicerPoint(const std::string& line) {
   return Vec3d(parts.numbers[0], parts.numbers[1], parts.numbers[2]);
 }
 
-/// Slicer's own files are RAS unless they say LPS.
+/// Whether a "CoordinateSystem" comment says RAS, by name or, in older versions of Slicer, as 0.
 bool saysRas(const std::string& comment) {
   return comment.find("RAS") != std::string::npos || comment.find("= 0") != std::string::npos;
 }
@@ -47,10 +47,10 @@ std::vector<Vec3d> readPoints(const std::string& option, const std::string& path
       if (line.find("CoordinateSystem") != std::string::npos) ras = saysRas(line);
       continue;
     }
-    const std::string place = option + ": " + path + ":" + std::to_string(number) + ": ";
+    const std::string where = option + ": " + path + ":" + std::to_string(number) + ": ";
     if (slicer) {
       const std::optional<Vec3d> point = slicerPoint(line);
-      if (!point) throw InputError(place + "no point: " + line);
+      if (!point) throw InputError(where + "no point: " + line);
       points.push_back(*point);
       continue;
     }
@@ -63,7 +63,7 @@ std::vector<Vec3d> readPoints(const std::string& option, const std::string& path
     else if (n.size() == 3)
       points.emplace_back(n[0], n[1], n[2]);
     else
-      throw InputError(place + "expected x y z, not '" + line + "'");
+      throw InputError(where + "expected x y z, not '" + line + "'");
   }
   if (points.empty()) throw InputError(option + ": " + path + " holds no points");
   if (stated != 0 && stated != points.size())
@@ -81,7 +81,7 @@ std::vector<Feature> featuresOf(const std::vector<Landmark>& landmarks) {
   for (const Landmark& landmark : landmarks) {
     Feature feature;
     feature.name = "landmark " + std::to_string(features.size() + 1);
-    for (const Vec3d& place : landmark) feature.positions.push_back({place});
+    for (const Vec3d& position : landmark) feature.positions.push_back({position});
     features.push_back(feature);
   }
   return features;
@@ -93,8 +93,8 @@ std::vector<Landmark> readLandmarks(const std::string& option, const std::string
   if (text.find('=') != std::string::npos) {
     for (const std::string& mark : parted(text, ';')) {
       landmarks.emplace_back();
-      for (const std::string& place : parted(mark, '='))
-        landmarks.back().push_back(parsePosition(option, place));
+      for (const std::string& position : parted(mark, '='))
+        landmarks.back().push_back(parsePosition(option, position));
       if (landmarks.back().size() != inputs)
         throw InputError(option + ": a landmark has " + std::to_string(landmarks.back().size()) +
                          " places for " + std::to_string(inputs) + " inputs: " + mark);

@@ -7,7 +7,7 @@
 namespace slicemorph {
 namespace {
 
-/// `V,V/V`: the surface's value and further ones, the same for all inputs or for each its own.
+/// Parses `V,V/V`: iso values separated by commas, the surface's first; by slashes those of each input.
 LoadOptions withIsos(LoadOptions load, const std::string& text) {
   load.isosByInput.clear();
   std::istringstream parts(text);

@@ -4,8 +4,8 @@
 
 namespace slicemorph {
 
-/// How inputs are read: --voxel-size, --resolution, --iso, --image, --spacing, those of them that the command
-/// has. Throws InputError.
+/// How inputs are read: --voxel-size, --resolution, --iso, --image, --spacing, as far as the command has
+/// them. Throws InputError.
 LoadOptions loadSettings(const OptionSet& options);
 
 }  // namespace slicemorph

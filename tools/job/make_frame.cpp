@@ -13,7 +13,7 @@
 namespace slicemorph {
 namespace {
 
-/// Whether anything looks at the shape: the output, its colours, slices across its spine, the report.
+/// Whether the shape is used: by the output, its colours, slices across its spine or the report.
 bool needsShape(const FrameTask& task) {
   const MorphSettings& s = task.settings;
   const FrameContent& content = task.plan.content;

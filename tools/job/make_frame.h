@@ -25,7 +25,7 @@ struct FramePlan {
   MethodPlan method;
 };
 
-/// All that one frame is made of.
+/// All that one frame is made from.
 struct FrameTask {
   const MorphSettings& settings;
   const std::vector<LoadedObject>& inputs;
@@ -36,15 +36,15 @@ struct FrameTask {
 /// One frame's shape and grids.
 struct MorphFrame {
   InBetween shape;                      ///< surface null where the method makes none, or nothing needs it
-  openvdb::GridCPtrVec grids;           ///< of an output that holds grids, in their order
+  openvdb::GridCPtrVec grids;           ///< of an output that holds grids, in its order
   openvdb::Vec3SGrid::ConstPtr colors;  ///< of the shape's surface; null: it has none
-  openvdb::GridBase::ConstPtr density;  ///< of the grids, the fog that the shapes are part of; null: none
+  openvdb::GridBase::ConstPtr density;  ///< one of the grids: the shapes' fog; null: none
   std::optional<Image> image;           ///< of an image output
 };
 
-/// The shape with its colours, where it has some.
+/// The shape, with its colours if it has some.
 MorphFrame coloredShape(const FrameTask& task);
-/// All that the output holds. Throws Cancelled between two grids; InputError for grids that do not fit.
+/// Makes all that the output holds. Throws Cancelled between two grids; InputError for grids that do not fit.
 MorphFrame makeFrame(const FrameTask& task, const Progress& cancel);
 
 /// The surface's value in the grey image of a frame.

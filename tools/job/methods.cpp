@@ -12,8 +12,8 @@
 namespace slicemorph {
 namespace {
 
-/// Steps of OpenVDB's LevelSetMorphing after which it is no longer waited for: a surface that moves a voxel a
-/// step has then crossed the largest grids there are.
+/// Most steps of OpenVDB's LevelSetMorphing before it is given up: enough for a surface that moves a voxel
+/// per step to cross a grid of 2000 voxels.
 constexpr int kMostLevelSetSteps = 2000;
 
 MethodPlan planSlices(const MethodTask& task) {

@@ -18,14 +18,14 @@ bool onlySurface(const MorphSettings& s) {
   return std::all_of(s.grids.begin(), s.grids.end(), [](const std::string& g) { return g == "surface"; });
 }
 
-/// An option as it was said: `--ease in`, `[[region]]`.
+/// An option as it was given: `--ease in`, `[[region]]`.
 std::string saidOption(const OptionRow& row, const OptionSet& options) {
   if (!row.field) return "[[" + row.name + "]]";
   const std::vector<std::string> texts = options.texts(row.name);
   return spelledName(row) + (texts.empty() ? "" : " " + texts.back());
 }
 
-/// Given, and not as it would be anyhow.
+/// Whether an option was given another value than its default.
 bool isChanged(const OptionRow& row, const OptionSet& options) {
   const std::vector<std::string> texts = options.texts(row.name);
   return options.given(row.name) && (texts.empty() || texts.back() != defaultOf(row));
@@ -43,7 +43,7 @@ void checkTarget(const OptionSet& options, OptionTarget target, const std::strin
   if (!given.empty()) options.refuse(given[0].first, "--" + given[0].first + what);
 }
 
-/// Grids can be chosen where the output holds some.
+/// --grids needs an output and a method that have grids.
 void checkGrids(const MorphSettings& s, const OptionSet& options) {
   if (onlySurface(s) || isImageOutput(s.output)) return;
   const std::string said = "--grids " + options.values().grids + ": ";
@@ -51,7 +51,7 @@ void checkGrids(const MorphSettings& s, const OptionSet& options) {
   if (!s.can().grids) options.refuse("grids", said + "this --method makes the surface alone");
 }
 
-/// Pictures and slices need something to be drawn.
+/// Pictures and slices need a shape or values to show.
 void checkFrameImages(const MorphSettings& s, const OptionSet& options) {
   if (s.exrContent == ExrContent::kSlices && s.exrSlices.spine && !s.can().surface)
     options.refuse("exr-spine",
@@ -66,7 +66,7 @@ void checkFrameImages(const MorphSettings& s, const OptionSet& options) {
                                    " is for outputs that hold grids; " + s.output + " is a picture");
 }
 
-/// In-between images are made of images alone.
+/// In-between images need images as inputs.
 void checkImages(const MorphSettings& s, const OptionSet& options) {
   const bool images = allImages(s), imageOutput = isImageOutput(s.output);
   if (imageOutput && !images) {
@@ -84,7 +84,7 @@ void checkImages(const MorphSettings& s, const OptionSet& options) {
                    "--like " + s.like + " is for in-between images; the output " + s.output + " is none");
 }
 
-/// A surface needs a method that makes one, an image one that makes values.
+/// A surface needs a method that makes surfaces, an image one that makes images.
 void checkMethodOutput(const MorphSettings& s, const OptionSet& options) {
   const bool imageOutput = isImageOutput(s.output);
   if (!s.can().surface && !s.holdsGrids() && !imageOutput)

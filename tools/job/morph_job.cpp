@@ -12,8 +12,8 @@
 namespace slicemorph {
 namespace {
 
-/// Voxels along the longest side of shapes found in fog, where the shape only steers the map. Set by hand: finer
-/// shapes cost time and tell the matching no more, as it works on coarser lattices.
+/// Most voxels along the longest side of shapes found in fog, where the shape only steers the map. Set by
+/// hand: finer shapes cost time and do not help the matching, which works on coarser lattices.
 constexpr int kFogResolution = 160;
 
 Timing timingOf(const std::string& name) {
@@ -32,7 +32,7 @@ SpineKind spineOf(const std::string& name) {
   return name == "straight" ? SpineKind::kStraight : name == "curved" ? SpineKind::kCurved : SpineKind::kAuto;
 }
 
-/// Evenly from 0 to 1, or those of --at.
+/// Times of the frames: evenly from 0 to 1, or those of --at.
 std::vector<double> frameTimes(const OptionSet& options, int frames) {
   if (!options.given("at")) {
     std::vector<double> times(size_t(frames), 0.0);
@@ -47,7 +47,7 @@ std::vector<double> frameTimes(const OptionSet& options, int frames) {
   return times;
 }
 
-/// Speeds of the weights: frames are 1 / fps seconds apart, whatever their times.
+/// Sets the change of the weights per second. Frames are 1 / fps seconds apart, whatever their times.
 std::vector<FrameJob> withRates(std::vector<FrameJob> frames, const WeightCourse& course,
                                 double framesPerSecond) {
   if (frames.size() < 2) return frames;
@@ -67,7 +67,7 @@ KeyList keysOf(const OptionSet& options) {
   return options.given("keys") ? readKeys(given.config, given.inputs) : KeyList();
 }
 
-/// Times, and the weights at them.
+/// Sets the frames of a sequence: their times and the weights at these.
 MorphJob withTimes(MorphJob job, const OptionSet& options) {
   const JobOptions& given = options.values();
   MorphSettings& s = job.settings;
@@ -76,7 +76,7 @@ MorphJob withTimes(MorphJob job, const OptionSet& options) {
   const std::string unused = list.keys.empty() ? "" : noteOfUnused(list.keys, s.inputs);
   if (!unused.empty())
     job.notes.push_back({"job.input-unused", Severity::kNote,
-                         options.place("keys") + spelledName(options.row("keys")), unused});
+                         options.source("keys") + spelledName(options.row("keys")), unused});
   job.tables.keys = list.keys;
   const Easing easing = options.about("ease", [&] { return parseEasing("--ease", given.ease); });
   s.course =
@@ -96,7 +96,7 @@ MorphJob withTimes(MorphJob job, const OptionSet& options) {
   return job;
 }
 
-/// One blend, of every frame that the inputs have.
+/// Sets the frames of one blend by --weights: one, or one for each file of the longest sequence.
 MorphJob withWeights(MorphJob job, const OptionSet& options) {
   MorphSettings& s = job.settings;
   for (const char* key : {"keys", "timing", "ease"})
@@ -109,7 +109,7 @@ MorphJob withWeights(MorphJob job, const OptionSet& options) {
   });
   if (!weights.note.empty())
     job.notes.push_back(
-        {"job.weights-normalised", Severity::kNote, "", options.place("weights") + weights.note});
+        {"job.weights-normalised", Severity::kNote, "", options.source("weights") + weights.note});
   job.tables.values["weights"] = tomlOf(weights.weights);
   for (size_t i = 0; i < lengthOfInputs(options); ++i)
     s.frames.push_back(
@@ -119,13 +119,13 @@ MorphJob withWeights(MorphJob job, const OptionSet& options) {
 
 std::vector<Landmark> landmarksOf(const OptionSet& options, const std::string& name,
                                   const std::string& text) {
-  // --print-config needs no files.
+  // --print-config reads no files.
   if (options.values().printConfig && text.find('=') == std::string::npos) return {};
   return options.about(name,
                        [&] { return readLandmarks("--" + name, text, options.values().inputs.size()); });
 }
 
-/// Features, regions, landmarks.
+/// Sets features, regions and landmarks.
 MorphJob withGuidance(MorphJob job, const OptionSet& options) {
   const JobOptions& given = options.values();
   MorphSettings& s = job.settings;
@@ -147,7 +147,7 @@ LoadOptions loadingOf(const MorphSettings& s, const OptionSet& options) {
     options.refuse("iso", "--iso names values for " + std::to_string(load.isosByInput.size()) +
                               " inputs of " + std::to_string(s.inputs.size()) +
                               "; give one for all or one for each, for example --iso 300/250");
-  // The shape found in fog only steers the map, unless it is what is asked for.
+  // The shape found in fog only steers the map unless the surface itself is wanted.
   if (s.holdsGrids() && !std::count(s.grids.begin(), s.grids.end(), "surface"))
     load.fogResolution = kFogResolution;
   return load;
@@ -162,7 +162,7 @@ MorphOptions planOf(const OptionSet& options, bool images) {
     plan.axis = options.about("axis", [&] { return parseDirection("--axis", given.axis); });
   plan.spine = spineOf(given.spine);
   plan.align = given.align == "none" ? Align::kNone : Align::kAuto;
-  // Scans know where they lie.
+  // Images state how they lie in space, so no turns about an upright axis are preferred.
   plan.up = images ? Vec3d(0.0) : given.upright == "z" ? Vec3d(0, 0, 1) : Vec3d(0, 1, 0);
   return plan;
 }
@@ -173,7 +173,7 @@ VelocitySettings velocityOf(const OptionSet& options, const MorphSettings& s, bo
   return {none ? "none" : given.velocity, given.velocityUnit == "frame", given.addVelocity};
 }
 
-/// What options say by themselves.
+/// Settings that follow from single options.
 MorphSettings plainSettings(const OptionSet& options) {
   const JobOptions& given = options.values();
   MorphSettings s;

@@ -7,16 +7,16 @@
 
 namespace slicemorph {
 
-/// What `slicemorph morph` is to do, from its options.
+/// What `slicemorph morph` is to do.
 struct MorphJob {
   MorphSettings settings;
   JobTables tables;  ///< for jobText()
-  Notes notes;       ///< of what was taken otherwise than it was said
+  Notes notes;       ///< on values that were changed or have no effect
 };
 
-/// Reads what the options and their job file say, and checks it as far as that can be done without the inputs'
-/// contents; only the lengths of sequences, files of landmarks and of planes are looked up, and none of them
-/// where --print-config is among the options. Throws InputError, IoError.
+/// Reads the options and their job file, and checks them as far as possible without the inputs' contents. Of
+/// other files only the lengths of sequences, landmarks and planes are read, and none of these with
+/// --print-config. Throws InputError, IoError.
 MorphJob morphJob(const OptionSet& options);
 
 }  // namespace slicemorph

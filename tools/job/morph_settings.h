@@ -18,7 +18,7 @@
 
 namespace slicemorph {
 
-/// What .exr outputs hold.
+/// The content of .exr outputs.
 enum class ExrContent { kPicture, kSlices };
 
 /// One frame of a job.
@@ -31,7 +31,8 @@ struct FrameJob {
   Weights rate;           ///< change of the weights per second; empty where the job has no speed
 };
 
-/// Frames that a shutter is open before or after its frame, at most: velocities are kept as far around what moves.
+/// How long a shutter is open before or after its frame at most, in frames (a 360 degree shutter centred on
+/// the frame). Velocities are kept as far around shapes as these move in that time.
 constexpr double kShutter = 0.5;
 
 /// The velocity grid of VDB outputs.
@@ -43,7 +44,7 @@ struct VelocitySettings {
   bool wanted() const { return name != "none"; }
 };
 
-/// What `slicemorph morph` is to do, checked.
+/// What `slicemorph morph` is to do; values are checked.
 struct MorphSettings {
   std::vector<std::string> inputs;
   std::string output;
@@ -58,24 +59,24 @@ struct MorphSettings {
   VelocitySettings velocity;
   std::vector<std::string> reports;  ///< .json, .csv, .html
   std::string sliceFolder;           ///< empty: none
-  std::string like;  ///< image whose voxels the in-betweens are put on; empty: the first input's
-  GlbSpace glb;      ///< of .glb outputs
+  std::string like;                  ///< image whose voxels in-between images get; empty: the first input's
+  GlbSpace glb;                      ///< of .glb outputs
   ExrContent exrContent = ExrContent::kPicture;
   PictureOptions picture;  ///< of .exr and .png outputs
   SliceOptions exrSlices;  ///< of .exr outputs that hold slices
   std::vector<std::pair<std::string, std::string>> pictureOptions,
       sliceOptions;                      ///< those that were given, with values
-  std::vector<Landmark> landmarks;       ///< among the plan's features, too
+  std::vector<Landmark> landmarks;       ///< also among the plan's features
   std::vector<Landmark> checkLandmarks;  ///< only measured, not used
   bool quiet = false, resume = false;
-  JobOptions options;  ///< as typed, for what needs no more than that
+  JobOptions options;                                              ///< as typed, for code that needs no more
   std::vector<std::pair<std::string, std::string>> frameSettings;  ///< all options that frames depend on
 
-  /// What the method is able to do.
+  /// What the method can do.
   const MethodTraits& can() const { return methodNamed(method).can; }
-  /// An input is another file at every frame: one plan does not serve all frames.
+  /// Whether an input is a sequence, so that one plan does not serve all frames.
   bool moving() const;
-  /// Every frame is a picture, or its slices.
+  /// Every frame is written as a picture or as EXR slices.
   bool toFrameImages() const;
   bool toPictures() const { return toFrameImages() && exrContent == ExrContent::kPicture; }
   /// The output shows all grids of a frame, not only its surface: a .vdb, slices, a picture.

@@ -5,10 +5,10 @@
 
 namespace slicemorph {
 
-/// A line of a text file of numbers, which are separated by blanks, commas or semicolons.
+/// A line of a text file of numbers, split at blanks, commas and semicolons.
 struct NumberLine {
   std::vector<double> numbers;     ///< finite
-  std::vector<std::string> words;  ///< what is no number
+  std::vector<std::string> words;  ///< items that are no finite numbers
   bool wordFirst = false;          ///< the line begins with a word, as headings do
 
   bool empty() const { return numbers.empty() && words.empty(); }

@@ -11,7 +11,7 @@
 namespace slicemorph {
 namespace {
 
-/// What is printed and parsed of a number's limits: "8 to 1024", "above 0", "0 or more".
+/// A number's limits in words: "8 to 1024", "above 0", "0 or more"; empty where it has none.
 std::string describeRange(const OptionRange& range) {
   if (!std::isfinite(range.least)) return "";
   if (std::isfinite(range.most)) return formatNumber(range.least, 9) + " to " + formatNumber(range.most, 9);
@@ -77,6 +77,7 @@ std::string joinedBy(const std::string& separator, const std::vector<std::string
   return text;
 }
 
+/// A field's value as the command line spells it.
 struct SpelledField {
   std::string operator()(std::monostate) const { return ""; }
   std::string operator()(const bool* flag) const { return *flag ? "true" : ""; }

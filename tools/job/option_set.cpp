@@ -25,7 +25,7 @@ void OptionSet::set(const OptionRow& row, const std::vector<std::string>& texts)
 }
 
 bool OptionSet::given(const std::string& name) const {
-  return texts_.count(row(name).name) > 0 || places_.count(name) > 0;
+  return texts_.count(row(name).name) > 0 || sources_.count(name) > 0;
 }
 
 std::vector<std::string> OptionSet::texts(const std::string& name) const {
@@ -33,13 +33,13 @@ std::vector<std::string> OptionSet::texts(const std::string& name) const {
   return found == texts_.end() ? std::vector<std::string>() : found->second;
 }
 
-std::string OptionSet::place(const std::string& name) const {
-  const auto found = places_.find(row(name).name);
-  return found == places_.end() ? "" : found->second;
+std::string OptionSet::source(const std::string& name) const {
+  const auto found = sources_.find(row(name).name);
+  return found == sources_.end() ? "" : found->second;
 }
 
 bool OptionSet::silenced(const OptionRow& row) const {
-  const auto typed = [&](const std::string& name) { return texts_.count(name) && !places_.count(name); };
+  const auto typed = [&](const std::string& name) { return texts_.count(name) && !sources_.count(name); };
   return typed(row.name) || std::any_of(row.excludes.begin(), row.excludes.end(), typed) ||
          std::any_of(row.silencedBy.begin(), row.silencedBy.end(), typed);
 }
@@ -52,7 +52,7 @@ void OptionSet::checkExclusions() const {
 }
 
 void OptionSet::refuse(const std::string& name, const std::string& message) const {
-  throw InputError(place(name) + message);
+  throw InputError(source(name) + message);
 }
 
 OptionSet::Pairs OptionSet::frameSettings() const {

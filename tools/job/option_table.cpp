@@ -17,7 +17,7 @@ OptionField at(JobOptions& options) {
   return &(options.*....*Members);
 }
 
-/// Writes a row as a chain of what differs from the usual.
+/// Builds a row by a chain of calls for what differs from the defaults.
 class Row {
  public:
   Row(unsigned commands, const std::string& name, OptionField (*field)(JobOptions&), const std::string& form,
@@ -90,8 +90,7 @@ Rows inputRows() {
           "Label map in which slices are empty, or a stack with --between: " +
               readableList(Contents::kImage) + "; contours: " + readableList(Contents::kContours) +
               " (file:NAME for one structure); slices of a volume as `slice` writes them: name.####.exr, or "
-              "one "
-              "file")
+              "one file")
           .positional("INPUT")
           .required(),
       Row(kCompare, "a", at<&J::input>, "", "Shape: " + shapes).positional("A").required(),
@@ -129,8 +128,7 @@ Rows shapeRows() {
           .basic(),
       Row(kVoxelisers, "iso", at<&J::iso>, "V[,V...][/V...]",
           "Value of the surface in a VDB grid or a grey image; further ones of an image help to match; a "
-          "slash "
-          "parts those of one input from the next's")
+          "slash parts those of one input from the next's")
           .as(OptionType::kNumbers)
           .fallback("0 in level sets, else found from the values")
           .basic(),
@@ -157,11 +155,11 @@ Rows matchingRows() {
       Row(kMorph, "landmarks", at<&J::landmarks>, "FILE,FILE[,...]",
           "Positions to be carried onto each other: a file of points per input, or in a job file "
           "[[[x,y,z],[x,y,z]], ...]")
-          .as(OptionType::kPlaces)
+          .as(OptionType::kLandmarks)
           .needs(&MethodTraits::guided),
       Row(kMorph, "check-landmarks", at<&J::checkLandmarks>, "FILE,FILE[,...]",
           "Positions that are only measured, for the report")
-          .as(OptionType::kPlaces)
+          .as(OptionType::kLandmarks)
           .notInFrames(),
       Row(kMorph, "feature", nullptr, "", "").needs(&MethodTraits::guided),
       Row(kMorph, "region", nullptr, "", "").needs(&MethodTraits::guided),
@@ -191,8 +189,7 @@ Rows outputRows() {
           .required(),
       Row(kRender, "output", at<&J::output>, "OUTPUT",
           "Pictures: .png, .exr (with mask, Z and N); #### stands for the number; a preview: .gif, .mp4 "
-          "(needs "
-          "ffmpeg)")
+          "(needs ffmpeg)")
           .basic(),
       Row(kReconstruct, "report", at<&J::reports>, "FILE.json|FILE.csv",
           "Volume, area and extents of every label")
@@ -202,7 +199,7 @@ Rows outputRows() {
   };
 }
 
-/// When frames are, and of what they are blended.
+/// Times and weights of frames.
 Rows timeRows() {
   return {
       Row(kMorph, "frames", at<&J::frames>, "N", "Frames 1 to N, the first input at 1, the last at N")
@@ -222,8 +219,7 @@ Rows timeRows() {
           .basic(),
       Row(kMorph, "keys", at<&J::keys>, "\"a@0 b@0.5 c@1\"",
           "Inputs by time, 0 to 1: by file name, number or letter; in a job file also [{at = 0, input = "
-          "\"a\"}, "
-          "{at = 1, weights = [0.5, 0.5]}]")
+          "\"a\"}, {at = 1, weights = [0.5, 0.5]}]")
           .as(OptionType::kTables)
           .fallback("one after the other, evenly")
           .silencedBy({"weights"})
@@ -248,7 +244,7 @@ Rows timeRows() {
   };
 }
 
-/// What a frame holds.
+/// Content of a frame.
 Rows contentRows() {
   return {
       Row(kMorph, "grids", at<&J::grids>, "NAME[,NAME...]",
@@ -386,7 +382,8 @@ Rows pictureRows() {
   };
 }
 
-/// Where slices are cut and how they are written; `morph` knows where by names with a prefix.
+/// Where slices are cut and how they are written. For `morph` the names of options of the first kind
+/// have a prefix.
 Rows sliceRows(Command command, const std::string& prefix) {
   const auto row = [&](const std::string& name, OptionField (*field)(JobOptions&), const std::string& form,
                        const std::string& help) {
@@ -452,8 +449,7 @@ Rows farmRows() {
           .basic(),
       Row(kMorph, "config", at<&J::config>, "FILE.toml",
           "Take options from a file (key = value, keys as the long options, inputs, output; tables "
-          "[[feature]] "
-          "and [[region]]); the command line wins")
+          "[[feature]] and [[region]]); the command line wins")
           .notInFiles()
           .basic(),
       Row(kMorph, "print-config", at<&J::printConfig>, "",
@@ -463,7 +459,7 @@ Rows farmRows() {
   };
 }
 
-/// Groups in the order of the help; rows of one group stand together.
+/// All rows, by groups in the order of the help.
 Rows allRows() {
   const std::vector<std::pair<OptionGroup, Rows>> parts = {
       {OptionGroup::kInputs, inputRows()},

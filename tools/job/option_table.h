@@ -6,10 +6,10 @@
 
 namespace slicemorph {
 
-/// One table of what can be told to the commands. From it come the command line, its help, the keys of job
-/// files, --print-config and what --resume compares. A new option is a row here, a field for it to be bound to
-/// (job_options.h, or a struct in there), and the place that uses the field.
-/// A command has no two rows of one name; rows are in the order of the help.
+/// The table of the options of all commands. Command line, help, keys of job files, --print-config and what
+/// --resume compares are made from it. A new option needs a row here, a field that it is bound to (in
+/// job_options.h or a struct used there) and code that uses the field. No command has two rows of one name;
+/// rows are in the order of the help.
 const std::vector<OptionRow>& optionTable();
 
 }  // namespace slicemorph

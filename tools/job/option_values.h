@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-/// Values of options and paths as text: written, read and checked. The functions that check throw InputError
+/// Formats, parses and checks values of options and paths. The functions that parse or check throw InputError
 /// naming the option, its value and what would be right.
 namespace slicemorph {
 
 /// A number with at most `digits` significant digits, without trailing zeros.
 std::string formatNumber(double value, int digits = 6);
-/// As short as it can be read back.
+/// The shortest text that is read back as the same number.
 std::string formatExactly(double value);
 
 /// The parts of a text between marks.
@@ -26,11 +26,9 @@ Vec3d parseDirection(const std::string& option, const std::string& text);
 void checkRange(const std::string& option, long value, long low, long high);
 void checkPositive(const std::string& option, double value);
 
-/// Throws IoError where an input (`file.vdb:grid` too) is missing or empty, so that a long job does not find
-/// out late.
+/// Throws IoError where an input (also `file.vdb:grid`) is missing or empty; to be called before long work.
 void checkInputExists(const std::string& input);
-/// Throws IoError where the folder of an output is not there or cannot be written to, or the path is a
-/// folder.
+/// Throws IoError where the folder of an output is missing or cannot be written to, or the path is a folder.
 void checkOutputPath(const std::string& path);
 /// Throws InputError where the path's extension is none of those listed (lower case, with the dot).
 void checkExtension(const std::string& path, const std::vector<std::string>& extensions);

@@ -20,7 +20,7 @@ Vec3d parsePoint(const std::string& option, const std::string& text) {
   return Vec3d(v[0], v[1], v[2]);
 }
 
-/// The most that RenderOptions takes, pixels.
+/// Pixels; the limit of RenderOptions.
 constexpr int kLargestSide = 16384;
 
 PictureSize checkedSize(const PictureOptions& s) {
@@ -42,7 +42,7 @@ std::vector<double> parseAlbedo(const std::string& text) {
   return v;
 }
 
-/// Throws where the camera's position cannot be what --camera and --look-at say.
+/// Throws InputError for --camera and --look-at that are no points, and for --look-at without --camera.
 void checkPosition(const PictureOptions& s, const OptionSet& options) {
   if (!s.camera.empty()) options.about("camera", [&] { parsePoint("--camera", s.camera); });
   if (s.lookAt.empty()) return;
@@ -62,7 +62,7 @@ FrameAllOptions checkedFraming(const PictureOptions& s, const OptionSet& options
   if (!s.up.empty())
     options.refuse("view",
                    "--view " + s.view + " is along --up " + s.up + "; choose another for one of them");
-  // Straight up or down, the picture's top has to be another direction.
+  // The view is straight up or down: another direction has to be up in the picture.
   framing.up = Vec3d(0, 0, -1);
   return framing;
 }

@@ -12,7 +12,7 @@
 namespace slicemorph {
 namespace {
 
-/// Of six numbers, the last three of which are no zero vector; else none.
+/// A plane of six numbers, point and normal; none for another number of numbers or a normal of length 0.
 std::optional<PlaneInSpace> planeOf(const std::vector<double>& n) {
   if (n.size() != 6) return std::nullopt;
   const PlaneInSpace plane{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};

@@ -11,7 +11,7 @@
 namespace slicemorph {
 namespace {
 
-/// What is looked for among the loaded files: the one that holds an address.
+/// Search among the loaded files for the one that holds an address.
 struct BuildSearch {
   std::uintptr_t address;
   std::string build;  ///< its identifier in hexadecimal digits; empty: none
@@ -40,6 +40,7 @@ std::string buildIn(const unsigned char* notes, size_t size) {
   return "";
 }
 
+/// Callback of dl_iterate_phdr; returns 1, which ends the search, at the file that holds the address.
 int visit(dl_phdr_info* file, size_t, void* data) {
   BuildSearch& search = *static_cast<BuildSearch*>(data);
   bool holds = false;
@@ -66,7 +67,7 @@ std::string buildOfFileWith(Function* function) {
 }  // namespace
 
 std::string programBuild() {
-  // The engine may be in a library of its own.
+  // The engine may be in a shared library of its own.
   const std::string own = buildOfFileWith(&programBuild), engine = buildOfFileWith(&aloneIn);
   const std::string both = own == engine || engine.empty() ? own : own + "+" + engine;
   return SLICEMORPH_VERSION + (both.empty() ? "" : " (" + both + ")");

@@ -4,8 +4,8 @@
 
 namespace slicemorph {
 
-/// Which program this is: its version, and the linker's identifier of its code, which another build of the same
-/// version does not share. "0.1.0 (5f0c...)", or the version alone where the linker left no identifier.
+/// The program's version and the linker's build id, which differs between builds of one version: "0.1.0
+/// (5f0c...)", or the version alone where the linker wrote no id.
 std::string programBuild();
 
 }  // namespace slicemorph

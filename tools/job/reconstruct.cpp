@@ -10,12 +10,12 @@
 namespace slicemorph {
 namespace {
 
-/// EXR images are slices with their planes, unless a spacing says that they are a stack of labels.
+/// EXR images are slices with planes of their own, unless --spacing says that they are a stack of labels.
 bool isOfSlices(const ReconstructJob& job) {
   return extensionOf(job.input) == ".exr" && job.image.spacing[0] == 0;
 }
 
-/// Options that say nothing to EXR slices.
+/// Throws InputError for options that have no effect on EXR slices.
 void refuseForSlices(const ReconstructJob& job) {
   const std::vector<std::pair<bool, std::string>> others = {{job.every > 0, "--every"},
                                                             {job.between > 0, "--between"},
@@ -36,7 +36,7 @@ void reconstruct(const ReconstructJob& job, JobEvents& events) {
   }
   if (job.grids) throw InputError("--grids is for EXR slices; " + job.input + " are none");
   const InputSpec input = parseInput(job.input);
-  if (!input.isImage()) filesOfInput(input);  // a missing file is the better message
+  if (!input.isImage()) filesOfInput(input);  // says so where the file is missing, which helps more
   if (input.contents == Contents::kContours) return reconstructContours(job, input, events);
   if (!input.isImage())
     throw InputError(

@@ -12,18 +12,18 @@ namespace slicemorph {
 /// What `slicemorph reconstruct` is to do. Numbers that are 0 and texts that are empty were not given.
 struct ReconstructJob {
   std::string input, output;
-  int axis = -1;         ///< of the image's array, along which slices follow each other; -1: found
+  int axis = -1;         ///< array axis along which slices follow each other, 0 to 2; -1: found
   int every = 0;         ///< every n-th slice is given
-  int between = 0;       ///< all slices are given, and so many come between every two
+  int between = 0;       ///< all slices are given, and this many are made between every two
   double voxelSize = 0;  ///< of surfaces or grids, world units
-  std::string like;      ///< an image on whose voxels a dense label map is put
+  std::string like;      ///< an image whose voxels a dense label map gets
   std::optional<std::vector<std::string>> grids;  ///< of EXR slices; none: all
   std::vector<std::string> reports;               ///< .json, .csv
   ImageOptions image;
 };
 
-/// A dense label map or closed surfaces from a label map with empty slices, a stack of slices or contours;
-/// grids from EXR slices. Throws InputError, IoError, GeometryError, Cancelled.
+/// Makes a dense label map or closed surfaces from a label map with empty slices, a stack of slices or
+/// contours; grids from EXR slices. Throws InputError, IoError, GeometryError, Cancelled.
 void reconstruct(const ReconstructJob& job, JobEvents& events);
 
 }  // namespace slicemorph

@@ -29,8 +29,8 @@ std::vector<ContourSet> chosenSets(const InputSpec& input, std::vector<ContourSe
   throw InputError(input.path + " has no structure '" + input.selection + "'; there are " + list);
 }
 
-/// A dense label map of several structures: materials of a CSL file share walls, regions of a structure set
-/// may lie in each other.
+/// A dense label map of several structures. Where structures overlap, the deepest wins among the materials of
+/// a CSL file, which share walls, and the smallest among regions of a structure set, which may be nested.
 Image denseLabels(const ReconstructJob& job, const std::vector<ContourSet>& sets,
                   const std::vector<ContourSurface>& surfaces, bool materials) {
   double finest = std::numeric_limits<double>::infinity();
@@ -53,7 +53,7 @@ std::vector<StructureRow> rowsOf(const Image& dense, const std::vector<ContourSe
   return rows;
 }
 
-/// "file:name, file:name", as inputs that choose one.
+/// "file:name, file:name": the inputs that select one of the sets.
 std::string listOf(const std::vector<ContourSet>& sets, const std::string& path) {
   std::string list;
   for (const ContourSet& set : sets) list += (list.empty() ? "" : ", ") + path + ":" + set.name;

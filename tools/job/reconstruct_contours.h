@@ -5,8 +5,8 @@
 
 namespace slicemorph {
 
-/// Of contours: each structure's surface, or a dense label map of all. `input`: the file, and the
-/// structure that was chosen.
+/// Makes each structure's surface, or a dense label map of all, from contours. `input`: the file, and the
+/// structure that was selected, if one was. Throws as reconstruct.
 void reconstructContours(const ReconstructJob& job, const InputSpec& input, JobEvents& events);
 
 }  // namespace slicemorph

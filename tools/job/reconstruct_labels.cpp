@@ -25,7 +25,7 @@ struct SparseLabels {
   Notes notes;
 };
 
-/// The stack with `between` empty slices put between every two.
+/// The stack with `between` empty slices between every two.
 Image expanded(const Image& stack, int axis, int between) {
   Image result;
   result.lattice = stack.lattice;

@@ -4,7 +4,8 @@
 
 namespace slicemorph {
 
-/// Of a label map in which slices are empty, or a stack of slices: the dense map, or each label's surface.
+/// Makes the dense map, or each label's surface, from a label map with empty slices or a stack of slices.
+/// Throws as reconstruct.
 void reconstructLabels(const ReconstructJob& job, JobEvents& events);
 
 }  // namespace slicemorph

@@ -16,7 +16,7 @@
 namespace slicemorph {
 namespace {
 
-/// A pixel, or less where a level set needs that; then the notes say so.
+/// The size of voxels: that of a pixel, or smaller if a level set needs it; if so, the notes say it.
 struct VoxelChoice {
   double size = 0;
   Notes notes;
@@ -41,7 +41,7 @@ std::string namesOf(const ExrSlices& slices) {
   return names;
 }
 
-/// Meshes and images hold one grid.
+/// Throws InputError for several grids: meshes and images hold one.
 void checkOne(const ExrSlices& slices, const ReconstructJob& job) {
   if (slices.grids.size() > 1)
     throw InputError("-o " + job.output + " holds one grid, " + job.input + " has " + namesOf(slices) +

@@ -4,7 +4,7 @@
 
 namespace slicemorph {
 
-/// Of EXR slices: all grids into a `.vdb`, the one of a surface into a mesh, the one of values into an image.
+/// Makes grids from EXR slices: all into a `.vdb`, or one into a mesh or an image. Throws as reconstruct.
 void reconstructSlices(const ReconstructJob& job, JobEvents& events);
 
 }  // namespace slicemorph

@@ -14,7 +14,7 @@ namespace slicemorph {
 namespace {
 
 constexpr double kHalfTurn = 3.14159265358979323846;
-/// Share of the job that is looking where everything is.
+/// Share of the first reading in the job; only the progress display depends on it.
 constexpr double kLooked = 0.3;
 
 /// One picture to make.
@@ -25,7 +25,7 @@ struct Shot {
   std::string caption;
 };
 
-/// All inputs, or a full turn during which they play once.
+/// One shot per input, or the shots of a full turn during which the inputs play once.
 std::vector<Shot> listShots(const std::vector<RenderInput>& inputs, int turntable) {
   std::vector<Shot> shots;
   for (size_t i = 0; turntable == 0 && i < inputs.size(); ++i)
@@ -38,7 +38,7 @@ std::vector<Shot> listShots(const std::vector<RenderInput>& inputs, int turntabl
   return shots;
 }
 
-/// Takes the pictures as they are made: numbered files, or one that moves.
+/// Writes pictures as they are made: numbered files, or one video.
 class PictureOutput {
  public:
   explicit PictureOutput(const RenderJob& job) : job_(job) {
@@ -48,7 +48,7 @@ class PictureOutput {
                                              job.framesPerSecond);
   }
 
-  /// Returns the file that is complete; empty: none yet.
+  /// Returns the file that is complete now; empty: none.
   std::string add(const Picture& picture, int number) {
     if (video_) return video_->add(picture), "";
     if (job_.output.empty()) return "";
@@ -67,7 +67,7 @@ class PictureOutput {
   std::unique_ptr<VideoWriter> video_;
 };
 
-/// What is wrong with a file's grid is told with the file's name.
+/// Runs `action`, and adds the file's name to its errors.
 template <typename Action>
 auto ofFile(const std::string& path, const Action& action) {
   try {
@@ -79,7 +79,7 @@ auto ofFile(const std::string& path, const Action& action) {
   }
 }
 
-/// Where all is that is to be seen.
+/// Boxes and fog of everything that is to be seen.
 struct Scene {
   std::vector<openvdb::BBoxd> boxes;
   std::vector<FogMeasure> fogs;
@@ -94,7 +94,7 @@ Scene lookAround(const std::vector<RenderInput>& inputs, RenderSubjects& subject
     ofFile(inputs[i].path, [&] {
       if (subject.fog) {
         scene.fogs.push_back(measureFog(*subject.fog));
-        // A simulation may begin without any.
+        // The first frames of a simulation may have no fog yet.
         if (!scene.fogs.back().box.empty()) scene.boxes.push_back(scene.fogs.back().box);
       } else {
         scene.boxes.push_back(surfaceBox(*subject.surface));
@@ -107,7 +107,7 @@ Scene lookAround(const std::vector<RenderInput>& inputs, RenderSubjects& subject
   return scene;
 }
 
-/// One file holds one picture, or moves.
+/// Throws InputError where several pictures would go into one file that is no video.
 void checkCount(const RenderJob& job, size_t inputs) {
   const size_t pictures = job.turntable > 0 ? size_t(job.turntable) : inputs;
   const OutputName name(job.output);

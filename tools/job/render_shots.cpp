@@ -10,7 +10,7 @@
 namespace slicemorph {
 namespace {
 
-constexpr size_t kMostBytes = size_t(1) << 30;
+constexpr size_t kMostBytes = size_t(1) << 30;  // of grids that are kept, a bound of memory
 
 size_t bytesOf(const RenderSubject& subject) {
   size_t bytes = subject.surface ? subject.surface->memUsage() : 0;
@@ -34,7 +34,7 @@ std::vector<RenderInput> listRenderInputs(const std::vector<std::string>& inputs
       list.push_back({input, std::filesystem::path(input).stem().string(), 1});
     }
   }
-  // A single sequence keeps its own numbers.
+  // A single input keeps its own numbers; several are counted.
   if (inputs.size() > 1)
     for (size_t i = 0; i < list.size(); ++i) list[i].number = int(i) + 1;
   return list;

@@ -9,23 +9,24 @@
 
 namespace slicemorph {
 
-/// What is to be seen: a surface, or fog.
+/// What is rendered: a surface, or fog.
 struct RenderSubject {
   FloatGrid::ConstPtr surface;
   openvdb::Vec3SGrid::ConstPtr colors;  ///< of the surface; null: it has none
   std::optional<Fog> fog;
 };
 
-/// Files one after the other, those of numbered sequences by their numbers. Throws IoError for what is
-/// missing.
+/// A file to render.
 struct RenderInput {
-  std::string path;  ///< with the name of the grid where one is given
+  std::string path;  ///< with the name of the grid if one is given
   std::string caption;
-  int number = 1;  ///< of the only sequence, else counted
+  int number = 1;  ///< in the only sequence; else counted
 };
+/// The files of all inputs, those of numbered sequences by their numbers. Throws IoError for missing files.
 std::vector<RenderInput> listRenderInputs(const std::vector<std::string>& inputs);
 
-/// Reads what is to be seen: twice, for the camera and for the picture, where it is too much to keep.
+/// Reads what is rendered. Each input is needed twice, for the camera and for the picture; it is read again
+/// where there is too much to keep in memory.
 class RenderSubjects {
  public:
   /// `asSurface`: fog is drawn as the shape in it.

@@ -45,7 +45,7 @@ ResumeLog::ResumeLog(const MorphSettings& settings) {
 
 void ResumeLog::read() {
   std::ifstream file(path_);
-  // A log that cannot be read is no log: the frames are made again.
+  // A log that cannot be read is ignored: the frames are made again.
   const Json log = Json::parse(file, nullptr, false);
   if (!log.is_object() || !log.contains("job") || !log.contains("frames")) return;
   const auto refuse = [&](const char* code, const std::string& why) {
@@ -53,7 +53,7 @@ void ResumeLog::read() {
   };
   if (log["job"] != job_)
     return refuse("resume.other-job", "the frames that are there are of other settings or inputs");
-  // Frames of two programs need not fit each other.
+  // Frames of two builds need not match.
   const std::string program = log.value("program", std::string("unknown"));
   if (program != program_)
     return refuse("resume.other-program",

@@ -10,22 +10,22 @@
 
 namespace slicemorph {
 
-/// What is done of a sequence, kept beside it as the hidden file `.NAME.slicemorph` (NAME as given, with its
-/// ####) while frames are being made, and removed when all are. It lets --resume tell the frames of this very
-/// job (same settings, inputs of the same size and time, the same build of the program) from older files of
-/// the same names. Single frames have none.
+/// Which frames of a sequence are done: the hidden file `.NAME.slicemorph` (NAME as given, with its ####)
+/// beside the output, which exists while frames are made. It lets --resume tell the frames of the same job
+/// (same settings, inputs of the same size and time, same build of the program) from older files of the same
+/// names. Single frames have no log.
 class ResumeLog {
  public:
   /// Reads the log of an earlier run where `settings.resume` is set and the log is of the same job.
   explicit ResumeLog(const MorphSettings& settings);
 
-  /// Why the frames of an earlier run are not gone on with, where there are some.
+  /// Why the frames of an earlier run are not used, if there are some.
   const Notes& notes() const { return notes_; }
   /// Whether the frame was made and its file is still there at its size.
   bool has(const FrameJob& job) const;
-  /// Its row of the report; null where that run measured nothing.
+  /// The frame's row of the report; null where that run measured nothing.
   nlohmann::ordered_json row(const FrameJob& job) const;
-  /// Throws IoError.
+  /// Adds a finished frame and writes the log. Throws IoError.
   void add(const FrameJob& job, const nlohmann::ordered_json& row);
   void remove();
 

@@ -11,18 +11,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Shares of the whole job, for the progress line, where the inputs stay the same; measured on jobs of 24
-/// frames.
+// Shares for the progress line, measured on jobs of 24 frames.
+/// Reading and planning in the whole job, where the inputs stay the same.
 constexpr double kPlanned = 0.25;
-/// And of one frame's share, where they play.
+/// Reading and planning in the time of one frame, where inputs are sequences.
 constexpr double kFramePlanned = 0.6;
-/// The frames' share where they are then put into one .glb.
+/// Making the frames in the rest of the job, where they are then put into one .glb.
 constexpr double kFramesMade = 0.5;
 
-/// Where in the job's progress a frame is.
+/// A frame's part of the job's progress, 0 to 1.
 struct FrameSteps {
-  double from, planned;  ///< reading and planning, for what it needs
-  double made;           ///< begin of the making
+  double from, planned;  ///< begin and end of reading and planning
+  double made;           ///< begin of making the frame
 };
 
 FrameSteps stepsOf(const MorphSettings& settings, size_t index) {
@@ -32,7 +32,7 @@ FrameSteps stepsOf(const MorphSettings& settings, size_t index) {
   return {from, planned, planned};
 }
 
-/// Remembers what was noted, for the report.
+/// Passes events on and keeps the notes, for the report.
 class NoteKeeper : public JobEvents {
  public:
   explicit NoteKeeper(JobEvents& caller) : caller_(caller) {}
@@ -74,7 +74,7 @@ void runMorph(const MorphSettings& settings, JobEvents& caller) {
   const auto isDone = [&](size_t i) {
     return i < jobs.size() && log.has(jobs[i]) && (!report.wanted() || log.row(jobs[i]).is_object());
   };
-  // Frames one after another: each uses all threads, and one at a time bounds the memory.
+  // One frame after another: each uses all threads, and this bounds the memory.
   for (size_t i = 0; i < jobs.size(); ++i) {
     const FrameSteps steps = stepsOf(settings, i);
     maker.moveTo(i, steps.from, steps.planned);

@@ -5,9 +5,9 @@
 
 namespace slicemorph {
 
-/// Does what `slicemorph morph` does, once its settings are checked: reads the inputs, plans, and makes,
-/// measures and writes the frames one after another, then the reports. Throws InputError, IoError,
-/// GeometryError and Cancelled; what is done of a sequence can be gone on with by `settings.resume`.
+/// Runs `slicemorph morph` with checked settings: reads the inputs, plans, makes, measures and writes the
+/// frames one after another, then writes the reports. Throws InputError, IoError, GeometryError and
+/// Cancelled; an interrupted sequence can be continued with `settings.resume`.
 void runMorph(const MorphSettings& settings, JobEvents& events);
 
 }  // namespace slicemorph

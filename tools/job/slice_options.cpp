@@ -13,7 +13,7 @@ SliceOptions checkedSlices(const OptionSet& options, const std::string& prefix) 
   const std::string axis = prefix + "axis", plane = prefix + "plane", planes = prefix + "planes";
   if (s.axis != "auto")
     s.section.axis = options.about(axis, [&] { return parseDirection("--" + axis, s.axis); });
-  // Printing a job needs no files.
+  // --print-config reads no files.
   if (!s.planeFile.empty() && !options.values().printConfig)
     s.given = options.about(planes, [&] { return readPlanes(s.planeFile); });
   for (const std::string& text : s.planes)

@@ -18,15 +18,15 @@ struct Structure {
   FloatGrid::Ptr grid;  ///< level set, for .vdb outputs
 };
 
-/// Writes the surfaces of a reconstruction as meshes, a file each, or as level sets of one VDB.
+/// Writes the surfaces of a reconstruction as meshes, one file each, or as level sets in one VDB.
 class SurfaceWriter {
  public:
-  /// `count`: of all surfaces; `list`: their names, for the message. Throws InputError where one file is to
-  /// hold several meshes.
+  /// `count`: number of surfaces; `list`: their names, for the message. Throws InputError where several
+  /// meshes would go into one file.
   SurfaceWriter(const ReconstructJob& job, size_t count, const std::string& list, JobEvents& events);
 
   void add(const Structure& structure);
-  /// Ends the VDB. Returns the rows of the report; none where none is asked for.
+  /// Writes the VDB, if that is the output. Returns the rows of the report; none where no report is wanted.
   std::vector<StructureRow> finish();
 
  private:

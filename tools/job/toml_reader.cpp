@@ -12,7 +12,7 @@
 namespace slicemorph {
 namespace {
 
-constexpr size_t kLongestValue = 60;
+constexpr size_t kLongestValue = 60;  // characters of a value in messages
 
 std::string joined(const std::vector<std::string>& words) {
   std::string text;

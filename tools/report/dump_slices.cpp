@@ -16,6 +16,7 @@ using Contour = SlicePicture::Contour;
 
 constexpr double kPanel = 360, kMargin = 20, kHeader = 28;  // pixels
 constexpr const char* kGrey = "#999999";
+/// Six colours of Okabe and Ito's palette for colour-blind readers, and two more.
 constexpr const char* kColours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                     "#e69f00", "#56b4e9", "#7b4ab8", "#8c6d31"};
 
@@ -26,7 +27,7 @@ std::string escape(const std::string& text) {
   return escaped;
 }
 
-/// Chart coordinates to pixels, the same scale for all slices so that they can be leafed through.
+/// Maps chart coordinates to pixels, with one scale for all slices, so that they can be flipped through.
 struct View {
   Vec2d centre{0, 0};
   double scale = 1;
@@ -55,7 +56,7 @@ Vec2d centroid(const Contour& contour) {
   return sum / double(std::max<size_t>(contour.points.size(), 1));
 }
 
-/// A colour per contour: handed on from object to object along the pairs, grey where there is none.
+/// A colour per contour: paired contours have the same colour on all objects, those without a pair are grey.
 std::vector<std::vector<std::string>> chooseColours(const SlicePicture& slice) {
   std::vector<std::vector<std::string>> colours;
   for (const auto& object : slice.objects) colours.emplace_back(object.size(), kGrey);
@@ -82,7 +83,7 @@ void drawContour(std::ostream& svg, const Contour& contour, const std::string& c
       << (contour.hole ? 1 : 2) << "\"" << (colour == kGrey ? " stroke-dasharray=\"5 4\"" : "") << "/>\n";
 }
 
-/// Long paths would run into each other.
+/// The last part of a path: whole paths would overlap in the drawing.
 std::string withoutFolder(const std::string& path) {
   const size_t slash = path.find_last_of('/', path.size() < 2 ? 0 : path.size() - 2);
   return slash == std::string::npos ? path : path.substr(slash + 1);
@@ -104,7 +105,7 @@ std::string drawSlice(const SlicePicture& slice, size_t number, size_t count, co
         << escape(k < names.size() ? withoutFolder(names[k]) : "");
     if (k == 0) svg << " - slice " << number << " of " << count << ", u = " << slice.u;
     svg << "</text>\n";
-    // Outer contours first: a hole lies on top of what it is a hole in.
+    // Outer contours first, so that holes are drawn over them.
     for (bool hole : {false, true})
       for (size_t i = 0; i < slice.objects[k].size(); ++i)
         if (slice.objects[k][i].hole == hole) drawContour(svg, slice.objects[k][i], colours[k][i], view, k);

@@ -63,7 +63,8 @@ Json describeFrame(const FrameFigures& figures, const std::vector<ShapeMeasures>
   frame["volume"] = ofShape([](const ShapeMeasures& s) { return s.volume; });
   frame["volumeLinear"] = linear;
   frame["volumeRatio"] = ofShape([&](const ShapeMeasures& s) { return s.volume / linear; });
-  // Lengths are what a morph interpolates linearly, so the volume of a growing shape follows a cubic.
+  // A morph interpolates lengths linearly, so the cube root of the volume is expected to be linear
+  // in the weights.
   frame["volumeRatioSizeLinear"] =
       ofShape([&](const ShapeMeasures& s) { return s.volume / (size * size * size); });
   frame["area"] = ofShape([](const ShapeMeasures& s) { return s.area; });
@@ -120,7 +121,7 @@ Json describe(const LandmarkErrors& e) {
           {"max", e.most}};
 }
 
-/// A line for every label of every frame, or for the frame's shape.
+/// A CSV table with a line per label of every frame, or per frame for its shape.
 std::string asTable(const std::vector<Json>& frames) {
   std::string text =
       "frame,t,file,label,voxels,volume_ml,area_mm2,extent_i_mm,extent_j_mm,extent_k_mm,x_mm,y_mm,z_mm\n";
@@ -174,7 +175,7 @@ void writeReports(const std::vector<std::string>& paths, const ReportParts& part
   const Json report = reportOf(parts);
   for (const std::string& path : paths) {
     const std::string extension = OutputName(path).extension();
-    // Names of files need not be UTF-8.
+    // Names of files need not be UTF-8: JSON replaces what is not.
     writeTextFile(path, extension == ".csv" ? asTable(parts.frames)
                         : extension == ".html"
                             ? pageOf(report, parts.page)

@@ -18,7 +18,7 @@ struct FrameSeconds {
   double evaluate = 0, measure = 0, write = 0;
 };
 
-/// Of one grid of a frame.
+/// Figures of one grid of a frame.
 struct GridFigures {
   std::string name;
   std::uint64_t activeVoxels = 0;
@@ -33,7 +33,7 @@ struct FrameFigures {
   double voxelSize = 0, foldShare = 0;
   std::optional<ShapeMeasures> shape;         ///< none where the method makes no surface
   std::vector<GridFigures> grids;             ///< of VDB outputs
-  std::vector<LabelMeasures> labels;          ///< of images: each label, or what is above the surface's value
+  std::vector<LabelMeasures> labels;          ///< of images: each label, or the part above the iso value
   std::optional<double> symmetricDifference;  ///< to the frame before, world units cubed
   FrameSeconds seconds;
 };
@@ -41,16 +41,17 @@ struct FrameFigures {
 /// One frame of the report. `inputs`: measures of the inputs, in order.
 nlohmann::ordered_json describeFrame(const FrameFigures& figures, const std::vector<ShapeMeasures>& inputs);
 
-/// How far from where they should be landmarks of the first object arrive on the last one, world units.
+/// Distances, world units, between the last object's landmarks and those of the first object as the map
+/// carries them there.
 struct LandmarkErrors {
   size_t count = 0;
-  double before = 0, mean = 0, median = 0, most = 0;  ///< before: mean distance of the places as given
+  double before = 0, mean = 0, median = 0, most = 0;  ///< before: mean distance of the positions as given
 };
 /// `landmarks`: each a position per object, world units.
 LandmarkErrors landmarkErrors(const std::vector<std::vector<Vec3d>>& landmarks, const MorphPlan& plan);
 
 struct ReportParts {
-  nlohmann::ordered_json settings;      ///< of the job, as they bear on the result
+  nlohmann::ordered_json settings;      ///< of the job, those that affect the result
   std::vector<std::string> inputNames;  ///< in order
   std::vector<ShapeMeasures> inputs;    ///< in order
   Notes notes;
@@ -61,7 +62,7 @@ struct ReportParts {
   PageParts page;  ///< for .html
 };
 
-/// Writes the reports, each whole or not at all, as their extensions say: .json, .csv, .html. Throws IoError.
+/// Writes the reports by extension, .json, .csv or .html, each whole or not at all. Throws IoError.
 void writeReports(const std::vector<std::string>& paths, const ReportParts& parts);
 
 }  // namespace slicemorph

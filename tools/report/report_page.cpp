@@ -14,7 +14,7 @@
 #include <cmath>
 #include <string_view>
 
-// The page without its data, made by tools/dev/make_viewer.sh.
+// The page without its data, linked into the program; tools/dev/make_viewer.sh makes it.
 extern "C" const char slicemorphPage[], slicemorphPageEnd[];
 __asm__(
     ".section .rodata\n"
@@ -30,17 +30,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// So many frames and voxels along the longest side keep a page below 20 MB.
+/// Most frames and pictures on the page, and voxels along the longest side of a shape: they keep a page
+/// below 20 MB.
 constexpr size_t kMostFrames = 24, kMostPictures = 12;
 constexpr double kVoxels = 72;
-constexpr int kWidth = 320, kHeight = 260;
+constexpr int kWidth = 320, kHeight = 260;  // of a picture, pixels
 
-/// `most` of `count` places, the first and the last among them.
+/// At most `most` of the indices 0 to `count` - 1, evenly spread, with the first and the last.
 std::vector<size_t> spread(size_t count, size_t most) {
   const size_t n = std::min(count, most);
-  std::vector<size_t> places;
-  for (size_t i = 0; i < n; ++i) places.push_back(n > 1 ? (i * (count - 1) + (n - 1) / 2) / (n - 1) : 0);
-  return places;
+  std::vector<size_t> indices;
+  for (size_t i = 0; i < n; ++i) indices.push_back(n > 1 ? (i * (count - 1) + (n - 1) / 2) / (n - 1) : 0);
+  return indices;
 }
 
 std::string base64(std::string_view bytes) {
@@ -60,7 +61,7 @@ std::string script(const std::string& id, const std::string& type, const std::st
   return "<script id=\"" + id + "\" type=\"" + type + "\">" + text + "</script>\n";
 }
 
-/// JSON within a page: nothing in it may end its script.
+/// JSON for a script element of a page: what could end the element is escaped.
 std::string inPage(const Json& json) {
   std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   for (size_t at = 0; (at = text.find("</", at)) != std::string::npos; at += 3) text.insert(at + 1, 1, '\\');

@@ -10,40 +10,40 @@
 
 namespace slicemorph {
 
-/// What the page of a report shows beside its figures.
+/// What the page of a report shows in addition to its figures.
 struct PageParts {
-  std::string glb;                  ///< of the player, a frame a second; empty: there is nothing to play
-  std::vector<size_t> frames;       ///< of the job, from 0, that the player has
-  std::string sheet;                ///< a PNG; empty: none
+  std::string glb;                  ///< of the player, one frame per second; empty: there is nothing to play
+  std::vector<size_t> frames;       ///< frames of the job, from 0, that the player has
+  std::string sheet;                ///< contact sheet, a PNG; empty: none
   std::vector<std::string> slices;  ///< an SVG each
 };
 
-/// The job that a page tells of.
+/// The job that a page is about.
 struct PageJob {
   std::vector<std::string> inputs;  ///< names
-  size_t frames = 0;                ///< how many it has
+  size_t frames = 0;                ///< their number
   GlbSpace space;                   ///< of the player's shapes
 };
 
 /// One frame's surface for the page.
 struct PageFrame {
-  size_t index = 0;  ///< of the job, from 0
+  size_t index = 0;  ///< in the job, from 0
   Weights weights;
   std::string caption;  ///< of its picture
   FloatGrid::ConstPtr surface;
   openvdb::Vec3SGrid::ConstPtr colors;  ///< of the surface; null: it has none
 };
 
-/// Collects a job's surfaces, coarse and of some frames only, and makes the page's shapes and pictures of
-/// them.
+/// Collects coarse surfaces of some of a job's frames, and makes the page's shapes and pictures from them.
 class PageShapes {
  public:
   explicit PageShapes(PageJob job);
   /// Whether the page shows a frame, from 0.
   bool has(size_t frame) const;
-  /// Frames come in order; surfaces that are null, empty or too thin to be seen are left out.
+  /// Adds a frame; frames must come in order. Surfaces that are null, empty or too thin to be seen
+  /// are left out.
   void add(const PageFrame& frame);
-  /// `plan`: null where one does not serve all frames, or there is none.
+  /// `plan`: of all frames; null where there is none.
   PageParts finish(const MorphPlan* plan, Progress& progress) const;
 
  private:
@@ -52,7 +52,7 @@ class PageShapes {
   std::vector<PageFrame> added_;  ///< with coarse surfaces
 };
 
-/// The page: one file that opens from the disk, without a network. `report`: all figures, as in the .json.
+/// The page: one HTML file that needs no network. `report`: all figures, as in the .json.
 std::string pageOf(const nlohmann::ordered_json& report, const PageParts& parts);
 
 }  // namespace slicemorph

@@ -26,7 +26,7 @@ RowJson jsonOf(const StructureRow& row) {
           {"genus", orNull(row.genus)}};
 }
 
-/// Names of files need not be UTF-8.
+/// JSON text; what is not UTF-8, for example in names of files, is replaced.
 std::string spelled(const RowJson& json, int indent = -1) {
   return json.dump(indent, ' ', false, RowJson::error_handler_t::replace);
 }

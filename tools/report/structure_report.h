@@ -19,13 +19,13 @@ struct StructureRow {
   std::optional<int> pieces, genus;  ///< of surfaces
 };
 
-/// Of a closed surface.
+/// The row of a closed surface.
 StructureRow rowOf(std::int64_t label, const std::string& name, const Mesh& mesh, const std::string& file);
-/// Of a label of a dense map, named by its number.
+/// The row of a label of a dense map, named by its number.
 StructureRow rowOf(const LabelMeasures& measures, const std::string& file);
 
-/// Writes the reports of a reconstruction, each whole or not at all, as their extensions say: .json, .csv.
-/// Throws IoError.
+/// Writes the reports of a reconstruction by extension, .json or .csv, each whole or not at
+/// all. Throws IoError.
 void writeStructureReports(const std::vector<std::string>& paths, const std::string& input,
                            const std::vector<StructureRow>& rows, const Notes& notes);
 

@@ -154,7 +154,7 @@ void expectBends(const Case& c, bool keyed, const Vec3d& turn, const Vec3d& offs
     const double volume = measureMesh(mesh).volume;
     const Curl curl = c.from.mixed(c.to, t);
     const auto position = [&](double s) {
-      return rotationFromVector(t * turn) * curl.place({s, 0, 0}) + shift;
+      return rotationFromVector(t * turn) * curl.apply({s, 0, 0}) + shift;
     };
     const double reach = 1.5 * std::hypot(1.35 * c.section[1], c.section[2]);
     const double length = axisLength(*frame, mesh, position, c.half, reach) / (2 * c.half);

@@ -50,7 +50,7 @@ std::vector<Slice> sections(const FloatGrid::ConstPtr& grid, const SectionOption
   return slices;
 }
 
-/// A dense box of active voxels longest along its own x; rotated and with different voxel sizes.
+/// A dense box of active voxels, longest along its own x, rotated and with unequal voxel sides.
 FloatGrid::Ptr obliqueBar() {
   auto transform = openvdb::math::Transform::createLinearTransform(1.0);
   transform->preScale(Vec3d(0.5, 0.7, 1.1));
@@ -66,8 +66,7 @@ FloatGrid::Ptr obliqueBar() {
 
 TEST(Section, SamplesTheDistanceOfASphere) {
   const auto grid = sphere();
-  // Trilinear interpolation over a voxel: at most h^2 / 8 times the sum of the second derivatives, 2 /
-  // distance.
+  // Error of trilinear interpolation: at most h^2 / 8 times the sum of the second derivatives, 2 / distance.
   const double tolerance = kVoxel * kVoxel / 8 * 2 / (kRadius - 3 * kVoxel) + 1e-4;
   for (const Vec3d& axis : {Vec3d(0, 0, 1), Vec3d(1, 2, -0.5)}) {
     const auto slices = sections(grid, {axis, 9, 0.37});
@@ -281,7 +280,7 @@ TEST(Section, GivenPlanesKeepTheirOriginOnAPixel) {
   EXPECT_THROW(sectionPlanesAt({{kCentre + Vec3d(0, 0, 11), {0, 0, 1}}}, {sphere()}), InputError);
 }
 
-/// Slices of a grid written, read and put together again.
+/// Writes slices of a grid, reads them and reconstructs the grid.
 openvdb::GridBase::Ptr throughFiles(const SliceGrid& grid, const std::vector<SectionPlane>& planes,
                                     bool parts, const SliceExrOptions& options = {}) {
   const std::string folder = testing::TempDir() + "slicemorph_slices";
@@ -322,7 +321,7 @@ TEST(ExrReconstruct, ALinearFunctionComesBackExactly) {
     EXPECT_EQ(back->getName(), "heat");
     EXPECT_EQ(back->getGridClass(), openvdb::GRID_FOG_VOLUME);
     EXPECT_NEAR(back->voxelSize()[0], 0.4, 1e-12);
-    // Two voxels and a pixel within the bar, where every sample is of its own values.
+    // Two voxels and a pixel inside the bar, where every sample depends on the bar's values alone.
     const openvdb::BBoxd inside(Vec3d(-30, -6, -2), Vec3d(30, 6, 2));
     size_t checked = 0;
     for (auto it = back->cbeginValueOn(); it; ++it) {
@@ -357,7 +356,7 @@ TEST(ExrReconstruct, ALevelSetComesBackAsALevelSet) {
   EXPECT_LT(surface / double(near), 0.04);
   EXPECT_LT(band / double(all), 0.1);
   EXPECT_LT(worst, 0.5);
-  // All of the shell of six voxels: its volume in voxels, within its two faces' half voxels.
+  // The whole shell of six voxels: its volume in voxels, to half a voxel at each of its two faces.
   const double r = kRadius / kVoxel;
   EXPECT_NEAR(double(all), 4.0 / 3 * kPi * (std::pow(r + 3, 3) - std::pow(r - 3, 3)), 4 * kPi * r * r);
 }

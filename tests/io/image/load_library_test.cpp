@@ -12,8 +12,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// This program lies in another folder than the shared library with the code that looks for plug-ins (plugin_finder), and
-/// plugin_sample.cpp is a plug-in beside that library: SAMPLE_FOLDER.
+/// This program is in another folder than the shared library whose code looks for plug-ins (plugin_finder);
+/// plugin_sample.cpp is a plug-in beside that library, in SAMPLE_FOLDER.
 int numberOfSample() {
   return reinterpret_cast<int (*)()>(functionOfPlugin("libplugin_sample.so", "sampleNumber", "samples"))();
 }

@@ -14,8 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Files of a name that names its process, as whoever wants to do harm would foresee it, in a folder that is the
-/// system's for temporary ones.
+/// A folder that is set as the system's for temporary files, with names that contain the process id, as an
+/// attacker could predict them.
 class Nrrd : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -34,7 +34,7 @@ class Nrrd : public ::testing::Test {
     std::ofstream(folder_ / "data" / name, std::ios::binary) << bytes;
     return (folder_ / "data" / name).string();
   }
-  /// 2 x 3 x 4 bytes, each its place in the file.
+  /// 2 x 3 x 4 bytes, each with its index as value.
   std::string detached(const std::string& fields) const {
     std::string voxels;
     for (char i = 0; i < 24; ++i) voxels += i;
@@ -46,7 +46,7 @@ class Nrrd : public ::testing::Test {
   fs::path folder_;
 };
 
-/// A space beside spacings, which the format forbids, is read by way of a header of our own.
+/// A space together with spacings, which the format forbids, is read through a header of our own.
 TEST_F(Nrrd, SpaceBesideSpacingsIsRead) {
   const ImageFile file = readImage(detached("spacings: 1 2 3\nspace: left-posterior-superior\n"));
   EXPECT_EQ(file.image.lattice.size, openvdb::Coord(2, 3, 4));
@@ -59,7 +59,8 @@ TEST_F(Nrrd, SpaceBesideSpacingsIsRead) {
   EXPECT_TRUE(fs::is_empty(folder_ / "tmp"));
 }
 
-/// A link that lies where a temporary file might be expected is not followed, and what it leads to stays.
+/// A link at the path where a temporary file might be expected is not followed, and its target
+/// is not changed.
 TEST_F(Nrrd, LinksAmongTemporaryFilesAreNotFollowed) {
   const std::string victim = write("victim", "precious");
   const std::string name = "slicemorph-" + std::to_string(getpid());
@@ -71,7 +72,7 @@ TEST_F(Nrrd, LinksAmongTemporaryFilesAreNotFollowed) {
     EXPECT_TRUE(fs::is_symlink(folder_ / "tmp" / (name + end))) << end;
 }
 
-/// Headers as they should be need no temporary file at all.
+/// Correct headers need no temporary file.
 TEST_F(Nrrd, OrdinaryHeadersWriteNothing) {
   ::setenv("TMPDIR", (folder_ / "missing").c_str(), 1);
   EXPECT_EQ(readImage(detached("spacings: 1 2 3\n")).image.lattice.spacing(), Vec3d(1, 2, 3));

@@ -27,12 +27,12 @@ FloatGrid::Ptr ball(double voxel = kVoxel) {
   return shapes::levelSet(shapes::sphere({0, 0, 0}, 1), shapes::cube({0, 0, 0}, 1.5), voxel);
 }
 
-/// A colour that is linear in the place.
+/// A colour that is linear in the position.
 Vec3s linear(const Vec3d& p) {
   return Vec3s(0.5 + 0.1 * p[0], 0.3 + 0.2 * p[1], 0.1 - 0.05 * p[2] + 0.1 * p[0]);
 }
 
-/// Colours of a function of the world place where |distance to the unit ball| is less than `reach`.
+/// Colours by a function of the world position, where |distance to the unit sphere| is less than `reach`.
 template <typename Function>
 Vec3SGrid::Ptr colorGrid(const openvdb::math::Transform& transform, double reach, const Function& color) {
   const Vec3SGrid::Ptr grid = Vec3SGrid::create();
@@ -66,7 +66,7 @@ PolygonMesh speckledBall(double spacing) {
 double distanceTo(const Vec3d& p, const PolygonMesh& mesh, size_t face, Vec3d& weights) {
   const auto corner = [&](size_t k) { return Vec3d(mesh.points[mesh.corners[3 * face + k]]); };
   const Vec3d a = corner(0), b = corner(1), c = corner(2);
-  // By halving: independent of the closed form.
+  // By subdivision: independent of the closed form.
   Vec3d best(1.0 / 3), p0 = p;
   double least = 1e9, step = 1;
   const auto at = [&](const Vec3d& w) { return (w[0] * a + w[1] * b + w[2] * c - p0).length(); };
@@ -122,7 +122,7 @@ TEST(SurfaceColors, AMeshWithoutHasNone) {
   EXPECT_FALSE(colorsAround(*ball(), mesh));
 }
 
-/// Repair drops faces without an area; one that reaches far away costs nothing and colours nothing.
+/// Repair drops faces without area; one that reaches far away costs no time and colours nothing.
 TEST(SurfaceColors, FacesBeyondTheSurfaceAreLeftOut) {
   PolygonMesh mesh = speckledBall(0.25);
   const Vec3SGrid::Ptr before = colorsAround(*ball(), mesh);
@@ -185,7 +185,7 @@ TEST(SurfaceColors, PointsTakeThoseBetweenOrNearActiveVoxels) {
   EXPECT_EQ(colors[1], Vec3s(0.f));
   for (size_t i = 2; i < points.size(); ++i)
     ASSERT_LT((colors[i] - linear(Vec3d(points[i]))).length(), 1e-5) << points[i];
-  // Nothing of inactive voxels is blended in.
+  // Inactive voxels do not contribute.
   const Vec3s one(0.3f, 0.1f, 0.7f);
   const auto plain = colorGrid(*transform, 0.08, [&](const Vec3d&) { return one; });
   for (const Vec3s& c : colorsAt(*plain, surfaceOf(*ball()).points)) ASSERT_EQ(c, one);
@@ -267,7 +267,7 @@ TEST(MovingMeshColors, HaveTargetsOnlyWhereTheyChange) {
   std::uint32_t text = 0;
   std::memcpy(&text, glb.data() + 12, sizeof text);
   std::memcpy(delta, glb.data() + 28 + text + gltf["bufferViews"][view].value("byteOffset", 0), sizeof delta);
-  EXPECT_EQ(Vec3s(delta), Vec3s(-1, 0, 1));  // of what is cut off at 1
+  EXPECT_EQ(Vec3s(delta), Vec3s(-1, 0, 1));  // of colours clamped to 1
 }
 
 }  // namespace

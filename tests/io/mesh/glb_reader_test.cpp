@@ -18,7 +18,7 @@ using openvdb::Vec3s;
 
 constexpr int kByte = 5120, kUnsignedByte = 5121, kShort = 5122, kUnsignedShort = 5123, kFloat = 5126;
 
-/// A glTF file put together by hand: a tetrahedron that every test changes.
+/// A glTF file built by hand: a tetrahedron that every test modifies.
 struct GlbFile {
   json gltf = {{"asset", {{"version", "2.0"}}}, {"scene", 0},
                {"scenes", {{{"nodes", {0}}}}},  {"nodes", {{{"mesh", 0}}}},
@@ -104,7 +104,8 @@ TEST(GlbReader, ReadsPointsAndFacesInTheFilesOrder) {
   EXPECT_EQ(mesh.faces, 4u);
 }
 
-/// A child's place is its parent's after its own: here a turn by 90 degrees about z of what was scaled and moved.
+/// A child's transform is applied first, then its parent's: here a rotation by 90 degrees about z after
+/// scaling and moving.
 TEST(GlbReader, NodesAreAppliedFromTheInside) {
   GlbFile file = tetrahedron();
   const double half = std::sqrt(0.5);
@@ -143,7 +144,7 @@ TEST(GlbReader, StripsAndFansAreWoundAsTheStandardSays) {
   EXPECT_EQ(read(plain).mesh.corners, (std::vector<std::uint32_t>{0, 1, 2}));
 }
 
-/// KHR_mesh_quantization: whole numbers that count as shares of their type's largest.
+/// KHR_mesh_quantization: normalised integers are divided by the largest value of their type.
 TEST(GlbReader, QuantisedPointsAreRead) {
   GlbFile file = tetrahedron();
   std::vector<std::int16_t> shorts;
@@ -178,7 +179,7 @@ TEST(GlbReader, SparseValuesArePutIn) {
   EXPECT_NE(refusal(file).find("beyond its end"), std::string::npos) << refusal(file);
 }
 
-/// glTF 2.0, 3.7.2.2: shown is the mesh with its targets by their weights, the node's before the mesh's.
+/// glTF 2.0, 3.7.2.2: morph targets are applied by their weights, those of the node before those of the mesh.
 TEST(GlbReader, MorphTargetsAreAppliedByTheirDefaultWeights) {
   GlbFile file = tetrahedron();
   primitiveOf(file)["targets"] = {{{"POSITION", file.add(std::vector<float>(12, 1), kFloat, "VEC3", 4)}},
@@ -212,7 +213,7 @@ TEST(GlbReader, ColoursOfPointsAreMultipliedWithTheMaterials) {
   primitiveOf(file)["attributes"].erase("COLOR_0");
   EXPECT_EQ(read(file).colorsOf, "materials");
   EXPECT_EQ(read(file).mesh.colors[5], Vec3s(0.5f, 1, 1));
-  file.gltf["materials"][0]["name"] = "clay";  // what our own files without colours are shown in
+  file.gltf["materials"][0]["name"] = "clay";  // the material of our own files without colours
   EXPECT_EQ(read(file).colorsOf, "");
 }
 
@@ -240,6 +241,9 @@ TEST(GlbReader, DamageIsNamed) {
   }
   EXPECT_REFUSED("reaches beyond its buffer", f.gltf["accessors"][0]["count"] = 5)
   EXPECT_REFUSED("reaches beyond its buffer", f.gltf["accessors"][0]["byteOffset"] = 4)
+  // An offset and a length whose sum wraps round to a small number.
+  EXPECT_REFUSED("reaches beyond its buffer", f.gltf["bufferViews"][0]["byteOffset"] = 4096;
+                 f.gltf["bufferViews"][0]["byteLength"] = 18446744073709547520u + 8)
   EXPECT_REFUSED("reaches beyond its buffer", f.gltf["bufferViews"][0]["byteLength"] = 47)
   EXPECT_REFUSED("face 1 refers to point 10", f.data[48] = 9)
   EXPECT_REFUSED("point 2 is not finite", f.data.replace(12, 4, std::string("\0\0\xc0\x7f", 4)))

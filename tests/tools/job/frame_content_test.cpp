@@ -9,7 +9,7 @@
 namespace slicemorph {
 namespace {
 
-/// As a mesh is loaded, with colours or without.
+/// An object as loaded from a mesh, with colours or without.
 LoadedObject solid(bool colored = false) {
   LoadedObject input;
   input.object.levelSet = openvdb::tools::createLevelSetSphere<FloatGrid>(1.f, openvdb::Vec3f(0.f), 0.2f);
@@ -86,7 +86,7 @@ TEST(FrameContent, IsWhatIsAskedForInTheFirstFrame) {
   MorphSettings asked = jobFor("m.vdb", "slices");
   asked.grids = {"surface", "heat"};
   EXPECT_THROW(contentOf(asked, {solid(), solid()}, true), InputError);
-  // Of a sequence grids may come and go.
+  // In a sequence grids may be missing in some frames.
   EXPECT_TRUE(contentOf(asked, {solid(), solid()}, false).surface);
 }
 

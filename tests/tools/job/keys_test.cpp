@@ -170,7 +170,8 @@ TEST(Course, CatmullRomHasTheParabolasTangents) {
 }
 
 TEST(Course, CatmullRomIsSmoothAtKeys) {
-  // The last: so uneven that tangents have to be shortened; the one before it: weights stay for a while.
+  // The last one is so uneven that tangents have to be shortened; in the one before it weights are constant
+  // for a while.
   for (const std::string keys :
        {"a@0 b@0.5 c@1", "a@0 b@0.3 c@0.4 a@0.9", "a@0.1 b@0.3 b@0.6 c@1", "a@0 b@0.01 c@0.02 a@0.99 b@1"}) {
     const WeightCourse course = courseOfText(keys, Timing::kCatmullRom);
@@ -191,7 +192,7 @@ TEST(Course, TangentsThatLeadTooFarAreShortened) {
   double least = 0;
   for (int i = 0; i <= 10000; ++i) least = std::min(least, weightsAt(course, i / 10000.0)[0]);
   EXPECT_GE(least, kLeastWeight);
-  // No further than one step shorter than need be.
+  // At most one step shorter than needed.
   EXPECT_LT(least, 0.9 * kLeastWeight);
   expectNear(measuredSlope(course, 0.1, -1), measuredSlope(course, 0.1, 1), 0.01);
 }
@@ -221,7 +222,7 @@ TEST(Easing, SpeedsAtTheEnds) {
   EXPECT_NEAR(easedSpeed(parseEasing("--ease", "out"), 0), 1 / 0.58, 1e-12);
   EXPECT_NEAR(easedSpeed(parseEasing("--ease", "in"), 1), 1 / 0.58, 1e-12);
   EXPECT_EQ(easedSpeed(parseEasing("--ease", "in-out"), 1), 0);
-  // Upright at its start and in its middle: no frame is to have a speed without end.
+  // The curve is vertical at its start and in its middle: speeds must stay finite.
   EXPECT_TRUE(std::isfinite(easedSpeed(parseEasing("--ease", "0,1,1,1"), 0)));
   EXPECT_TRUE(std::isfinite(easedSpeed(parseEasing("--ease", "1,0,0,1"), 0.5)));
 }
@@ -252,10 +253,10 @@ TEST(Numbers, AreAsShortAsTheyCanBe) {
     EXPECT_EQ(std::stod(formatExactly(value)), value);
 }
 
-/// A ball becomes a long box becomes a leaning one: through the middle one exactly, and by Catmull-Rom
-/// without a jump of speed. Speeds are measured as symmetric differences of frames; between frames 1/96 apart
-/// the course's own acceleration changes them by 2 % where weights go a third of a unit of time away from a
-/// key.
+/// A ball becomes a long box, which becomes a leaning one: the morph passes exactly through the middle one,
+/// and with Catmull-Rom without a jump of speed. Speeds are measured as symmetric differences of frames;
+/// between frames 1/96 apart the course's own acceleration changes them by 2 % where weights reach a key a
+/// third of a unit of time away.
 TEST(Keyed, PassesThroughTheMiddleObjectWithoutAJump) {
   const openvdb::BBoxd box = shapes::cube({0, 0, 0}, 1.6);
   const double h = 2.4 / 96;

@@ -16,7 +16,7 @@ std::string fileOf(const std::string& name, const std::string& text) {
   return path;
 }
 
-/// What is read of one file for one input.
+/// The points read from one file for one input.
 std::vector<Vec3d> pointsOf(const std::string& path) {
   std::vector<Vec3d> points;
   for (const Landmark& mark : readLandmarks("--landmarks", path, 1)) points.push_back(mark.at(0));

@@ -54,7 +54,7 @@ TEST(Methods, HaveNamesOfTheirOwnAndHelp) {
   }
 }
 
-/// What a row says that a method makes is what its plan makes.
+/// A method's plan makes what its row says.
 TEST(Methods, DoWhatTheirTraitsSay) {
   const std::vector<LoadedObject> inputs{sphere(kSmall), sphere(kLarge)};
   for (const MorphMethod& method : morphMethods()) {
@@ -73,7 +73,7 @@ TEST(Methods, DoWhatTheirTraitsSay) {
       if (*job.t == 0 || *job.t == 1) {
         EXPECT_NEAR(radius, linear, kVoxel / 2) << job.number;
       }
-      // Concentric spheres pass through each other's radii in between, whatever the method.
+      // Between concentric spheres every method gives a radius between theirs.
       EXPECT_GT(radius, kSmall - kVoxel / 2);
       EXPECT_LT(radius, kLarge + kVoxel / 2);
     }

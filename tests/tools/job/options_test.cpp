@@ -22,7 +22,7 @@ bool isNumber(const OptionRow& row) {
   return row.type == OptionType::kInteger || row.type == OptionType::kNumber;
 }
 
-/// What a row says of a value; empty: it takes it.
+/// A row's error for a value; empty: the value is accepted.
 std::string faultOf(const OptionRow& row, const std::string& text) {
   JobOptions options;
   try {
@@ -33,7 +33,7 @@ std::string faultOf(const OptionRow& row, const std::string& text) {
   return "";
 }
 
-/// A text that the row takes and that is not its default.
+/// A text that the row accepts and that is not its default.
 std::string someValue(const OptionRow& row) {
   if (row.type == OptionType::kFlag) return "true";
   if (!row.choices.empty()) return row.choices.back();
@@ -166,7 +166,7 @@ TEST(OptionSet, ExclusionsAreMutual) {
   }
 }
 
-/// Frames depend on what is drawn, matched or written, not on how the program runs.
+/// Frames depend on options of drawing, matching and writing, not on how the program runs.
 TEST(OptionSet, FrameSettingsLeaveOutWhatFramesDoNotDependOn) {
   OptionSet options(kMorph);
   const OptionSet::Pairs before = options.frameSettings();
@@ -218,7 +218,7 @@ TEST_F(JobFile, ErrorsHaveTheirPlaces) {
   }
 }
 
-/// What jobText() writes of any option, applyJobFile() reads as it was given.
+/// applyJobFile() reads back every option as jobText() wrote it.
 TEST_F(JobFile, EveryOptionIsReadAsItWasWritten) {
   const OptionSet empty(kMorph);
   for (const OptionRow* row : empty.rows()) {

@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// A sequence of two frames in a folder of its own, of which the first is made.
+/// A sequence of two frames in a folder of its own; the first frame is done.
 class ResumeLogTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -36,7 +36,7 @@ class ResumeLogTest : public testing::Test {
     std::ofstream(folder_ + "/" + name) << text;
   }
   std::string logPath() const { return folder_ + "/.m.#.vdb.slicemorph"; }
-  /// What a log read now says of the first frame: nothing where it is kept, else why it is not.
+  /// Reads the log again: empty where the first frame is kept, else why it is not.
   std::string refusal() const {
     const ResumeLog log(settings_);
     EXPECT_EQ(log.has(settings_.frames[0]), log.notes().empty());
@@ -67,7 +67,7 @@ TEST_F(ResumeLogTest, KeepsNoFramesOfAnotherProgram) {
   log["program"] = "0.0.1 (0123)";
   std::ofstream(logPath()) << log;
   EXPECT_EQ(refusal(), "resume.other-program");
-  log.erase("program");  // as programs wrote it that knew nothing of this
+  log.erase("program");  // as older versions wrote it
   std::ofstream(logPath()) << log;
   EXPECT_EQ(refusal(), "resume.other-program");
 }
@@ -78,7 +78,7 @@ TEST_F(ResumeLogTest, TellsNothingWhereThereIsNoLog) {
   EXPECT_FALSE(ResumeLog(settings_).has(settings_.frames[0]));
 }
 
-/// As binutils read it.
+/// The build id as binutils reads it.
 TEST(ProgramBuild, IsTheVersionAndTheLinkersIdentifier) {
   const std::string command = "readelf -n '" + fs::read_symlink("/proc/self/exe").string() + "' 2>/dev/null";
   FILE* pipe = popen(command.c_str(), "r");
@@ -90,7 +90,7 @@ TEST(ProgramBuild, IsTheVersionAndTheLinkersIdentifier) {
   const size_t at = listing.find(mark);
   ASSERT_NE(at, std::string::npos) << "the test is linked without --build-id";
   const std::string id = listing.substr(at + mark.size(), listing.find('\n', at) - at - mark.size());
-  // The engine's follows where it is a library of its own.
+  // The engine's id follows if it is a shared library of its own.
   EXPECT_NE(programBuild().find(" (" + id), std::string::npos) << programBuild() << " without " << id;
 }
 

@@ -15,11 +15,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Remembers all that a job tells, and ends it after some files.
+/// Records a job's events, and cancels it after some files.
 struct Recorder : JobEvents {
   void report(const char*, double fraction) override { most = std::max(most, fraction); }
   bool cancelled() const override { return files.size() >= endAfter; }
-  void note(const Note& note) override { told.push_back(note); }
+  void note(const Note& note) override { seen.push_back(note); }
   void fileWritten(const std::string& path, bool kept) override {
     EXPECT_TRUE(fs::exists(path)) << path;
     files.push_back(fs::path(path).filename().string() + (kept ? " (kept)" : ""));
@@ -27,7 +27,7 @@ struct Recorder : JobEvents {
 
   size_t endAfter = 1000;
   double most = 0;
-  Notes told;
+  Notes seen;
   std::vector<std::string> files;
 };
 
@@ -94,7 +94,7 @@ TEST_F(RunMorphTest, SaysWhyFramesAreNotKept) {
   Recorder second;
   runMorph(settings_, second);
   EXPECT_EQ(second.files, (Names{"m.1.vdb", "m.2.vdb", "m.3.vdb"}));
-  EXPECT_EQ(std::count_if(second.told.begin(), second.told.end(),
+  EXPECT_EQ(std::count_if(second.seen.begin(), second.seen.end(),
                           [](const Note& note) { return note.code == "resume.other-job"; }),
             1);
 }

@@ -71,7 +71,7 @@ struct FileInfo {
   VdbInfo vdb;  ///< of grids; of one grid only where the path names one (`file.vdb:grid`)
 };
 
-/// Describes a file without voxelising it. One unreadable grid does not hide the others: its `problem` tells
+/// Describes a file without voxelising it. One unreadable grid does not hide the others: its `problem` says
 /// why. Throws IoError and InputError as loadObject does where the file as a whole cannot be read.
 FileInfo describeFile(const InputSpec& input, const ImageOptions& options = {});
 

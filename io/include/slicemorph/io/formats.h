@@ -5,7 +5,7 @@
 
 namespace slicemorph {
 
-/// What a file gives.
+/// What kind of data a file holds.
 enum class Contents {
   kUnknown,
   kMesh,      ///< a surface of polygons
@@ -15,10 +15,11 @@ enum class Contents {
   kSlices,    ///< oriented slices of grids
 };
 
-/// A row of the table of formats (io/format.h), which reading, writing, messages and help texts go by.
+/// A row of the table of formats (io/format.h), from which reading, writing, messages and help
+/// texts are made.
 struct Format;
 
-/// What the table says of a format.
+/// A format as the table describes it.
 struct FormatSummary {
   std::string name;  ///< as FileInfo names it: "obj", "vdb", "nifti"
   Contents contents = Contents::kUnknown;
@@ -30,8 +31,8 @@ struct FormatSummary {
 /// All formats, in the order in which they are tried.
 std::vector<FormatSummary> knownFormats();
 
-/// What of this kind can be read, as messages and help texts list it: ".obj .ply .stl .off .glb". What is no
-/// matter of extensions alone is said in words: "a DICOM folder".
+/// The formats of this kind that can be read, as messages and help texts list them: ".obj .ply .stl .off
+/// .glb". Those that an extension alone does not describe are in words: "a DICOM folder".
 std::string readableList(Contents contents, const std::string& between = " ");
 /// The extensions that can be written.
 std::string writableList(Contents contents, const std::string& between = " ");

@@ -26,13 +26,13 @@ struct ImageOptions {
 };
 
 /// Reads one image: .nii .nii.gz .nrrd .nhdr .mha .mhd .dcm, a folder of DICOM slices, an image stack, a .tif
-/// of several pages. Throws IoError (missing, damaged, truncated), InputError (which volume or series,
-/// spacing), naming the file.
+/// of several pages. Throws, naming the file, IoError where it is missing, damaged or truncated, and
+/// InputError for a wrong or missing choice of volume, series or spacing.
 ImageFile readImage(const InputSpec& input, const ImageOptions& options = {});
 ImageFile readImage(const std::string& text, const ImageOptions& options = {});
 
-/// For a listing: of a folder without a choice every series, else one image. A stack without spacing has no
-/// values.
+/// For listings: every series of a DICOM folder where none is selected, else one image. A stack without
+/// spacing has no values.
 std::vector<ImageFile> listImages(const InputSpec& input, const ImageOptions& options = {});
 
 }  // namespace slicemorph

@@ -12,17 +12,16 @@
 
 namespace slicemorph {
 
-/// How the values of an image are taken; kAuto: whole numbers from 0 that are mostly like their neighbours
-/// are labels.
+/// What the values of an image mean; kAuto: integers from 0 that mostly equal their neighbours are labels.
 enum class ImageKind { kAuto, kGrey, kLabels };
 
 struct LoadOptions {
   double voxelSize = 0;  ///< world units; 0: `resolution` for meshes, their own for VDBs
   int resolution = 0;    ///< voxels along the longest side, 8 to 4096; 0: 256 for meshes, their own for VDBs
-  double iso = 0;        ///< the surface's value in a VDB grid; 0: found from the density in fog
+  double iso = 0;        ///< the surface's value in a VDB grid or grey image; 0: found in fog and images
   std::vector<double> furtherIsos;  ///< of an image: surfaces that steer the map beside the one at `iso`
-  bool isoGiven = false;            ///< `iso` is wanted although it is 0
-  /// By input, where they differ: the surface's value and further ones.
+  bool isoGiven = false;            ///< `iso` holds even if it is 0
+  /// Per input, if they differ: `iso`, then `furtherIsos`. See optionsOfInput.
   std::vector<std::vector<double>> isosByInput;
   ImageKind imageKind = ImageKind::kAuto;
   ImageOptions image;
@@ -30,7 +29,7 @@ struct LoadOptions {
       0;  ///< most voxels along the longest side of the shape found in fog; 0: as many as the fog has
 };
 
-/// The options with what is said of one input alone.
+/// The options with the iso values of one input (index from 0) set from `isosByInput`.
 LoadOptions optionsOfInput(const LoadOptions& options, size_t input);
 
 struct LoadedObject {
@@ -39,7 +38,7 @@ struct LoadedObject {
   Notes notes;                          ///< what was repaired, chosen or converted, one sentence each
   bool fog = false;                     ///< the shape is that of a fog volume
   std::shared_ptr<const VdbFile> file;  ///< null for meshes
-  size_t grid = 0;                      ///< in the file, that the shape is taken from
+  size_t grid = 0;                      ///< index in the file of the grid that the shape is taken from
   bool named = false;                   ///< that grid was asked for by name
   std::shared_ptr<const Image> image;   ///< null for meshes and VDBs
   bool labels = false;                  ///< the image is a map of labels; the shape is that of all of them
@@ -48,15 +47,16 @@ struct LoadedObject {
       nullptr;  ///< of the shape's surface, on its level set's active voxels; null: it has none
 };
 
-/// Reads one input as a level set: a mesh, a grid of a VDB, an image. The surface of a grey image is at `iso`, else
-/// at its Otsu value; its voxel size is the smallest spacing, but at most 256 voxels go along the longest
-/// side. Throws IoError (missing, unreadable, truncated, not of its format), InputError (extension, grid name,
-/// voxel size), GeometryError (open, not orientable, empty). Every error's note is about the file.
+/// Reads one input as a level set: a mesh, a grid of a VDB, an image. The surface of a grey image is at
+/// `iso`, else at its Otsu value [Ots79]; its voxel size is the smallest spacing, but at most 256 voxels go
+/// along the longest side. Throws IoError (missing, unreadable, truncated, not of its format), InputError
+/// (extension, grid name, voxel size), GeometryError (open, not orientable, empty). Every error's note is
+/// about the file.
 LoadedObject loadObject(const InputSpec& input, const LoadOptions& options = {});
 LoadedObject loadObject(const std::string& text, const LoadOptions& options = {});
 
-/// Gives the objects of label maps the surfaces of the labels that more than one of them has, the largest 24
-/// of them.
+/// If all objects are label maps, gives each the surfaces of the labels that more than one of them has, of at
+/// most 24 labels, those of the largest volume.
 void addLabelSurfaces(std::vector<LoadedObject>& objects);
 
 }  // namespace slicemorph

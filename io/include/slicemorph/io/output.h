@@ -23,11 +23,11 @@ class OutputName {
   size_t first_ = 0, hashes_ = 0;
 };
 
-/// What a VDB file says of itself.
+/// Metadata and compression of a VDB file.
 struct VdbOutput {
   double framesPerSecond = 24;
   int frame = 1;
-  openvdb::MetaMap metadata;  ///< of the file, beside ours
+  openvdb::MetaMap metadata;  ///< of the file, in addition to ours
   std::uint32_t compression =
       openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK;  ///< flags of openvdb::io
 };
@@ -35,7 +35,7 @@ struct VdbOutput {
 struct SurfaceOutput {
   bool halfFloat = false;
   VdbOutput vdb;
-  openvdb::Vec3SGrid::ConstPtr colors = nullptr;  ///< around the surface, named "Cd"; null: it has none
+  openvdb::Vec3SGrid::ConstPtr colors = nullptr;  ///< around the surface, named "Cd"; null: none
 };
 
 /// Throws InputError where `path` has no extension that writeSurface knows, IoError where its folder does not
@@ -45,9 +45,9 @@ void checkSurfaceOutput(const std::string& path);
 /// The level set as the grid `surface` of an output; shares its tree.
 FloatGrid::Ptr surfaceGrid(const FloatGrid& levelSet, const SurfaceOutput& options = {});
 
-/// Writes a level set by extension: `.vdb` as the grid it is, named `surface`, its colours beside it;
-/// `.obj .ply .stl .glb` its surface mesh, whose points have the colours there (STL: none).
-/// The file appears whole or not at all (written beside, flushed, then renamed). Throws IoError.
+/// Writes a level set by extension: `.vdb` as a grid named `surface`, followed by its colours; `.obj .ply
+/// .stl .glb` as its surface mesh, whose points get the colours at them (STL: none). The file appears whole
+/// or not at all (see AtomicFile). Throws as checkSurfaceOutput does, and IoError.
 void writeSurface(const std::string& path, const FloatGrid& levelSet, const SurfaceOutput& options = {});
 
 }  // namespace slicemorph

@@ -20,10 +20,10 @@ struct VdbEntry {
   bool halfFloat = false;
 };
 
-/// A VDB file, read grid by grid so that one that cannot be read leaves the others. OpenVDB's own reader
-/// takes sizes in the file at their word; here they are first compared with each other and with what the file
-/// can hold: those of the contents, the metadata and of trees of numbers and vectors. (Trees of other types
-/// are only as safe as OpenVDB is.) Everything throws IoError naming the file.
+/// A VDB file, read grid by grid, so that one that cannot be read does not affect the others. OpenVDB's own
+/// reader trusts the sizes in a file; here the sizes of the contents, of metadata and of trees of numbers and
+/// vectors are first checked against each other and against the file's size. (Trees of other types are only
+/// as safe as OpenVDB is.) Everything throws IoError naming the file.
 class VdbFile {
  public:
   /// Reads the table of contents; a truncated file is refused here.
@@ -34,16 +34,17 @@ class VdbFile {
   unsigned fileVersion() const;
   std::string libraryVersion() const;  ///< for example "10.0"
 
-  /// Metadata and transform only, for a look at the class; null for grid types this OpenVDB does not know.
+  /// Reads metadata and transform only; null for grid types that this OpenVDB does not know.
   openvdb::GridBase::Ptr readHeader(size_t index) const;
   openvdb::GridBase::Ptr read(size_t index) const;
-  /// As read(), but values are mapped from the file (no copy of it is made) and read where they are first
-  /// looked at: the file must not change as long as the grid lives.
+  /// As read(), but values are mapped from the file (no copy of it is made) and loaded when they are first
+  /// accessed: the file must not change as long as the grid lives.
   openvdb::GridBase::Ptr readDelayed(size_t index) const;
 
-  /// Of the file, not of its grids.
+  /// Metadata of the file, not of its grids.
   const openvdb::MetaMap& metadata() const;
-  /// Flags of openvdb::io of the first grid; of the file where it has none.
+  /// Compression flags (openvdb::io) of the first grid of a known type; COMPRESS_NONE where there is none or
+  /// the file has no grid offsets.
   std::uint32_t compression() const;
 
  private:
