@@ -1,6 +1,6 @@
 // Pairs of models, with the limits that the project promises: its own from assets/, and real ones from
 // ../shared/data/mesh; without these they are skipped. The promise is 256 voxels and 25 times (SLICEMORPH_ALL_TESTS=1);
-// otherwise fewer of both.
+// otherwise fewer times.
 #include "engine/frame/align.h"
 #include "engine/measure/measure.h"
 #include "engine/render/render.h"
@@ -137,7 +137,7 @@ TEST_P(RealPair, StaysOneSolidThing) {
   const Pair& pair = GetParam();
   if (!allTests() && pair.again) GTEST_SKIP() << "much like another; SLICEMORPH_ALL_TESTS=1 runs it";
   if (!std::filesystem::exists(kMeshes / pair.from)) GTEST_SKIP() << kMeshes / pair.from << " is not there";
-  expectOneSolidThing(pair, kMeshes, {allTests() ? 256.0 : 192.0, allTests() ? 25 : 9});
+  expectOneSolidThing(pair, kMeshes, {256, allTests() ? 25 : 9});
 }
 
 TEST_P(OwnPair, StaysOneSolidThing) {
