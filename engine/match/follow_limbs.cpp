@@ -17,6 +17,8 @@ namespace {
 /// Spacing of the lattice on which each step is fitted; and of the resulting map's lattice, which is finer as
 /// it must hold the bends that small steps add up to.
 constexpr double kFlowSpacing = 0.08, kFlowLattice = 0.04;
+/// The same where points lie all over the bodies.
+constexpr double kBodySpacing = 0.06, kBodyLattice = 0.03;
 /// Surface samples per object, if there are two; those of the body are further from every limb's centre line
 /// than kStillReach of its radii plus kStillGap, so that points near thin limbs do not hold them.
 constexpr int kStillSamples = 900;
@@ -28,6 +30,19 @@ bool isAway(const Vec3d& z, const std::vector<PlacedLimb>& limbs, double gap) {
     for (size_t n = 0; n < limb.chart.size(); ++n)
       if (!((limb.chart[n] - z).length() > kStillReach * limb.radius[n] + gap)) return false;
   return true;
+}
+
+/// `spacing`, `lattice`: see kFlowSpacing and kFlowLattice.
+Matching followed(const MatchObjects& objects, Matching matching, std::vector<Correspondence> points,
+                  const std::vector<Vec3d>& still, double spacing, double lattice) {
+  matching.map = flowed(matching.map, points, still, spacing * objects.size, objects.lattice(lattice));
+  removeFolds(matching.map);
+  matching.overlap = mapOverlap(objects, matching.map);
+  matching.base = matching.map;
+  matching.limbPoints = std::move(points);
+  matching.guesses.clear();
+  for (const VectorField& field : matching.map.of) matching.guesses.emplace_back(matching.map.lattice, field);
+  return matching;
 }
 
 }  // namespace
@@ -45,15 +60,11 @@ std::vector<Vec3d> stillPoints(const MatchObjects& objects, const Matching& matc
 
 Matching followLimbs(const MatchObjects& objects, Matching matching, std::vector<Correspondence> points,
                      const std::vector<Vec3d>& still) {
-  matching.map =
-      flowed(matching.map, points, still, kFlowSpacing * objects.size, objects.lattice(kFlowLattice));
-  removeFolds(matching.map);
-  matching.overlap = mapOverlap(objects, matching.map);
-  matching.base = matching.map;
-  matching.limbPoints = std::move(points);
-  matching.guesses.clear();
-  for (const VectorField& field : matching.map.of) matching.guesses.emplace_back(matching.map.lattice, field);
-  return matching;
+  return followed(objects, std::move(matching), std::move(points), still, kFlowSpacing, kFlowLattice);
+}
+
+Matching followBody(const MatchObjects& objects, Matching matching, std::vector<Correspondence> points) {
+  return followed(objects, std::move(matching), std::move(points), {}, kBodySpacing, kBodyLattice);
 }
 
 }  // namespace slicemorph

@@ -15,4 +15,7 @@ std::vector<Vec3d> stillPoints(const MatchObjects& objects, const Matching& matc
 Matching followLimbs(const MatchObjects& objects, Matching matching, std::vector<Correspondence> points,
                      const std::vector<Vec3d>& still);
 
+/// The same for points all over the bodies, which a finer map can hold.
+Matching followBody(const MatchObjects& objects, Matching matching, std::vector<Correspondence> points);
+
 }  // namespace slicemorph

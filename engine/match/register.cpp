@@ -1,5 +1,6 @@
 #include "engine/match/register.h"
 
+#include "engine/match/elastic_matching.h"
 #include "engine/match/finish_map.h"
 #include "engine/match/fold_guard.h"
 #include "engine/match/limb_candidates.h"
@@ -83,8 +84,9 @@ Matching bestAfterRounds(const MatchObjects& objects, const std::vector<Matching
 Registration registerObjects(const MatchObjects& objects, const TracedObjects& traced, int samples,
                              const Rounds& rounds, Progress& progress) {
   MatchingStart start = startMatching(objects, traced, samples);
-  const std::vector<Matching> candidates = limbCandidates(objects, start.matching);
-  Matching best = bestAfterRounds(objects, candidates, rounds, progress);
+  const std::optional<Matching> bent = elasticMatching(objects, start.matching);
+  Matching best = bent ? bestAfterRounds(objects, {*bent}, roundsAfterBending(rounds), progress)
+                       : bestAfterRounds(objects, limbCandidates(objects, start.matching), rounds, progress);
   return withContradictions(objects, registrationOf(objects, std::move(best), std::move(start)));
 }
 

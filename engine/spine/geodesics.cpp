@@ -7,16 +7,9 @@
 
 namespace slicemorph {
 
-namespace {
-
-/// Bounds the time of the shortest-path searches. Chosen by hand.
-constexpr size_t kMostNodes = 40000;
-
-}  // namespace
-
-InsideNodes::InsideNodes(const DistanceField& field) {
+InsideNodes::InsideNodes(const DistanceField& field, size_t most, int leastStride) {
   const auto& n = field.size();
-  for (int stride = 1; position.empty() || position.size() > kMostNodes; ++stride) {
+  for (int stride = leastStride; position.empty() || position.size() > most; ++stride) {
     position.clear(), share.clear(), depth.clear(), at.clear();
     spacing = stride * field.spacing();
     for (int z = 0; z < n[2]; z += stride)

@@ -4,9 +4,10 @@
 
 namespace slicemorph {
 
-/// The inside of an object as at most 40,000 points of a coarse regular grid.
+/// The inside of an object as points of a coarse regular grid.
 struct InsideNodes {
-  explicit InsideNodes(const DistanceField& field);
+  /// At most `most` points: of the field's coarse nodes every `leastStride`-th along each axis, or fewer.
+  explicit InsideNodes(const DistanceField& field, size_t most = 40000, int leastStride = 1);
 
   std::vector<Vec3d> position;     ///< world
   std::vector<double> share;       ///< of each point's cell that is inside, 0 to 1

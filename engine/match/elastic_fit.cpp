@@ -1,0 +1,404 @@
+#include "engine/match/elastic_fit.h"
+
+#include "engine/numerics/conjugate_gradients.h"
+#include "engine/spine/chart.h"
+
+#include <Eigen/Dense>
+#include <nanoflann.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <queue>
+
+namespace slicemorph {
+
+namespace {
+
+/// Stiffness against one per sample, from stage to stage, and how far partners may be then, in sizes of the
+/// target (root mean square distance from its middle). Measured on the recorded motions samba and horse_collapse
+/// with known correspondence: .7 and 1.1 % of the diagonal in the mean.
+struct Stage {
+  double stiffness, reach;
+};
+constexpr Stage kStages[] = {{30, 0.9}, {10, 0.6}, {3, 0.45}, {1, 0.3}, {0.3, 0.24}};
+constexpr int kPartnerSteps = 20;  ///< per stage: new partners are looked for
+constexpr int kRounds = 2;         ///< per step: rotations, then positions
+constexpr int kLinearSteps = 30;   ///< of conjugate gradients per round; the next round goes on from there
+constexpr double kSameSide = 0.7;  ///< least cosine between partners' normals
+constexpr size_t kCandidates = 8;  ///< nearest points among which partners are looked for
+constexpr float kSliding = 0.02f;  ///< weight of distances along the plane against those to it
+constexpr double kLikeNeighbours =
+    0.5;                        ///< weight of neighbours' rotations against the edges' own directions
+constexpr float kHold = 1e-6f;  ///< keeps nodes that nothing else holds where they are
+
+using Matrix = Eigen::Matrix3d;
+using Columns = std::vector<float>;  // three numbers per node
+
+Matrix asEigen(const Mat3d& m) {
+  Matrix e;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) e(r, c) = m(r, c);
+  return e;
+}
+
+Mat3d fromEigen(const Matrix& e) {
+  return {e(0, 0), e(0, 1), e(0, 2), e(1, 0), e(1, 1), e(1, 2), e(2, 0), e(2, 1), e(2, 2)};
+}
+
+void addOuter(Matrix& sum, double weight, const Vec3d& a, const Vec3d& b) {
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) sum(r, c) += weight * a[r] * b[c];
+}
+
+/// The rotation R that maximises the trace of R^T S [Kab76].
+Matrix nearestRotation(const Matrix& s) {
+  const Eigen::JacobiSVD<Matrix> svd(s, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Matrix u = svd.matrixU();
+  if ((u * svd.matrixV().transpose()).determinant() < 0) u.col(2) = -u.col(2);
+  return u * svd.matrixV().transpose();
+}
+
+/// Points for a search of the nearest ones.
+struct PointSet {
+  const std::vector<Vec3d>& points;
+  size_t kdtree_get_point_count() const { return points.size(); }
+  double kdtree_get_pt(size_t i, size_t axis) const { return points[i][int(axis)]; }
+  template <typename Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+};
+
+class NearestPoints {
+ public:
+  /// `spacing`: between neighbouring points, about.
+  explicit NearestPoints(const std::vector<Vec3d>& points, double spacing = 0)
+      : set_{points}, spacing_(spacing), tree_(3, set_, nanoflann::KDTreeSingleIndexAdaptorParams(12)) {
+    tree_.buildIndex();
+  }
+
+  /// The nearest of a few points that looks the same way as `normal`; none: the number of points.
+  size_t facing(const Vec3d& p, const Vec3d& normal, const std::vector<Vec3d>& normals, double reach) const {
+    std::uint32_t index[kCandidates];
+    double squared[kCandidates];
+    const size_t found = tree_.knnSearch(p.asPointer(), kCandidates, index, squared);
+    for (size_t i = 0; i < found && squared[i] < reach * reach; ++i)
+      if (normals[index[i]].dot(normal) > kSameSide) return index[i];
+    return set_.points.size();
+  }
+
+  /// From the plane of the nearest point, whose normal is one of `normals`.
+  double toPlane(const Vec3d& p, const std::vector<Vec3d>& normals) const {
+    std::uint32_t index = 0;
+    double squared = 0;
+    tree_.knnSearch(p.asPointer(), 1, &index, &squared);
+    const double distance = std::sqrt(squared);
+    // Far off it is the distance that counts.
+    return std::max(std::abs(normals[index].dot(p - set_.points[index])), distance - spacing_);
+  }
+
+ private:
+  PointSet set_;
+  double spacing_;
+  nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, PointSet>, PointSet, 3> tree_;
+};
+
+/// What draws one sample: sum of weight * (n n^T + sliding) over its partners, and that times their positions.
+struct Pull {
+  float matrix[3][3] = {};
+  double vector[3] = {};
+
+  void toPlane(const Vec3d& at, const Vec3d& normal) {
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) {
+        const double m = normal[r] * normal[c] + (r == c ? double(kSliding) : 0);
+        matrix[r][c] += float(m), vector[r] += m * at[c];
+      }
+  }
+};
+
+/// The equations of all nodes' positions, as conjugateGradients wants them.
+class BodySystem {
+ public:
+  BodySystem(const BodyGraph& graph, const BoundPoints& points, const std::vector<Pull>& pulls,
+             float stiffness)
+      : graph_(graph), points_(points), pulls_(pulls), stiffness_(stiffness), diagonal_(size(), kHold) {
+    for (const BodyGraph::Edge& e : graph_.edges)
+      for (int node : {e.from, e.to})
+        for (int c = 0; c < 3; ++c) diagonal_[size_t(3 * node + c)] += stiffness_ * e.weight;
+    for (size_t i = 0; i < pulls_.size(); ++i)
+      for (int k = 0; k < BodyGraph::Binding::kNodes; ++k) {
+        const BodyGraph::Binding& b = points_.binding[i];
+        for (int c = 0; c < 3; ++c)
+          diagonal_[size_t(3 * b.node[k] + c)] += b.weight[k] * b.weight[k] * pulls_[i].matrix[c][c];
+      }
+  }
+
+  size_t size() const { return 3 * graph_.position.size(); }
+  size_t node(size_t i) const { return i; }
+  float diagonal(size_t i) const { return diagonal_[i]; }
+  Grain grain() const { return {std::numeric_limits<size_t>::max()}; }
+
+  void apply(const Columns& x, Columns& y) const {
+    for (size_t i = 0; i < y.size(); ++i) y[i] = kHold * x[i];
+    for (const BodyGraph::Edge& e : graph_.edges) {
+      const float w = stiffness_ * e.weight;
+      const float *a = &x[size_t(3 * e.from)], *b = &x[size_t(3 * e.to)];
+      float *ya = &y[size_t(3 * e.from)], *yb = &y[size_t(3 * e.to)];
+      for (int c = 0; c < 3; ++c) {
+        const float d = w * (a[c] - b[c]);
+        ya[c] += d, yb[c] -= d;
+      }
+    }
+    for (size_t i = 0; i < pulls_.size(); ++i) {
+      const BodyGraph::Binding& b = points_.binding[i];
+      float p[3] = {}, f[3];
+      for (int k = 0; k < BodyGraph::Binding::kNodes; ++k)
+        for (int c = 0; c < 3; ++c) p[c] += b.weight[k] * x[size_t(3 * b.node[k] + c)];
+      for (int r = 0; r < 3; ++r)
+        f[r] = pulls_[i].matrix[r][0] * p[0] + pulls_[i].matrix[r][1] * p[1] + pulls_[i].matrix[r][2] * p[2];
+      for (int k = 0; k < BodyGraph::Binding::kNodes; ++k)
+        for (int c = 0; c < 3; ++c) y[size_t(3 * b.node[k] + c)] += b.weight[k] * f[c];
+    }
+  }
+
+ private:
+  const BodyGraph& graph_;
+  const BoundPoints& points_;
+  const std::vector<Pull>& pulls_;
+  float stiffness_;
+  std::vector<float> diagonal_;
+};
+
+/// Solves for positions whose edges are to be `wanted`. `pulls`: none to draw no sample.
+void solvePositions(const BodyGraph& graph, const BoundPoints& points, const std::vector<Pull>& pulls,
+                    const std::vector<Vec3d>& turned, const std::vector<Vec3d>& wanted, float stiffness,
+                    const GradientSettings& settings, std::vector<Vec3d>& position) {
+  BodySystem system(graph, points, pulls, stiffness);
+  Columns x(system.size()), residual(system.size());
+  // Positions relative to a node: single precision is then enough for objects far off.
+  const Vec3d origin = position[0];
+  for (size_t i = 0; i < position.size(); ++i)
+    for (int c = 0; c < 3; ++c) x[3 * i + size_t(c)] = float(position[i][c] - origin[c]);
+  system.apply(x, residual);
+  std::vector<double> right(system.size());
+  for (size_t i = 0; i < right.size(); ++i) right[i] = double(kHold) * x[i];
+  for (size_t e = 0; e < graph.edges.size(); ++e)
+    for (int c = 0; c < 3; ++c) {
+      const double f = double(stiffness) * graph.edges[e].weight * wanted[e][c];
+      right[size_t(3 * graph.edges[e].to + c)] += f, right[size_t(3 * graph.edges[e].from + c)] -= f;
+    }
+  for (size_t i = 0; i < pulls.size(); ++i) {
+    // Drawn is the sample, which is `turned` away from its nodes' mean.
+    const Pull& pull = pulls[i];
+    double f[3];
+    for (int r = 0; r < 3; ++r) {
+      f[r] = pull.vector[r];
+      for (int c = 0; c < 3; ++c) f[r] -= double(pull.matrix[r][c]) * (turned[i][c] + origin[c]);
+    }
+    const BodyGraph::Binding& b = points.binding[i];
+    for (int k = 0; k < BodyGraph::Binding::kNodes; ++k)
+      for (int c = 0; c < 3; ++c) right[size_t(3 * b.node[k] + c)] += double(b.weight[k]) * f[c];
+  }
+  for (size_t i = 0; i < residual.size(); ++i) residual[i] = float(right[i] - double(residual[i]));
+  conjugateGradients<float>(system, settings, std::move(residual), x);
+  for (size_t i = 0; i < position.size(); ++i)
+    for (int c = 0; c < 3; ++c) position[i][c] = origin[c] + double(x[3 * i + size_t(c)]);
+}
+
+std::vector<Vec3d> offsetsOf(const BodyGraph& graph, const BoundPoints& points,
+                             const std::vector<Mat3d>& rotation) {
+  std::vector<Vec3d> offsets(points.own.size(), Vec3d(0.0));
+  for (size_t i = 0; i < offsets.size(); ++i)
+    for (int k = 0; k < BodyGraph::Binding::kNodes; ++k) {
+      const size_t node = size_t(points.binding[i].node[k]);
+      offsets[i] +=
+          double(points.binding[i].weight[k]) * (rotation[node] * (points.own[i] - graph.position[node]));
+    }
+  return offsets;
+}
+
+/// Every node's rotation by how its edges are turned, and by its neighbours' rotations.
+std::vector<Mat3d> fittedRotations(const BodyGraph& graph, const ElasticFit& fit) {
+  std::vector<Matrix> sums(graph.position.size(), Matrix::Zero());
+  for (const BodyGraph::Edge& e : graph.edges) {
+    const size_t a = size_t(e.from), b = size_t(e.to);
+    const Vec3d before = graph.position[b] - graph.position[a], after = fit.position[b] - fit.position[a];
+    addOuter(sums[a], double(e.weight), after, before), addOuter(sums[b], double(e.weight), after, before);
+    const double like = kLikeNeighbours * double(e.weight) * before.lengthSqr();
+    sums[a] += like * asEigen(fit.rotation[b]), sums[b] += like * asEigen(fit.rotation[a]);
+  }
+  std::vector<Mat3d> rotations(sums.size());
+  for (size_t i = 0; i < sums.size(); ++i)
+    rotations[i] = sums[i].squaredNorm() > 0 ? fromEigen(nearestRotation(sums[i])) : fit.rotation[i];
+  return rotations;
+}
+
+/// What the edges would be if nothing but rotations changed them.
+std::vector<Vec3d> rotatedEdges(const BodyGraph& graph, const std::vector<Mat3d>& rotation) {
+  std::vector<Vec3d> wanted;
+  for (const BodyGraph::Edge& e : graph.edges) {
+    const Vec3d before = graph.position[size_t(e.to)] - graph.position[size_t(e.from)];
+    wanted.push_back(0.5 * (rotation[size_t(e.from)] * before + rotation[size_t(e.to)] * before));
+  }
+  return wanted;
+}
+
+double sizeOf(const std::vector<Vec3d>& points) {
+  Vec3d middle(0.0);
+  for (const Vec3d& p : points) middle += p / double(points.size());
+  double sum = 0;
+  for (const Vec3d& p : points) sum += (p - middle).lengthSqr() / double(points.size());
+  return std::sqrt(sum);
+}
+
+/// The planes that draw each sample of `surface`, which is now at `at` with normals `normal`.
+std::vector<Pull> pullsOn(const std::vector<Vec3d>& at, const std::vector<Vec3d>& normal,
+                          const OrientedPoints& target, const NearestPoints& nearTarget, double reach) {
+  std::vector<Pull> pulls(at.size());
+  for (size_t i = 0; i < at.size(); ++i)
+    if (const size_t j = nearTarget.facing(at[i], normal[i], target.normal, reach);
+        j < target.position.size())
+      pulls[i].toPlane(target.position[j], target.normal[j]);
+  const NearestPoints nearSurface(at);
+  for (size_t j = 0; j < target.position.size(); ++j)
+    if (const size_t i = nearSurface.facing(target.position[j], target.normal[j], normal, reach);
+        i < at.size())
+      pulls[i].toPlane(target.position[j], target.normal[j]);
+  return pulls;
+}
+
+std::vector<Vec3d> turnedNormals(const OrientedPoints& surface, const BoundPoints& points,
+                                 const std::vector<Mat3d>& rotation) {
+  std::vector<Vec3d> normals;
+  for (size_t i = 0; i < surface.normal.size(); ++i)
+    normals.push_back(rotation[size_t(points.binding[i].node[0])] * surface.normal[i]);
+  return normals;
+}
+
+double strainOf(const BodyGraph& graph, const ElasticFit& fit) {
+  double sum = 0, weights = 0;
+  const std::vector<Vec3d> wanted = rotatedEdges(graph, fit.rotation);
+  for (size_t e = 0; e < graph.edges.size(); ++e) {
+    const BodyGraph::Edge& edge = graph.edges[e];
+    const Vec3d after = fit.position[size_t(edge.to)] - fit.position[size_t(edge.from)];
+    const double before = (graph.position[size_t(edge.to)] - graph.position[size_t(edge.from)]).lengthSqr();
+    sum += double(edge.weight) * (after - wanted[e]).lengthSqr() / before, weights += double(edge.weight);
+  }
+  return weights > 0 ? std::sqrt(sum / weights) : 0;
+}
+
+/// Rotation vectors of the nodes, each in the turn (of those that differ by whole ones) nearest to the one of
+/// the neighbour that it was reached from; begun at the node that is turned least.
+std::vector<Vec3d> consistentVectors(const BodyGraph& graph, const std::vector<Mat3d>& rotation) {
+  const size_t n = rotation.size();
+  std::vector<Vec3d> vectors;
+  for (const Mat3d& r : rotation) vectors.push_back(rotationVector(r));
+  std::vector<size_t> order(n);
+  for (size_t i = 0; i < n; ++i) order[i] = i;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return vectors[a].lengthSqr() < vectors[b].lengthSqr(); });
+  std::vector<char> seen(n, 0);
+  for (size_t start : order) {
+    if (seen[start]) continue;
+    seen[start] = 1;
+    std::queue<size_t> open;
+    open.push(start);
+    while (!open.empty()) {
+      const size_t at = open.front();
+      open.pop();
+      for (int next : graph.neighbours[at]) {
+        if (seen[size_t(next)]) continue;
+        seen[size_t(next)] = 1;
+        Vec3d& v = vectors[size_t(next)];
+        const double angle = v.length();
+        if (angle > 1e-6) {
+          const Vec3d other = v * (1 - 2 * M_PI / angle);
+          if ((other - vectors[at]).lengthSqr() < (v - vectors[at]).lengthSqr()) v = other;
+        }
+        open.push(size_t(next));
+      }
+    }
+  }
+  return vectors;
+}
+
+}  // namespace
+
+BoundPoints bindPoints(const BodyGraph& graph, const std::vector<Vec3d>& points) {
+  BoundPoints bound{points, {}};
+  for (const Vec3d& p : points) bound.binding.push_back(graph.bind(p));
+  return bound;
+}
+
+std::vector<Vec3d> carried(const BodyGraph& graph, const BoundPoints& points,
+                           const std::vector<Vec3d>& position, const std::vector<Mat3d>& rotation) {
+  std::vector<Vec3d> at = offsetsOf(graph, points, rotation);
+  for (size_t i = 0; i < at.size(); ++i)
+    for (int k = 0; k < BodyGraph::Binding::kNodes; ++k)
+      at[i] += double(points.binding[i].weight[k]) * position[size_t(points.binding[i].node[k])];
+  return at;
+}
+
+ElasticFit fitElastically(const BodyGraph& graph, const OrientedPoints& surface, const OrientedPoints& target,
+                          const std::vector<Vec3d>& start) {
+  ElasticFit fit;
+  fit.position = start;
+  fit.rotation.assign(start.size(), Mat3d::identity());
+  if (graph.position.empty() || surface.position.empty() || target.position.empty()) return fit;
+  const BoundPoints points = bindPoints(graph, surface.position);
+  const NearestPoints nearTarget(target.position);
+  const double size = sizeOf(target.position);
+  for (int i = 0; i < 5; ++i) fit.rotation = fittedRotations(graph, fit);
+  for (const Stage& stage : kStages)
+    for (int step = 0; step < kPartnerSteps; ++step) {
+      const std::vector<Pull> pulls =
+          pullsOn(carried(graph, points, fit.position, fit.rotation),
+                  turnedNormals(surface, points, fit.rotation), target, nearTarget, stage.reach * size);
+      for (int round = 0; round < kRounds; ++round) {
+        fit.rotation = fittedRotations(graph, fit);
+        solvePositions(graph, points, pulls, offsetsOf(graph, points, fit.rotation),
+                       rotatedEdges(graph, fit.rotation), float(stage.stiffness), {kLinearSteps, 1e-6},
+                       fit.position);
+      }
+    }
+  fit.rotation = fittedRotations(graph, fit);
+  fit.strain = strainOf(graph, fit);
+  const std::vector<Vec3d> at = carried(graph, points, fit.position, fit.rotation);
+  const NearestPoints nearSurface(at, graph.spacing), onTarget(target.position, graph.spacing);
+  const std::vector<Vec3d> normals = turnedNormals(surface, points, fit.rotation);
+  for (const Vec3d& p : at) fit.residual += 0.5 * onTarget.toPlane(p, target.normal) / double(at.size());
+  for (const Vec3d& p : target.position)
+    fit.residual += 0.5 * nearSurface.toPlane(p, normals) / double(target.position.size());
+  fit.residual /= size;
+  return fit;
+}
+
+ElasticFit halfWay(const BodyGraph& graph, const ElasticFit& fit, const Vec3d& middle) {
+  ElasticFit half;
+  for (const Vec3d& v : consistentVectors(graph, fit.rotation))
+    half.rotation.push_back(rotationFromVector(0.5 * v));
+  // An edge's stretch is told by turning the fitted one back; both ends say how it is turned.
+  std::vector<Vec3d> wanted;
+  for (const BodyGraph::Edge& e : graph.edges) {
+    const size_t ends[2] = {size_t(e.from), size_t(e.to)};
+    const Vec3d before = graph.position[ends[1]] - graph.position[ends[0]],
+                after = fit.position[ends[1]] - fit.position[ends[0]];
+    Vec3d edge(0.0);
+    for (size_t node : ends)
+      edge += 0.25 * (half.rotation[node] * before + half.rotation[node].transpose() * after);
+    wanted.push_back(edge);
+  }
+  half.position.resize(graph.position.size());
+  for (size_t i = 0; i < half.position.size(); ++i)
+    half.position[i] = 0.5 * (graph.position[i] + fit.position[i]);
+  constexpr int kMostSteps = 2000;
+  solvePositions(graph, {}, {}, {}, wanted, 1, {kMostSteps, 1e-10}, half.position);
+  Vec3d mean(0.0);
+  for (const Vec3d& p : half.position) mean += p / double(half.position.size());
+  for (Vec3d& p : half.position) p += middle - mean;
+  return half;
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "engine/match/body_graph.h"
+
+namespace slicemorph {
+
+/// A body bent onto another one.
+struct ElasticFit {
+  std::vector<Vec3d> position;  ///< per node: where it went
+  std::vector<Mat3d> rotation;  ///< per node: how it was turned
+  double strain = 0;            ///< root mean square of the edges' relative change beyond rotation
+  double residual = 0;  ///< mean distance of either surface's samples from the other, in sizes of the target
+};
+
+/// Points that a body graph carries along.
+struct BoundPoints {
+  std::vector<Vec3d> own;                   ///< where they are on the body itself
+  std::vector<BodyGraph::Binding> binding;  ///< per point
+};
+
+BoundPoints bindPoints(const BodyGraph& graph, const std::vector<Vec3d>& points);
+
+/// Where bound points are, their nodes being at `position` and turned by `rotation`.
+std::vector<Vec3d> carried(const BodyGraph& graph, const BoundPoints& points,
+                           const std::vector<Vec3d>& position, const std::vector<Mat3d>& rotation);
+
+/// Bends a body onto another surface as rigidly as possible: edges keep their lengths and directions but for the
+/// rotations of their ends [SA07], neighbouring rotations differ little [LG15], and surface points are drawn to
+/// the planes of the nearest points that look the same way, from either surface to the other [CM92]; stiff at
+/// first, then softer. Sliding along the surface costs nothing, so that only what keeps its shape decides where
+/// along a limb a point goes. `start`: position per node; the body's own where it lies on the other already.
+/// `surface`, `target`: samples of both surfaces, in the same coordinates.
+ElasticFit fitElastically(const BodyGraph& graph, const OrientedPoints& surface, const OrientedPoints& target,
+                          const std::vector<Vec3d>& start);
+
+/// The body half way between itself and a fit of it: rotations and stretches are halved apart, node by node, and
+/// joined by one least-squares solution [XZWB05]. The same from the other side. `middle`: where the mean of all
+/// nodes is to be.
+ElasticFit halfWay(const BodyGraph& graph, const ElasticFit& fit, const Vec3d& middle);
+
+}  // namespace slicemorph
