@@ -32,6 +32,10 @@ constexpr double kSameShape = 0.95;
 constexpr double kTie = 0.004;
 /// Turns to try besides none.
 constexpr size_t kTurnsWorthTrying = 3;
+/// From this overlap on, directions that no turn improves are right.
+constexpr double kSureOverlap = 0.7;
+/// Turns nearer to each other than this angle, radians, are one.
+constexpr double kSameTurn = 0.35;
 
 /// One object with position and size normalised: n -> centroid + size * n.
 struct Normalised {
@@ -267,8 +271,8 @@ Frames worldFrames(const std::vector<Normalised>& objects, const Vec3d& axis) {
 
 std::vector<Turn> proposeTurns(const DistanceField& fieldA, const DistanceField& fieldB, const Vec3d& up) {
   const Normalised a = normalise(fieldA), b = normalise(fieldB);
-  std::vector<Turn> turns = suggestedTurns(a, b);
-  turns.resize(std::min<size_t>(turns.size(), 9));
+  const std::vector<Turn> suggested = suggestedTurns(a, b);
+  std::vector<Turn> turns(suggested.begin(), suggested.begin() + long(std::min<size_t>(suggested.size(), 9)));
   const Turn world = turns[0];
   tbb::parallel_for(size_t(1), turns.size(), [&](size_t i) {
     turns[i] = refined(a, b, turns[i], turns[i].overlap < 0.9 ? 0.3 : 0.08);
@@ -288,7 +292,7 @@ std::vector<Turn> proposeTurns(const DistanceField& fieldA, const DistanceField&
             : score(t) > score(*best))
       best = &t;
   const bool worldIsAsGood = score(*best) < world.overlap + kTurnMargin;
-  if (worldIsAsGood) return {world};
+  if (worldIsAsGood && world.overlap > kSureOverlap) return {world};
   if (best->overlap > kDecisive && best->overlap > world.overlap + kDecisiveGain)
     return {polished(a, b, *best)};
   std::vector<Turn> worthTrying{world, *best};
@@ -296,7 +300,8 @@ std::vector<Turn> proposeTurns(const DistanceField& fieldA, const DistanceField&
                    [](const Turn& x, const Turn& y) { return score(x) > score(y); });
   for (size_t i = 1; i < turns.size() && worthTrying.size() <= kTurnsWorthTrying; ++i) {
     bool fresh = turns[i].overlap > 0.75 * best->overlap;
-    for (const Turn& t : worthTrying) fresh &= angleOf(turns[i].rotation * t.rotation.transpose()) > 0.35;
+    for (const Turn& t : worthTrying)
+      fresh &= angleOf(turns[i].rotation * t.rotation.transpose()) > kSameTurn;
     if (fresh) worthTrying.push_back(turns[i]);
   }
   tbb::parallel_for(size_t(1), worthTrying.size(),
@@ -304,6 +309,12 @@ std::vector<Turn> proposeTurns(const DistanceField& fieldA, const DistanceField&
   // Models mostly stand upright but face different directions.
   for (int quarter = 1; quarter < 4 && up.length() > 0; ++quarter)
     worthTrying.push_back(measured(a, b, rotationFromVector(quarter * M_PI / 2 * up.unit())));
+  // Overlap alone misleads where shapes differ: the others may fit better by what lies inside.
+  for (const Turn& turn : suggested)
+    if (std::none_of(worthTrying.begin(), worthTrying.end(), [&](const Turn& t) {
+          return angleOf(turn.rotation * t.rotation.transpose()) < kSameTurn;
+        }))
+      worthTrying.push_back(turn);
   return worthTrying;
 }
 

@@ -16,7 +16,7 @@ constexpr int kAlong = 32;
 constexpr size_t kMostNodes = 2200;
 /// A node counts whose distance from the surface is below this share of the spacing, so that thin limbs have
 /// nodes; and an edge whose middle is.
-constexpr double kOutside = 0.25, kGap = 0.1;
+constexpr double kNodeOutside = 0.25, kGap = 0.1;
 constexpr double kLeastShare = 0.05;
 /// Added to distances in spacings where they are turned into weights of a binding, so that none is infinite.
 constexpr double kSoftest = 0.05;
@@ -55,7 +55,7 @@ BodyGraph bodyGraph(const DistanceField& field, const Chart& chart) {
   graph.spacing = inside.spacing / chart.meanScale();
   std::vector<int> number(inside.position.size(), -1);
   for (size_t i = 0; i < inside.position.size(); ++i) {
-    if (!(inside.depth[i] > -kOutside * inside.spacing)) continue;
+    if (!(inside.depth[i] > -kNodeOutside * inside.spacing)) continue;
     number[i] = int(graph.position.size());
     graph.position.push_back(chart.toChart(inside.position[i]));
     graph.share.push_back(float(std::max(inside.share[i], kLeastShare)));

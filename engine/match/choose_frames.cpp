@@ -1,11 +1,15 @@
 #include "engine/match/choose_frames.h"
 
 #include "engine/frame/feature_turns.h"
+#include "engine/frame/inner_samples.h"
 #include "engine/frame/spine_frames.h"
 #include "engine/match/agreement.h"
 #include "slicemorph/errors.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <utility>
 
@@ -44,22 +48,99 @@ std::vector<Turn> turnsToTry(const Fields& pair, const std::vector<Vec3d>& from,
   return turns;
 }
 
-/// The best turn from the first object of a pair to the second. The first of `turns` where no agreement is a
-/// number, as of shapes with no inside.
+/// Turns cost this share of their distortion per right angle, so that what looks the same way stays so.
+constexpr double kAngleShare = 0.04;
+/// What the distortion of a turn that does not keep `up` must come down to, against the best that does.
+constexpr double kLeavesUpright = 0.52;
+/// Least cosine between the up direction before and after a turn that keeps it.
+constexpr double kUprightCosine = 0.98;
+
+bool isUpright(const Mat3d& rotation, const Vec3d& up) {
+  return up.length() > 0 && (rotation * up).dot(up) > kUprightCosine * up.lengthSqr();
+}
+
+/// What must be left of the distortion for a turn to be moved: turns that overlap suggests fit well already.
+constexpr double kSettledGain = 0.8;
+
+/// A turn moved by small ones to where inner distances are distorted least.
+Turn settled(const InnerSamples& a, const InnerSamples& b, const Turn& start) {
+  Turn turn = start;
+  const double before = innerDistortion(a, b, turn.rotation);
+  double least = before;
+  for (double step = 0.3; step > 0.03; step *= 0.5)
+    for (bool moved = true; moved;) {
+      // The best of the six neighbours, half before and half after: the same from b to a.
+      const Mat3d half = rotationFromVector(0.5 * rotationVector(turn.rotation));
+      moved = false;
+      Mat3d next = turn.rotation;
+      for (int axis = 0; axis < 6; ++axis) {
+        Vec3d v(0.0);
+        v[axis / 2] = axis % 2 ? -step : step;
+        const Mat3d neighbour = half * rotationFromVector(v) * half;
+        const double d = innerDistortion(a, b, neighbour);
+        if (d < 0.999 * least) least = d, next = neighbour, moved = true;
+      }
+      turn.rotation = next;
+    }
+  if (!(least < kSettledGain * before)) return start;
+  turn.angle = rotationVector(turn.rotation).length();
+  return turn;
+}
+
+/// Of turns between which inner distances do not decide, the one after which a quick, coarse matching overlaps
+/// best, less the prices of strain and of turning.
+size_t bestByAgreement(const Fields& pair, const std::vector<Turn>& turns, const std::vector<size_t>& among,
+                       const MorphOptions& options, const Progress& progress) {
+  size_t best = among[0];
+  double most = -1e30;
+  for (size_t i : among) {
+    if (among.size() == 1) break;
+    if (progress.cancelled()) throw Cancelled();
+    const double price = priceOf(turns[i].rotation, options.up);
+    if (1 - price <= most) continue;  // no overlap is above 1
+    const Frames frames = frameObjects(pair, {Mat3d::identity(), turns[i].rotation}, options);
+    const Agreement reached = quickAgreement(pair, frames, options);
+    const double value = reached.after - kStrainPrice * reached.strain - price;
+    if (value > most) most = value, best = i;
+  }
+  return best;
+}
+
+/// Turns whose distortion is within this share of the least one are told apart by quick matchings: a rabbit fits
+/// an armadillo at 0 and at 90 degrees to 6 %, a cow and a horse the right way round by 9 %.
+constexpr double kUndecided = 0.07;
+constexpr size_t kMostUndecided = 4;
+
+/// The turn from the first object of a pair to the second whose soft matching distorts inner distances least.
+/// Where no distortion is a number, as of shapes with no inside, the first of `turns`.
 Turn chooseTurn(const Fields& pair, const std::vector<Turn>& turns, const MorphOptions& options,
                 const Progress& progress) {
   if (turns.size() == 1) return turns[0];
-  const Turn* best = &turns[0];
-  double most = -1e30;
-  for (const Turn& turn : turns) {
-    if (progress.cancelled()) throw Cancelled();
-    if (1 - priceOf(turn.rotation, options.up) <= most) continue;  // no overlap is above 1
-    const Frames frames = frameObjects(pair, {Mat3d::identity(), turn.rotation}, options);
-    const Agreement reached = quickAgreement(pair, frames, options);
-    const double value = reached.after - kStrainPrice * reached.strain - priceOf(turn.rotation, options.up);
-    if (value > most) most = value, best = &turn;
-  }
-  return *best;
+  InnerSamples samples[2];
+  tbb::parallel_for(0, 2, [&](int k) { samples[k] = innerSamples(*pair[size_t(k)]); });
+  if (progress.cancelled()) throw Cancelled();
+  std::vector<double> distortion(turns.size());
+  tbb::parallel_for(size_t(0), turns.size(), [&](size_t i) {
+    distortion[i] = innerDistortion(samples[0], samples[1], turns[i].rotation) *
+                    (1 + kAngleShare * turns[i].angle / (M_PI / 2));
+  });
+  std::vector<size_t> upright, other;
+  for (size_t i = 0; i < turns.size(); ++i)
+    if (std::isfinite(distortion[i]))
+      (isUpright(turns[i].rotation, options.up) ? upright : other).push_back(i);
+  const auto less = [&](size_t i, size_t j) { return distortion[i] < distortion[j]; };
+  std::stable_sort(upright.begin(), upright.end(), less);
+  std::stable_sort(other.begin(), other.end(), less);
+  if (upright.empty() && other.empty()) return turns[0];
+  const bool leaves =
+      upright.empty() || (!other.empty() && distortion[other[0]] < kLeavesUpright * distortion[upright[0]]);
+  std::vector<size_t> among = leaves ? other : upright;
+  const double most = (1 + kUndecided) * distortion[among[0]];
+  size_t count = 1;
+  while (count < std::min(among.size(), kMostUndecided) && distortion[among[count]] <= most) ++count;
+  among.resize(count);
+  const Turn& best = turns[bestByAgreement(pair, turns, among, options, progress)];
+  return leaves ? settled(samples[0], samples[1], best) : best;
 }
 
 /// Mean price of the objects' turns relative to the first.

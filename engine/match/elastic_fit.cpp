@@ -29,7 +29,9 @@ constexpr double kSameSide = 0.7;  ///< least cosine between partners' normals
 constexpr size_t kCandidates = 8;  ///< nearest points among which partners are looked for
 constexpr float kSliding = 0.02f;  ///< weight of distances along the plane against those to it
 constexpr double kLikeNeighbours =
-    0.5;                        ///< weight of neighbours' rotations against the edges' own directions
+    0.5;  ///< weight of neighbours' rotations against the edges' own directions
+/// How far around a sample areas are compared, in sizes of the target, and up to which ratio they are alike.
+constexpr double kAround = 0.15, kMostRatio = 1.8;
 constexpr float kHold = 1e-6f;  ///< keeps nodes that nothing else holds where they are
 
 using Matrix = Eigen::Matrix3d;
@@ -86,6 +88,16 @@ class NearestPoints {
     for (size_t i = 0; i < found && squared[i] < reach * reach; ++i)
       if (normals[index[i]].dot(normal) > kSameSide) return index[i];
     return set_.points.size();
+  }
+
+  /// Share of the points that are within `radius` and do not look the other way than `normal`.
+  double shareAround(const Vec3d& p, const Vec3d& normal, const std::vector<Vec3d>& normals,
+                     double radius) const {
+    std::vector<std::pair<std::uint32_t, double>> found;
+    tree_.radiusSearch(p.asPointer(), radius * radius, found, nanoflann::SearchParams(0, 0, false));
+    size_t facing = 0;
+    for (const auto& [index, squared] : found) facing += normals[index].dot(normal) > 0;
+    return double(facing) / double(set_.points.size());
   }
 
   /// From the plane of the nearest point, whose normal is one of `normals`.
@@ -368,10 +380,19 @@ ElasticFit fitElastically(const BodyGraph& graph, const OrientedPoints& surface,
   const std::vector<Vec3d> at = carried(graph, points, fit.position, fit.rotation);
   const NearestPoints nearSurface(at, graph.spacing), onTarget(target.position, graph.spacing);
   const std::vector<Vec3d> normals = turnedNormals(surface, points, fit.rotation);
-  for (const Vec3d& p : at) fit.residual += 0.5 * onTarget.toPlane(p, target.normal) / double(at.size());
-  for (const Vec3d& p : target.position)
-    fit.residual += 0.5 * nearSurface.toPlane(p, normals) / double(target.position.size());
-  fit.residual /= size;
+  const auto add = [&](const std::vector<Vec3d>& from, const std::vector<Vec3d>& fromNormals,
+                       const NearestPoints& own, const NearestPoints& to,
+                       const std::vector<Vec3d>& toNormals) {
+    for (size_t i = 0; i < from.size(); ++i) {
+      const double share = 0.5 / double(from.size());
+      fit.residual += share * to.toPlane(from[i], toNormals) / size;
+      const double here = own.shareAround(from[i], fromNormals[i], fromNormals, kAround * size),
+                   there = to.shareAround(from[i], fromNormals[i], toNormals, kAround * size);
+      if (here > kMostRatio * there || there > kMostRatio * here) fit.missed += share;
+    }
+  };
+  add(at, normals, nearSurface, onTarget, target.normal);
+  add(target.position, target.normal, onTarget, nearSurface, normals);
   return fit;
 }
 

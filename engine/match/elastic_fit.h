@@ -10,6 +10,9 @@ struct ElasticFit {
   std::vector<Mat3d> rotation;  ///< per node: how it was turned
   double strain = 0;            ///< root mean square of the edges' relative change beyond rotation
   double residual = 0;  ///< mean distance of either surface's samples from the other, in sizes of the target
+  /// Share of both surfaces' samples around which one surface has much more area than the other, as where a
+  /// part has no partner or two have the same.
+  double missed = 0;
 };
 
 /// Points that a body graph carries along.

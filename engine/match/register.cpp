@@ -1,6 +1,6 @@
 #include "engine/match/register.h"
 
-#include "engine/match/elastic_matching.h"
+#include "engine/match/bend_bodies.h"
 #include "engine/match/finish_map.h"
 #include "engine/match/fold_guard.h"
 #include "engine/match/limb_candidates.h"
@@ -60,16 +60,22 @@ Registration withContradictions(const MatchObjects& objects, Registration made) 
   return made;
 }
 
-/// The best matching after running the rounds on every candidate; the earlier one unless
-/// another is clearly better.
-Matching bestAfterRounds(const MatchObjects& objects, const std::vector<Matching>& candidates,
-                         const Rounds& rounds, Progress& progress) {
+/// A matching that rounds may start from.
+struct Candidate {
+  Matching matching;
+  Rounds rounds;
+};
+
+/// The best matching after running its rounds on every candidate; the earlier one unless another is clearly
+/// better.
+Matching bestAfterRounds(const MatchObjects& objects, std::vector<Candidate> candidates, Progress& progress) {
   std::optional<Matching> best;
-  const double all = double(rounds.size() * candidates.size());
+  double all = 0;
   int done = 0;
-  for (const Matching& candidate : candidates) {
-    Matching matching = candidate;
-    for (const Round& round : rounds) {
+  for (const Candidate& candidate : candidates) all += double(candidate.rounds.size());
+  for (Candidate& candidate : candidates) {
+    Matching matching = std::move(candidate.matching);
+    for (const Round& round : candidate.rounds) {
       if (progress.cancelled()) throw Cancelled();
       progress.report("match", 0.2 + 0.8 * done++ / all);
       matching = refined(objects, std::move(matching), round);
@@ -84,9 +90,14 @@ Matching bestAfterRounds(const MatchObjects& objects, const std::vector<Matching
 Registration registerObjects(const MatchObjects& objects, const TracedObjects& traced, int samples,
                              const Rounds& rounds, Progress& progress) {
   MatchingStart start = startMatching(objects, traced, samples);
-  const std::optional<Matching> bent = elasticMatching(objects, start.matching);
-  Matching best = bent ? bestAfterRounds(objects, {*bent}, roundsAfterBending(rounds), progress)
-                       : bestAfterRounds(objects, limbCandidates(objects, start.matching), rounds, progress);
+  std::vector<Candidate> candidates;
+  std::vector<Matching> starts{start.matching};
+  for (Matching& matching : limbCandidates(objects, start.matching)) starts.push_back(std::move(matching));
+  const std::optional<Bending> bent = bentOntoEachOther(objects, starts);
+  if (bent) candidates.push_back({bent->matching, roundsAfterBending(rounds)});
+  for (size_t i = 1; i < starts.size() && !(bent && bent->sure); ++i)
+    candidates.push_back({std::move(starts[i]), rounds});
+  Matching best = bestAfterRounds(objects, std::move(candidates), progress);
   return withContradictions(objects, registrationOf(objects, std::move(best), std::move(start)));
 }
 

@@ -1,0 +1,178 @@
+#include "engine/frame/inner_samples.h"
+
+#include "engine/spine/geodesics.h"
+
+#include <Eigen/Core>
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace slicemorph {
+
+namespace {
+
+// Figures of a prototype that found the right turn of 22 pairs (animals, hands, people).
+
+/// Coarse nodes along the longest side and in all, at most.
+constexpr int kInnerAlong = 48;
+constexpr size_t kMostInner = 6000;
+constexpr size_t kInnerSamples = 80;
+/// Nodes count that are this much of a spacing outside, at most; and the least share of one.
+constexpr double kInnerOutside = 0.25, kLeastInnerShare = 0.05;
+/// Radii of the inner balls whose volumes are compared, and how softly they end, in root mean square distances.
+constexpr double kBalls[2] = {0.3, 0.6}, kBallEdge = 0.1;
+/// Added to volume shares before their logarithms.
+constexpr double kEmptyBall = 1e-4;
+/// Blur of the soft matching, in squared radii, and its iterations.
+constexpr double kBlur = 0.02;
+constexpr int kMatchings = 40;
+/// Prices of differing fullness in the matching and in the distortion, and of distance in the distortion.
+constexpr double kFullnessPrice = 0.05, kDistancePrice = 0.1;
+
+using Table = Eigen::ArrayXXd;
+
+Table tableOf(const std::vector<std::vector<double>>& rows) {
+  Table table(Eigen::Index(rows.size()), Eigen::Index(rows.size()));
+  for (size_t i = 0; i < rows.size(); ++i)
+    for (size_t j = 0; j < rows.size(); ++j) table(Eigen::Index(i), Eigen::Index(j)) = rows[i][j];
+  return table;
+}
+
+/// Per node its share where it counts, in the largest connected part; 0 elsewhere.
+std::vector<double> sharesOf(const InsideNodes& nodes, const Geodesics& paths) {
+  const size_t count = nodes.position.size();
+  std::vector<double> best(count, 0);
+  std::vector<char> seen(count, 0);
+  double most = 0;
+  for (size_t start = 0; start < count; ++start) {
+    if (seen[start]) continue;
+    std::vector<size_t> part{start};
+    seen[start] = 1;
+    double volume = 0;
+    for (size_t i = 0; i < part.size(); ++i) {
+      volume += nodes.share[part[i]];
+      for (const Geodesics::Neighbour& n : paths.neighbours(part[i]))
+        if (!seen[n.node]) seen[n.node] = 1, part.push_back(n.node);
+    }
+    if (!(volume > most)) continue;
+    most = volume;
+    std::fill(best.begin(), best.end(), 0);
+    for (size_t i : part)
+      if (nodes.depth[i] > -kInnerOutside * nodes.spacing)
+        best[i] = std::max(nodes.share[i], kLeastInnerShare);
+  }
+  return best;
+}
+
+}  // namespace
+
+InnerSamples innerSamples(const DistanceField& field) {
+  const openvdb::Coord size = field.size();
+  const InsideNodes nodes(field, kMostInner,
+                          std::max(1, std::max({size[0], size[1], size[2]}) / kInnerAlong));
+  InnerSamples samples;
+  if (nodes.position.empty()) return samples;
+  const Geodesics paths(nodes);
+  const std::vector<double> share = sharesOf(nodes, paths);
+  // Farthest points, from the one that is farthest from the deepest.
+  size_t deepest = 0;
+  for (size_t i = 0; i < share.size(); ++i)
+    if (share[i] > 0 && (share[deepest] == 0 || nodes.depth[i] > nodes.depth[deepest])) deepest = i;
+  std::vector<double> nearest = paths.from(deepest).length;
+  std::vector<size_t> chosen;
+  std::vector<std::vector<double>> rows;
+  while (chosen.size() < kInnerSamples) {
+    size_t next = share.size();
+    double most = 0;
+    for (size_t i = 0; i < share.size(); ++i)
+      if (share[i] > 0 && std::isfinite(nearest[i]) && nearest[i] > most) most = nearest[i], next = i;
+    if (next == share.size()) break;
+    chosen.push_back(next), rows.push_back(paths.from(next).length);
+    for (size_t i = 0; i < nearest.size(); ++i)
+      nearest[i] = chosen.size() == 1 ? rows[0][i] : std::min(nearest[i], rows.back()[i]);
+  }
+  const size_t count = chosen.size();
+  if (count == 0) return samples;
+  std::vector<double> mass(count, 0);
+  double volume = 0;
+  for (size_t i = 0; i < share.size(); ++i) {
+    if (!(share[i] > 0)) continue;
+    size_t owner = 0;
+    for (size_t k = 1; k < count; ++k)
+      if (rows[k][i] < rows[owner][i]) owner = k;
+    mass[owner] += share[i], volume += share[i];
+  }
+  double sum = 0;
+  for (double m : mass) samples.weight.push_back(std::sqrt(m)), sum += std::sqrt(m);
+  for (double& w : samples.weight) w /= sum;
+  double squares = 0;
+  samples.distance.assign(count, std::vector<double>(count, 0));
+  for (size_t i = 0; i < count; ++i)
+    for (size_t j = 0; j < count; ++j) {
+      const double d = 0.5 * (rows[i][chosen[j]] + rows[j][chosen[i]]);
+      samples.distance[i][j] = d, squares += samples.weight[i] * samples.weight[j] * d * d;
+    }
+  const double unit = std::sqrt(squares);
+  for (auto& row : samples.distance)
+    for (double& d : row) d /= unit;
+  Vec3d mean(0.0);
+  for (size_t k = 0; k < count; ++k) mean += samples.weight[k] * nodes.position[chosen[k]];
+  double radius = 0;
+  for (size_t k = 0; k < count; ++k) {
+    samples.position.push_back(nodes.position[chosen[k]] - mean);
+    radius += samples.weight[k] * samples.position[k].lengthSqr();
+  }
+  for (Vec3d& p : samples.position) p /= std::sqrt(radius);
+  samples.fullness.resize(count);
+  tbb::parallel_for(size_t(0), count, [&](size_t k) {
+    for (int ball = 0; ball < 2; ++ball) {
+      double inside = 0;
+      for (size_t i = 0; i < share.size(); ++i)
+        if (share[i] > 0)
+          inside +=
+              share[i] * std::min(std::max(0.5 - (rows[k][i] / unit - kBalls[ball]) / kBallEdge, 0.0), 1.0);
+      samples.fullness[k][size_t(ball)] = std::log(kEmptyBall + inside / volume);
+    }
+  });
+  return samples;
+}
+
+double innerDistortion(const InnerSamples& a, const InnerSamples& b, const Mat3d& rotation) {
+  const Eigen::Index n = Eigen::Index(a.position.size()), m = Eigen::Index(b.position.size());
+  if (n == 0 || m == 0) return 0;
+  Table squared(n, m), unlike(n, m);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Vec3d p = rotation * a.position[size_t(i)];
+    for (Eigen::Index j = 0; j < m; ++j) {
+      squared(i, j) = (p - b.position[size_t(j)]).lengthSqr();
+      const double f = a.fullness[size_t(i)][0] - b.fullness[size_t(j)][0],
+                   g = a.fullness[size_t(i)][1] - b.fullness[size_t(j)][1];
+      unlike(i, j) = 0.5 * (f * f + g * g);
+    }
+  }
+  const Eigen::ArrayXd p = Eigen::Map<const Eigen::ArrayXd>(a.weight.data(), n),
+                       q = Eigen::Map<const Eigen::ArrayXd>(b.weight.data(), m);
+  // Sinkhorn's iterations [Cut13], each scaling the mean of the update and the old one, so that neither object
+  // comes first; rows' least costs are taken out before the exponential.
+  Table cost = (squared + kFullnessPrice * unlike) / kBlur;
+  cost.colwise() -= cost.rowwise().minCoeff().eval();
+  const Table kernel = (-cost).max(-600.0).exp();
+  Eigen::ArrayXd u = Eigen::ArrayXd::Ones(n), v = Eigen::ArrayXd::Ones(m);
+  for (int k = 0; k < kMatchings; ++k) {
+    u = p / (kernel.matrix() * v.matrix()).array().max(1e-300);
+    v = q / (kernel.matrix().transpose() * u.matrix()).array().max(1e-300);
+  }
+  Table plan = kernel;
+  plan.colwise() *= u;
+  plan.rowwise() *= v.transpose();
+  const Table ca = tableOf(a.distance), cb = tableOf(b.distance);
+  const double own = (p.matrix().transpose() * ca.square().matrix() * p.matrix())(0) +
+                     (q.matrix().transpose() * cb.square().matrix() * q.matrix())(0);
+  const double both = (plan.matrix().array() * (ca.matrix() * plan.matrix() * cb.matrix()).array()).sum();
+  return own - 2 * both + kDistancePrice * (plan * squared).sum() + kFullnessPrice * (plan * unlike).sum();
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "engine/match/match_objects.h"
+#include "engine/match/matching.h"
+
+#include <optional>
+
+namespace slicemorph {
+
+/// Two objects bent onto each other.
+struct Bending {
+  Matching matching;  ///< its map follows the bent bodies; its bonus is what having bent little is worth
+  bool sure = false;  ///< nearly rigid, and all parts have a partner: nothing else need be tried
+};
+
+/// Bends two objects onto each other as rigidly as possible, as one body in two poses can be: limbs are followed
+/// whole however far they swing, and points keep their place along them. Nothing for more objects, where features
+/// prescribe where parts go, where the objects lie on each other already, or where bending takes much strain or
+/// leaves parts over. The same whichever of the two is named first.
+/// `starts`: matchings by which the bodies may lie on each other at first, tried where the objects' own positions
+/// leave doubt; they give the map to begin with, too: the first of them.
+std::optional<Bending> bentOntoEachOther(const MatchObjects& objects, const std::vector<Matching>& starts);
+
+}  // namespace slicemorph
