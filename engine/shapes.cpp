@@ -106,8 +106,10 @@ Shapes measureShapes(const std::vector<Object>& objects, const MorphOptions& opt
   shapes = withFields(std::move(shapes), before);
   // With more than two objects the result must not depend on the order in which they were given: start from
   // the most typical one. A prescribed slicing axis, however, is the first object's; then the order is kept.
-  if (!before && shapes.fields.size() > 2 && options.axis.length() == 0)
-    shapes = reordered(std::move(shapes), typicalOrder(shapes.fields));
+  if (!before && shapes.fields.size() > 2 && options.axis.length() == 0) {
+    const std::vector<size_t> order = typicalOrder(shapes.fields);
+    shapes = reordered(std::move(shapes), order);
+  }
   shapes.inner = innerFields(objects, shapes);
   for (const Feature& feature : options.features) shapes.features.push_back(ofShapes(feature, shapes));
   for (const Region& region : options.regions) shapes.regions.push_back(ofShapes(region, shapes));

@@ -200,6 +200,7 @@ std::vector<std::int64_t> sharedLabels(const std::vector<LoadedObject>& objects)
   std::sort(shared.begin(), shared.end());
   shared.resize(std::min(shared.size(), kMostLabelSurfaces));
   std::vector<std::int64_t> labels;
+  labels.reserve(shared.size());
   for (const auto& [volume, label] : shared) labels.push_back(label);
   return labels;
 }

@@ -342,6 +342,7 @@ Frames frameObjects(const Fields& fields, const std::vector<Mat3d>& turns, const
   for (size_t k = 0; k < fields.size(); ++k) turned[k].axes = turns[k];
   const Mat3d middle = blendCharts(turned, Weights(fields.size(), 1.0 / double(fields.size()))).axes;
   std::vector<Mat3d> rotations;
+  rotations.reserve(turns.size());
   for (const Mat3d& turn : turns) rotations.push_back(turn * middle.transpose());
   const Mat3d shared = sharedAxes(objects, rotations, rotations[0].transpose() * options.axis);
   std::vector<double> lengths(fields.size()), radii(fields.size());

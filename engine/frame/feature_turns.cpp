@@ -23,6 +23,7 @@ std::vector<Vec3d> normalised(const std::vector<Vec3d>& points) {
   double size = 0;
   for (const Vec3d& p : points) size += (p - middle).lengthSqr() / double(points.size());
   std::vector<Vec3d> result;
+  result.reserve(points.size());
   for (const Vec3d& p : points) result.push_back(size > 0 ? (p - middle) / std::sqrt(size) : Vec3d(0.0));
   return result;
 }
@@ -74,7 +75,7 @@ std::vector<Mat3d> turnsOf(const std::vector<Vec3d>& from, const std::vector<Vec
   if (from.size() < 2) return {};
   const std::vector<Vec3d> a = normalised(from), b = normalised(to);
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(productOf(b, a), Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Vector3d spread = svd.singularValues();
+  const Eigen::Vector3d& spread = svd.singularValues();
   if (!(spread[0] > 0)) return {};
   const Mat3d best = rotationOnto(a, b);
   if (spread[1] > kInLine * kInLine * spread[0]) return {best};  // singular values are squared lengths
@@ -87,6 +88,7 @@ std::vector<Mat3d> turnsOf(const std::vector<Vec3d>& from, const std::vector<Vec
   side = line.cross(side).unit();
   const Mat3d least = rotationFromVector((sine > 1e-9 ? axis / sine : side) * std::atan2(sine, cosine));
   std::vector<Mat3d> turns;
+  turns.reserve(4);
   for (int quarter = 0; quarter < 4; ++quarter)
     turns.push_back(rotationFromVector(line * (quarter * M_PI / 2)) * least);
   return turns;

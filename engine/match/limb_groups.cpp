@@ -140,6 +140,7 @@ std::vector<std::vector<int>> partnersOf(const std::vector<std::vector<PlacedLim
   std::vector<std::vector<int>> groups;
   for (size_t k = 0; k < limbs.size(); ++k) {
     std::vector<PlacedLimb> means;
+    means.reserve(groups.size());
     for (const std::vector<int>& group : groups) means.push_back(meanOf(limbs, group));
     const std::vector<int> partner = matchLimbs(means, limbs[k], size);
     for (size_t i = 0; i < partner.size(); ++i) groups[i][k] = partner[i];

@@ -14,6 +14,7 @@ double mapOverlap(const MatchObjects& objects, const Displacements& map) {
   const Lattice lattice = objects.lattice(objects.overlapSpacing);
   std::vector<double> both(lattice.size[2], 0), either(lattice.size[2], 0);
   std::vector<double> unit;
+  unit.reserve(count);
   for (const Chart& chart : charts) unit.push_back(1 / (chart.meanScale() * lattice.spacing));
   std::vector<DistanceField::Sampler> samplers;
   for (size_t k = 0; k < count; ++k) samplers.emplace_back(*fields[k]);

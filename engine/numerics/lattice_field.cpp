@@ -59,6 +59,7 @@ VectorField resampleField(const Lattice& from, const VectorField& field, const L
   openvdb::Coord size = from.size;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<Taps> taps;
+    taps.reserve(size_t(to.size[axis]));
     for (int i = 0; i < to.size[axis]; ++i)
       taps.push_back(catmullRom((to.position(i, i, i)[axis] - from.origin[axis]) / from.spacing));
     const size_t stride = axis == 0 ? 1 : axis == 1 ? size_t(size[0]) : size_t(size[0]) * size[1];

@@ -81,6 +81,7 @@ Vec3SGrid::Ptr warpColors(const FloatGrid& surface, const std::vector<CarriedCol
   leaves.foreach ([&](Leaf& leaf, size_t) {
     std::vector<std::vector<Vec3s>> positions(nodes.objects);
     std::vector<ColorSampler> samplers;
+    samplers.reserve(colors.size());
     for (const CarriedColors& c : colors) samplers.emplace_back(*c.grid);
     for (int x = 0; x < kLeaf; x += step)
       for (int y = 0; y < kLeaf; y += step)

@@ -495,6 +495,7 @@ GridBase::Ptr warpGrids(const std::vector<CarriedGrid>& grids, const NodeMap& no
                         const LocalWeights& weights, const Transform& transform, bool conserve) {
   const GridBase& prototype = *grids.front().grid;
   std::vector<GridBase::ConstPtr> own;
+  own.reserve(grids.size());
   for (const CarriedGrid& g : grids) own.push_back(g.grid);
   GridBase::Ptr result;
   if (auto floats = numberGrids<float>(own)) {

@@ -142,6 +142,7 @@ class BlockLabeller {
 Image warpLabels(const std::vector<CarriedLabels>& labels, const ImageNodes& nodes, const ImageLattice& on) {
   const SharedLabels shared = sharedLabels(labels);
   std::vector<PositionToVoxel> toVoxel;
+  toVoxel.reserve(labels.size());
   for (const CarriedLabels& c : labels) toVoxel.emplace_back(c.labels->lattice(), c.anchor);
   Image result{on, labelValues(shared.all.empty() ? 0 : shared.all.back(), on.count())};
   const auto write = [&](const openvdb::Coord& voxel, size_t label) {

@@ -52,6 +52,7 @@ std::vector<Value> paint(const std::vector<Solid>& solids, const ImageLattice& o
   std::vector<Value> values(on.count(), 0);
   tbb::parallel_for(0, on.size[2], [&](int k) {
     std::vector<FloatGrid::ConstAccessor> accessors;
+    accessors.reserve(solids.size());
     for (const Solid& s : solids) accessors.push_back(s.grid->getConstAccessor());
     for (int j = 0; j < on.size[1]; ++j)
       for (int i = 0; i < on.size[0]; ++i) {

@@ -21,6 +21,7 @@ void checkWhole(double value, int i, int j, int k) {
 std::vector<Flags> labelledSlices(const Image& image) {
   const openvdb::Coord& n = image.lattice.size;
   std::vector<Flags> found;
+  found.reserve(3);
   for (int d = 0; d < 3; ++d) found.emplace_back(size_t(n[d]), 0);
   std::visit(
       [&](const auto& values) {

@@ -69,6 +69,7 @@ std::vector<int> rankValues(const std::vector<Census>& slices) {
   std::iota(order.begin(), order.end(), size_t(0));
   std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return count[a] < count[b]; });
   std::vector<int> ranked;
+  ranked.reserve(order.size());
   for (size_t i : order) ranked.push_back(values[i]);
   return ranked;
 }
@@ -171,10 +172,12 @@ Image interpolateLabels(const Image& labels, const GivenSlices& given) {
       [&](auto& out) {
         using T = typename std::decay_t<decltype(out)>::value_type;
         std::vector<T> paint;
+        paint.reserve(values.size());
         for (double v : values) paint.push_back(T(v));
         tbb::parallel_for(size_t(0), given.at.size() - 1, [&](size_t g) {
           const int first = given.at[g] + 1, count = given.at[g + 1] - first;
           std::vector<double> positions;
+          positions.reserve(size_t(count));
           for (int k = 0; k < count; ++k) positions.push_back((first + k) * spacing);
           const std::vector<int> won = scores.labelsBetween(positions);
           T* corner = out.data() + size_t(first) * layout.slice;

@@ -159,7 +159,7 @@ SliceMotion findMotion(const ScoreStack& stack, size_t a) {
   float sigma = std::min(gap, kWidest * spacing);
   for (Pair& pair : pairs) findNodes(pair, motion, int(sigma / spacing) + 1);
   for (int level = 0; level < kLevels; ++level, sigma *= 0.5f) {
-    const int r = std::max(1, int(sigma / spacing + .5f));
+    const int r = std::max(1, int(std::lround(sigma / spacing)));
     // Fine windows hold little evidence, and what they add to coarse ones is mostly noise.
     const float rest = kRest * (level < 2 ? 1 : 2) + kRoughBorder * rough * rough;
     for (int round = 0; round < kRounds; ++round) {

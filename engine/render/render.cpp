@@ -310,7 +310,7 @@ class Part {
   Film& film_;
   const CameraRays& rays_;
   const RenderOptions& options_;
-  const SurfaceIntersector& intersector_;
+  SurfaceIntersector intersector_;  ///< a copy, because it caches
   const Shader& shader_;
   int left_, top_, right_, bottom_;
   std::vector<Hit> hits_;
@@ -353,14 +353,13 @@ Picture renderSurface(const FloatGrid& levelSet, const Camera& camera, const Ren
       for (int column = 0; column < options.width; ++column) film.set(column, row, Pixel());
     return film.take();
   }
-  const SurfaceIntersector original(levelSet);
+  const SurfaceIntersector intersector(levelSet);
   const int across = (options.width + Part::kSize - 1) / Part::kSize,
             down = (options.height + Part::kSize - 1) / Part::kSize;
   tbb::parallel_for(
       tbb::blocked_range<int>(0, across * down, 1),
       [&](const tbb::blocked_range<int>& range) {
-        const SurfaceIntersector intersector(original);
-        const Shader shader(levelSet, rays.basis(), original, options, colors);
+        const Shader shader(levelSet, rays.basis(), intersector, options, colors);
         for (int n = range.begin(); n < range.end(); ++n)
           Part(n % across * Part::kSize, n / across * Part::kSize, film, rays, options, intersector, shader)
               .draw();

@@ -97,7 +97,9 @@ class GlowTable {
       colours_[n] = blackBody(std::max(500.0, heat * kHottestKelvin)) * float(std::pow(heat, 4));
     }
   }
-  Colour at(double heat) const { return colours_[size_t(std::clamp(heat, 0.0, 1.0) * (kSteps - 1) + 0.5)]; }
+  Colour at(double heat) const {
+    return colours_[size_t(std::floor(std::clamp(heat, 0.0, 1.0) * (kSteps - 1) + 0.5))];
+  }
 
  private:
   static constexpr size_t kSteps = 1024;

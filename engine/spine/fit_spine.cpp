@@ -80,6 +80,7 @@ std::vector<Vec3d> smoothed(const std::vector<Vec3d>& points, const std::vector<
       for (int k = 0; k < 4; ++k) a(i + j, i + k) += kSmoothStart * third[j] * third[k];
   const Eigen::MatrixXd x = a.ldlt().solve(b);
   std::vector<Vec3d> result;
+  result.reserve(points.size());
   for (int i = 0; i < n; ++i) result.emplace_back(x(i, 0), x(i, 1), x(i, 2));
   return result;
 }
@@ -348,6 +349,7 @@ std::vector<Vec3d> throughCentroids(const Chart& chart, const Sections& sections
   }
   const Eigen::VectorXcd x = a.ldlt().solve(b);
   std::vector<Vec3d> points;
+  points.reserve(size_t(n));
   for (int i = 0; i < n; ++i) points.push_back(chart.toWorld({sections.z0(i), x[i].real(), x[i].imag()}));
   return points;
 }

@@ -230,6 +230,7 @@ class SliceWriter {
 const std::vector<std::string>& exrCompressions() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> list;
+    list.reserve(kCompressions.size());
     for (const auto& compression : kCompressions) list.push_back(compression.first);
     return list;
   }();

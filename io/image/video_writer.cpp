@@ -110,6 +110,7 @@ struct VideoWriter::Impl {
     std::vector<std::string> words =
         argumentsFor(findProgram("ffmpeg"), made, width, height, framesPerSecond);
     std::vector<char*> arguments;
+    arguments.reserve(words.size() + 1);
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
     const int failed = ::posix_spawn(&program, arguments[0], &actions, nullptr, arguments.data(), environ);

@@ -213,6 +213,7 @@ class GlbBuilder {
   /// Adds the times of frames, in seconds, ascending. Returns the accessor.
   int addTimes(const std::vector<size_t>& frames) {
     std::vector<float> times;
+    times.reserve(frames.size());
     for (size_t frame : frames) times.push_back(float(double(frame) / framesPerSecond_));
     const int index = addNumbers(times);
     model_.accessors[size_t(index)].minValues = {times.front()};

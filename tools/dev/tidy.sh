@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Runs clang-tidy (.clang-tidy) over all sources, those of a folder as one.
 # Usage: ./tools/dev/tidy.sh [PART OF A PATH...]
+# Two readers are left out: Debian's headers of ITK were generated for g++ alone and refuse clang.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 source tools/dev/setup.sh
@@ -13,7 +14,8 @@ rm -f build-tidy.log
 python3 - "$@" <<'END' | xargs -P "$(nproc)" -n 1 clang-tidy --quiet -p build-tidy
 import json
 import sys
+noClang = ("/io/image/itk_reader.cpp", "/io/image/dicom_reader.cpp")
 for entry in json.load(open("build-tidy/compile_commands.json")):
-    if all(part in entry["file"] for part in sys.argv[1:]):
+    if not entry["file"].endswith(noClang) and all(part in entry["file"] for part in sys.argv[1:]):
         print(entry["file"])
 END

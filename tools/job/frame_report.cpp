@@ -70,6 +70,7 @@ FrameFigures FrameReport::measure(const FrameTask& task, const MorphFrame& frame
 Json FrameReport::addRow(const FrameFigures& figures, const std::vector<LoadedObject>& inputs) {
   if (!wanted()) return Json();
   std::vector<ShapeMeasures> measures;
+  measures.reserve(inputs.size());
   for (const LoadedObject& input : inputs) measures.push_back(measuresOf(input.object.levelSet));
   rows_.push_back(describeFrame(figures, measures));
   return rows_.back();

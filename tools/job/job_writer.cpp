@@ -70,6 +70,7 @@ std::string valueOf(const OptionRow& row, const std::vector<std::string>& texts)
       return landmarksOrText(text);
     case OptionType::kTexts: {
       std::vector<std::string> items;
+      items.reserve(texts.size());
       for (const std::string& each : texts) items.push_back(quoted(each));
       return tomlList(items);
     }
@@ -172,6 +173,7 @@ constexpr const char* kNoRegion = R"(
 
 std::string tomlOf(const std::vector<double>& numbers) {
   std::vector<std::string> items;
+  items.reserve(numbers.size());
   for (const double number : numbers) items.push_back(formatExactly(number));
   return tomlList(items);
 }

@@ -97,6 +97,7 @@ Json describeFrame(const FrameFigures& figures, const std::vector<ShapeMeasures>
 LandmarkErrors landmarkErrors(const std::vector<std::vector<Vec3d>>& landmarks, const MorphPlan& plan) {
   LandmarkErrors e;
   std::vector<Vec3d> points;
+  points.reserve(landmarks.size());
   for (const std::vector<Vec3d>& mark : landmarks) points.push_back(mark.front());
   const std::vector<Vec3d> arrived = plan.correspond(points, 0, plan.objectCount() - 1);
   std::vector<double> off;
