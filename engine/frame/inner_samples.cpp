@@ -67,6 +67,41 @@ std::vector<double> sharesOf(const InsideNodes& nodes, const Geodesics& paths) {
   return best;
 }
 
+/// The distortion when a's rows are scaled before b's columns: the iterations end before that stops to matter.
+double distortionFrom(const InnerSamples& a, const InnerSamples& b, const Mat3d& rotation) {
+  const Eigen::Index n = Eigen::Index(a.position.size()), m = Eigen::Index(b.position.size());
+  if (n == 0 || m == 0) return 0;
+  Table squared(n, m), unlike(n, m);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Vec3d p = rotation * a.position[size_t(i)];
+    for (Eigen::Index j = 0; j < m; ++j) {
+      squared(i, j) = (p - b.position[size_t(j)]).lengthSqr();
+      const double f = a.fullness[size_t(i)][0] - b.fullness[size_t(j)][0],
+                   g = a.fullness[size_t(i)][1] - b.fullness[size_t(j)][1];
+      unlike(i, j) = 0.5 * (f * f + g * g);
+    }
+  }
+  const Eigen::ArrayXd p = Eigen::Map<const Eigen::ArrayXd>(a.weight.data(), n),
+                       q = Eigen::Map<const Eigen::ArrayXd>(b.weight.data(), m);
+  // Sinkhorn's iterations [Cut13]; rows' least costs are taken out before the exponential.
+  Table cost = (squared + kFullnessPrice * unlike) / kBlur;
+  cost.colwise() -= cost.rowwise().minCoeff().eval();
+  const Table kernel = (-cost).max(-600.0).exp();
+  Eigen::ArrayXd u = Eigen::ArrayXd::Ones(n), v = Eigen::ArrayXd::Ones(m);
+  for (int k = 0; k < kMatchings; ++k) {
+    u = p / (kernel.matrix() * v.matrix()).array().max(1e-300);
+    v = q / (kernel.matrix().transpose() * u.matrix()).array().max(1e-300);
+  }
+  Table plan = kernel;
+  plan.colwise() *= u;
+  plan.rowwise() *= v.transpose();
+  const Table ca = tableOf(a.distance), cb = tableOf(b.distance);
+  const double own = (p.matrix().transpose() * ca.square().matrix() * p.matrix())(0) +
+                     (q.matrix().transpose() * cb.square().matrix() * q.matrix())(0);
+  const double both = (plan.matrix().array() * (ca.matrix() * plan.matrix() * cb.matrix()).array()).sum();
+  return own - 2 * both + kDistancePrice * (plan * squared).sum() + kFullnessPrice * (plan * unlike).sum();
+}
+
 }  // namespace
 
 InnerSamples innerSamples(const DistanceField& field) {
@@ -141,38 +176,7 @@ InnerSamples innerSamples(const DistanceField& field) {
 }
 
 double innerDistortion(const InnerSamples& a, const InnerSamples& b, const Mat3d& rotation) {
-  const Eigen::Index n = Eigen::Index(a.position.size()), m = Eigen::Index(b.position.size());
-  if (n == 0 || m == 0) return 0;
-  Table squared(n, m), unlike(n, m);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Vec3d p = rotation * a.position[size_t(i)];
-    for (Eigen::Index j = 0; j < m; ++j) {
-      squared(i, j) = (p - b.position[size_t(j)]).lengthSqr();
-      const double f = a.fullness[size_t(i)][0] - b.fullness[size_t(j)][0],
-                   g = a.fullness[size_t(i)][1] - b.fullness[size_t(j)][1];
-      unlike(i, j) = 0.5 * (f * f + g * g);
-    }
-  }
-  const Eigen::ArrayXd p = Eigen::Map<const Eigen::ArrayXd>(a.weight.data(), n),
-                       q = Eigen::Map<const Eigen::ArrayXd>(b.weight.data(), m);
-  // Sinkhorn's iterations [Cut13], each scaling the mean of the update and the old one, so that neither object
-  // comes first; rows' least costs are taken out before the exponential.
-  Table cost = (squared + kFullnessPrice * unlike) / kBlur;
-  cost.colwise() -= cost.rowwise().minCoeff().eval();
-  const Table kernel = (-cost).max(-600.0).exp();
-  Eigen::ArrayXd u = Eigen::ArrayXd::Ones(n), v = Eigen::ArrayXd::Ones(m);
-  for (int k = 0; k < kMatchings; ++k) {
-    u = p / (kernel.matrix() * v.matrix()).array().max(1e-300);
-    v = q / (kernel.matrix().transpose() * u.matrix()).array().max(1e-300);
-  }
-  Table plan = kernel;
-  plan.colwise() *= u;
-  plan.rowwise() *= v.transpose();
-  const Table ca = tableOf(a.distance), cb = tableOf(b.distance);
-  const double own = (p.matrix().transpose() * ca.square().matrix() * p.matrix())(0) +
-                     (q.matrix().transpose() * cb.square().matrix() * q.matrix())(0);
-  const double both = (plan.matrix().array() * (ca.matrix() * plan.matrix() * cb.matrix()).array()).sum();
-  return own - 2 * both + kDistancePrice * (plan * squared).sum() + kFullnessPrice * (plan * unlike).sum();
+  return 0.5 * (distortionFrom(a, b, rotation) + distortionFrom(b, a, rotation.transpose()));
 }
 
 }  // namespace slicemorph

@@ -26,6 +26,11 @@ struct Limits {
   }
 };
 constexpr Limits kSure{0.2, 0.01, 0.03}, kMost{0.25, 0.02, 0.2};
+/// What having bent little is worth in overlap: points then keep their place along limbs, which overlap does not show.
+/// A collapsing horse is matched right by it; a leg that one object lacks costs .03 of overlap and is found otherwise.
+constexpr double kBentBonus = 0.02;
+/// Residual of a body that is still stiff beyond which it will never fit; bodies that do have at most half of it.
+constexpr double kHopeless = 0.05;
 /// Objects that lie on each other so well already are not bent.
 constexpr double kNeedsNoBending = 0.96;
 
@@ -98,7 +103,7 @@ template <typename Start>
 DirectedFit bestFit(const std::vector<Body>& bodies, const Start& start) {
   ElasticFit fits[2];
   tbb::parallel_for(size_t(0), size_t(2), [&](size_t k) {
-    fits[k] = fitElastically(bodies[k].graph, bodies[k].surface, bodies[1 - k].surface, start(k));
+    fits[k] = fitElastically(bodies[k].graph, bodies[k].surface, bodies[1 - k].surface, start(k), kHopeless);
   });
   const size_t from = badness(fits[1]) < badness(fits[0]) ? 1 : 0;
   return {std::move(fits[from]), from};
@@ -134,16 +139,17 @@ std::optional<Bending> bentOntoEachOther(const MatchObjects& objects, const std:
     if (body.graph.position.empty()) return std::nullopt;
   std::optional<DirectedFit> best = bestFit(bodies, [&](size_t k) { return bodies[k].graph.position; });
   for (const Matching& start : starts) {
-    if (kSure.hold(best->fit)) break;
+    if (kSure.hold(best->fit) || best->fit.hopeless) break;
     if (start.limbPoints.empty()) continue;
     const DirectedFit other =
         bestFit(bodies, [&](size_t k) { return carriedNodes(objects, bodies, start, k); });
     if (badness(other.fit) < badness(best->fit)) best = other;
   }
   const ElasticFit& fit = best->fit;
-  if (!kMost.hold(fit)) return std::nullopt;
+  if (fit.hopeless || !kMost.hold(fit)) return std::nullopt;
   Bending bending{followBody(objects, starts[0], pointsOf(objects, bodies, fit, best->from, 1 - best->from)),
                   kSure.hold(fit)};
+  bending.matching.bonus = kBentBonus;
   char text[160];
   std::snprintf(
       text, sizeof text,

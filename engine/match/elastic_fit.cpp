@@ -22,6 +22,8 @@ struct Stage {
   double stiffness, reach;
 };
 constexpr Stage kStages[] = {{30, 0.9}, {10, 0.6}, {3, 0.45}, {1, 0.3}, {0.3, 0.24}};
+/// From this stiffness on downwards a fit is no longer given up.
+constexpr double kStillStiff = 3;
 constexpr int kPartnerSteps = 20;  ///< per stage: new partners are looked for
 constexpr int kRounds = 2;         ///< per step: rotations, then positions
 constexpr int kLinearSteps = 30;   ///< of conjugate gradients per round; the next round goes on from there
@@ -301,6 +303,31 @@ double strainOf(const BodyGraph& graph, const ElasticFit& fit) {
   return weights > 0 ? std::sqrt(sum / weights) : 0;
 }
 
+/// Strain, residual and what is missed, of the fit as it is.
+void measure(const BodyGraph& graph, const OrientedPoints& surface, const BoundPoints& points,
+             const OrientedPoints& target, ElasticFit& fit) {
+  const double size = sizeOf(target.position);
+  fit.rotation = fittedRotations(graph, fit);
+  fit.strain = strainOf(graph, fit);
+  fit.residual = fit.missed = 0;
+  const std::vector<Vec3d> at = carried(graph, points, fit.position, fit.rotation);
+  const std::vector<Vec3d> normals = turnedNormals(surface, points, fit.rotation);
+  const NearestPoints nearSurface(at, graph.spacing), onTarget(target.position, graph.spacing);
+  const auto add = [&](const std::vector<Vec3d>& from, const std::vector<Vec3d>& fromNormals,
+                       const NearestPoints& own, const NearestPoints& to,
+                       const std::vector<Vec3d>& toNormals) {
+    for (size_t i = 0; i < from.size(); ++i) {
+      const double share = 0.5 / double(from.size());
+      fit.residual += share * to.toPlane(from[i], toNormals) / size;
+      const double here = own.shareAround(from[i], fromNormals[i], fromNormals, kAround * size),
+                   there = to.shareAround(from[i], fromNormals[i], toNormals, kAround * size);
+      if (here > kMostRatio * there || there > kMostRatio * here) fit.missed += share;
+    }
+  };
+  add(at, normals, nearSurface, onTarget, target.normal);
+  add(target.position, target.normal, onTarget, nearSurface, normals);
+}
+
 /// Rotation vectors of the nodes, each in the turn (of those that differ by whole ones) nearest to the one of
 /// the neighbour that it was reached from; begun at the node that is turned least.
 std::vector<Vec3d> consistentVectors(const BodyGraph& graph, const std::vector<Mat3d>& rotation) {
@@ -354,7 +381,7 @@ std::vector<Vec3d> carried(const BodyGraph& graph, const BoundPoints& points,
 }
 
 ElasticFit fitElastically(const BodyGraph& graph, const OrientedPoints& surface, const OrientedPoints& target,
-                          const std::vector<Vec3d>& start) {
+                          const std::vector<Vec3d>& start, double hopeless) {
   ElasticFit fit;
   fit.position = start;
   fit.rotation.assign(start.size(), Mat3d::identity());
@@ -363,7 +390,7 @@ ElasticFit fitElastically(const BodyGraph& graph, const OrientedPoints& surface,
   const NearestPoints nearTarget(target.position);
   const double size = sizeOf(target.position);
   for (int i = 0; i < 5; ++i) fit.rotation = fittedRotations(graph, fit);
-  for (const Stage& stage : kStages)
+  for (const Stage& stage : kStages) {
     for (int step = 0; step < kPartnerSteps; ++step) {
       const std::vector<Pull> pulls =
           pullsOn(carried(graph, points, fit.position, fit.rotation),
@@ -375,24 +402,11 @@ ElasticFit fitElastically(const BodyGraph& graph, const OrientedPoints& surface,
                        fit.position);
       }
     }
-  fit.rotation = fittedRotations(graph, fit);
-  fit.strain = strainOf(graph, fit);
-  const std::vector<Vec3d> at = carried(graph, points, fit.position, fit.rotation);
-  const NearestPoints nearSurface(at, graph.spacing), onTarget(target.position, graph.spacing);
-  const std::vector<Vec3d> normals = turnedNormals(surface, points, fit.rotation);
-  const auto add = [&](const std::vector<Vec3d>& from, const std::vector<Vec3d>& fromNormals,
-                       const NearestPoints& own, const NearestPoints& to,
-                       const std::vector<Vec3d>& toNormals) {
-    for (size_t i = 0; i < from.size(); ++i) {
-      const double share = 0.5 / double(from.size());
-      fit.residual += share * to.toPlane(from[i], toNormals) / size;
-      const double here = own.shareAround(from[i], fromNormals[i], fromNormals, kAround * size),
-                   there = to.shareAround(from[i], fromNormals[i], toNormals, kAround * size);
-      if (here > kMostRatio * there || there > kMostRatio * here) fit.missed += share;
-    }
-  };
-  add(at, normals, nearSurface, onTarget, target.normal);
-  add(target.position, target.normal, onTarget, nearSurface, normals);
+    measure(graph, surface, points, target, fit);
+    fit.hopeless =
+        stage.stiffness >= kStillStiff && stage.stiffness < kStages[0].stiffness && fit.residual > hopeless;
+    if (fit.hopeless) break;
+  }
   return fit;
 }
 

@@ -17,7 +17,7 @@ namespace {
 
 /// Costs of matching two limbs, per distance of their roots and of their tips in units of the objects' size,
 /// and per factor e of their lengths; and the cost of having no partner.
-constexpr double kRootPrice = 2, kTipPrice = 0.5, kLengthPrice = 0.4, kAlonePrice = 1.3;
+constexpr double kRootPrice = 2, kTipPrice = 0.5, kLengthPrice = 0.4, kAlonePrice = 1.7;
 /// Points at the start of a limb's line whose mean is its root, where it leaves the body.
 constexpr int kRootPoints = 4;
 
