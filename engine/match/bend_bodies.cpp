@@ -7,6 +7,7 @@
 #include <tbb/parallel_invoke.h>
 
 #include <cstdio>
+#include <limits>
 #include <utility>
 
 namespace slicemorph {
@@ -26,9 +27,10 @@ struct Limits {
   }
 };
 constexpr Limits kSure{0.2, 0.01, 0.03}, kMost{0.25, 0.02, 0.2};
-/// What having bent little is worth in overlap: points then keep their place along limbs, which overlap does not show.
-/// A collapsing horse is matched right by it; a leg that one object lacks costs .03 of overlap and is found otherwise.
-constexpr double kBentBonus = 0.02;
+/// What a bending is worth in overlap where the share without partner is no more than this part of the strain: points
+/// then keep their place along limbs, which overlap does not show. A collapsing horse (strain .22, 8 %) crumples and is
+/// matched right; a body that hardly bends and leaves 6 % over (strain .07) lacks a leg.
+constexpr double kBentBonus = 0.05, kCrumpled = 0.6;
 /// Residual of a body that is still stiff beyond which it will never fit; bodies that do have at most half of it.
 constexpr double kHopeless = 0.05;
 /// Objects that lie on each other so well already are not bent.
@@ -89,6 +91,7 @@ std::vector<Correspondence> pointsOf(const MatchObjects& objects, const std::vec
 
 /// Less is better; only what is compared counts.
 double badness(const ElasticFit& fit) {
+  if (fit.hopeless) return std::numeric_limits<double>::max();
   return fit.strain / kMost.strain + fit.residual / kMost.residual + fit.missed / kMost.missed;
 }
 
@@ -149,7 +152,7 @@ std::optional<Bending> bentOntoEachOther(const MatchObjects& objects, const std:
   if (fit.hopeless || !kMost.hold(fit)) return std::nullopt;
   Bending bending{followBody(objects, starts[0], pointsOf(objects, bodies, fit, best->from, 1 - best->from)),
                   kSure.hold(fit)};
-  bending.matching.bonus = kBentBonus;
+  bending.matching.bonus = fit.missed < kCrumpled * fit.strain ? kBentBonus : 0;
   char text[160];
   std::snprintf(
       text, sizeof text,
