@@ -314,7 +314,7 @@ std::vector<Turn> proposeTurns(const DistanceField& fieldA, const DistanceField&
     if (std::none_of(worthTrying.begin(), worthTrying.end(), [&](const Turn& t) {
           return angleOf(turn.rotation * t.rotation.transpose()) < kSameTurn;
         }))
-      worthTrying.push_back(turn);
+      worthTrying.push_back({turn.rotation, turn.angle, turn.overlap, false});
   return worthTrying;
 }
 

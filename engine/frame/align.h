@@ -23,6 +23,7 @@ struct Turn {
   Mat3d rotation = Mat3d::identity();
   double angle = 0;    ///< radians
   double overlap = 0;  ///< intersection over union of the objects so turned, centroids and sizes made equal
+  bool likely = true;  ///< by overlap or by the up direction
 };
 
 /// The turns worth trying from object a to object b: none; the best of those refined from the 24 proper

@@ -67,7 +67,72 @@ std::vector<double> sharesOf(const InsideNodes& nodes, const Geodesics& paths) {
   return best;
 }
 
-/// The distortion when a's rows are scaled before b's columns: the iterations end before that stops to matter.
+/// Nodes spread over the inside, and the inner distances from each to all nodes, world units.
+struct FarthestNodes {
+  std::vector<size_t> node;
+  std::vector<std::vector<double>> distance;
+};
+
+/// Each the farthest from those before; the first is the farthest from the deepest node.
+FarthestNodes farthestNodes(const InsideNodes& nodes, const Geodesics& paths,
+                            const std::vector<double>& share) {
+  size_t deepest = 0;
+  for (size_t i = 0; i < share.size(); ++i)
+    if (share[i] > 0 && (share[deepest] == 0 || nodes.depth[i] > nodes.depth[deepest])) deepest = i;
+  std::vector<double> nearest = paths.from(deepest).length;
+  FarthestNodes chosen;
+  while (chosen.node.size() < kInnerSamples) {
+    size_t next = share.size();
+    double most = 0;
+    for (size_t i = 0; i < share.size(); ++i)
+      if (share[i] > 0 && std::isfinite(nearest[i]) && nearest[i] > most) most = nearest[i], next = i;
+    if (next == share.size()) break;
+    chosen.node.push_back(next), chosen.distance.push_back(paths.from(next).length);
+    for (size_t i = 0; i < nearest.size(); ++i)
+      nearest[i] =
+          chosen.node.size() == 1 ? chosen.distance[0][i] : std::min(nearest[i], chosen.distance.back()[i]);
+  }
+  return chosen;
+}
+
+/// Square roots of the volumes that are nearest to each node, of sum 1: between equal weights and volumes, as this
+/// gave the largest margins.
+std::vector<double> weightsOf(const FarthestNodes& chosen, const std::vector<double>& share) {
+  std::vector<double> weight(chosen.node.size(), 0);
+  for (size_t i = 0; i < share.size(); ++i) {
+    size_t owner = 0;
+    for (size_t k = 1; k < weight.size(); ++k)
+      if (chosen.distance[k][i] < chosen.distance[owner][i]) owner = k;
+    weight[owner] += share[i];
+  }
+  double sum = 0;
+  for (double& w : weight) w = std::sqrt(w), sum += w;
+  for (double& w : weight) w /= sum;
+  return weight;
+}
+
+/// Logarithms of the shares of the volume within kBalls of each node. `unit`: world units per ball radius of 1.
+std::vector<std::array<double, 2>> fullnessOf(const FarthestNodes& chosen, const std::vector<double>& share,
+                                              double unit) {
+  double volume = 0;
+  for (double s : share) volume += s;
+  std::vector<std::array<double, 2>> fullness(chosen.node.size());
+  tbb::parallel_for(size_t(0), fullness.size(), [&](size_t k) {
+    for (size_t ball = 0; ball < 2; ++ball) {
+      double inside = 0;
+      for (size_t i = 0; i < share.size(); ++i) {
+        if (!(share[i] > 0)) continue;
+        const double beyond = (chosen.distance[k][i] / unit - kBalls[ball]) / kBallEdge;
+        inside += share[i] * std::min(std::max(0.5 - beyond, 0.0), 1.0);
+      }
+      fullness[k][ball] = std::log(kEmptyBall + inside / volume);
+    }
+  });
+  return fullness;
+}
+
+/// The distortion where each iteration scales a's weights first: the other order differs a little, because the
+/// iterations are few.
 double distortionFrom(const InnerSamples& a, const InnerSamples& b, const Mat3d& rotation) {
   const Eigen::Index n = Eigen::Index(a.position.size()), m = Eigen::Index(b.position.size());
   if (n == 0 || m == 0) return 0;
@@ -112,66 +177,29 @@ InnerSamples innerSamples(const DistanceField& field) {
   if (nodes.position.empty()) return samples;
   const Geodesics paths(nodes);
   const std::vector<double> share = sharesOf(nodes, paths);
-  // Farthest points, from the one that is farthest from the deepest.
-  size_t deepest = 0;
-  for (size_t i = 0; i < share.size(); ++i)
-    if (share[i] > 0 && (share[deepest] == 0 || nodes.depth[i] > nodes.depth[deepest])) deepest = i;
-  std::vector<double> nearest = paths.from(deepest).length;
-  std::vector<size_t> chosen;
-  std::vector<std::vector<double>> rows;
-  while (chosen.size() < kInnerSamples) {
-    size_t next = share.size();
-    double most = 0;
-    for (size_t i = 0; i < share.size(); ++i)
-      if (share[i] > 0 && std::isfinite(nearest[i]) && nearest[i] > most) most = nearest[i], next = i;
-    if (next == share.size()) break;
-    chosen.push_back(next), rows.push_back(paths.from(next).length);
-    for (size_t i = 0; i < nearest.size(); ++i)
-      nearest[i] = chosen.size() == 1 ? rows[0][i] : std::min(nearest[i], rows.back()[i]);
-  }
-  const size_t count = chosen.size();
+  const FarthestNodes chosen = farthestNodes(nodes, paths, share);
+  const size_t count = chosen.node.size();
   if (count == 0) return samples;
-  std::vector<double> mass(count, 0);
-  double volume = 0;
-  for (size_t i = 0; i < share.size(); ++i) {
-    if (!(share[i] > 0)) continue;
-    size_t owner = 0;
-    for (size_t k = 1; k < count; ++k)
-      if (rows[k][i] < rows[owner][i]) owner = k;
-    mass[owner] += share[i], volume += share[i];
-  }
-  double sum = 0;
-  for (double m : mass) samples.weight.push_back(std::sqrt(m)), sum += std::sqrt(m);
-  for (double& w : samples.weight) w /= sum;
+  samples.weight = weightsOf(chosen, share);
   double squares = 0;
   samples.distance.assign(count, std::vector<double>(count, 0));
   for (size_t i = 0; i < count; ++i)
     for (size_t j = 0; j < count; ++j) {
-      const double d = 0.5 * (rows[i][chosen[j]] + rows[j][chosen[i]]);
+      const double d = 0.5 * (chosen.distance[i][chosen.node[j]] + chosen.distance[j][chosen.node[i]]);
       samples.distance[i][j] = d, squares += samples.weight[i] * samples.weight[j] * d * d;
     }
   const double unit = std::sqrt(squares);
   for (auto& row : samples.distance)
     for (double& d : row) d /= unit;
+  samples.fullness = fullnessOf(chosen, share, unit);
   Vec3d mean(0.0);
-  for (size_t k = 0; k < count; ++k) mean += samples.weight[k] * nodes.position[chosen[k]];
   double radius = 0;
+  for (size_t k = 0; k < count; ++k) mean += samples.weight[k] * nodes.position[chosen.node[k]];
   for (size_t k = 0; k < count; ++k) {
-    samples.position.push_back(nodes.position[chosen[k]] - mean);
+    samples.position.push_back(nodes.position[chosen.node[k]] - mean);
     radius += samples.weight[k] * samples.position[k].lengthSqr();
   }
   for (Vec3d& p : samples.position) p /= std::sqrt(radius);
-  samples.fullness.resize(count);
-  tbb::parallel_for(size_t(0), count, [&](size_t k) {
-    for (int ball = 0; ball < 2; ++ball) {
-      double inside = 0;
-      for (size_t i = 0; i < share.size(); ++i)
-        if (share[i] > 0)
-          inside +=
-              share[i] * std::min(std::max(0.5 - (rows[k][i] / unit - kBalls[ball]) / kBallEdge, 0.0), 1.0);
-      samples.fullness[k][size_t(ball)] = std::log(kEmptyBall + inside / volume);
-    }
-  });
   return samples;
 }
 

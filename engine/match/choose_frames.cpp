@@ -106,9 +106,21 @@ size_t bestByAgreement(const Fields& pair, const std::vector<Turn>& turns, const
   return best;
 }
 
+/// The indices of turns that overlap or the up direction suggest.
+std::vector<size_t> likelyOf(const std::vector<Turn>& turns) {
+  std::vector<size_t> likely;
+  for (size_t i = 0; i < turns.size(); ++i)
+    if (turns[i].likely) likely.push_back(i);
+  return likely;
+}
+
 /// Turns whose distortion is within this share of the least one are told apart by quick matchings: a rabbit fits
 /// an armadillo at 0 and at 90 degrees to 6 %, a cow and a horse the right way round by 9 %.
 constexpr double kUndecided = 0.07;
+/// From this distortion on shapes are too different for it to tell which way round: a cow and a horse are at .20 the
+/// right way round, turned about the up direction; of turns about any axis there are more to be mistaken for each
+/// other: two hands are at .05, a blade and a creature at .14 in several ways.
+constexpr double kNothingAlike = 0.21, kNothingAlikeFreely = 0.12;
 constexpr size_t kMostUndecided = 4;
 
 /// The turn from the first object of a pair to the second whose soft matching distorts inner distances least.
@@ -135,6 +147,8 @@ Turn chooseTurn(const Fields& pair, const std::vector<Turn>& turns, const MorphO
   const bool leaves =
       upright.empty() || (!other.empty() && distortion[other[0]] < kLeavesUpright * distortion[upright[0]]);
   std::vector<size_t> among = leaves ? other : upright;
+  if (distortion[among[0]] > (leaves ? kNothingAlikeFreely : kNothingAlike))
+    return turns[bestByAgreement(pair, turns, likelyOf(turns), options, progress)];
   const double most = (1 + kUndecided) * distortion[among[0]];
   size_t count = 1;
   while (count < std::min(among.size(), kMostUndecided) && distortion[among[count]] <= most) ++count;
