@@ -106,12 +106,14 @@ size_t bestByAgreement(const Fields& pair, const std::vector<Turn>& turns, const
   return best;
 }
 
-/// The indices of turns that overlap or the up direction suggest.
+/// The indices of turns that overlap or the up direction suggest; of all where features left none of these.
 std::vector<size_t> likelyOf(const std::vector<Turn>& turns) {
-  std::vector<size_t> likely;
-  for (size_t i = 0; i < turns.size(); ++i)
+  std::vector<size_t> likely, all;
+  for (size_t i = 0; i < turns.size(); ++i) {
+    all.push_back(i);
     if (turns[i].likely) likely.push_back(i);
-  return likely;
+  }
+  return likely.empty() ? all : likely;
 }
 
 /// Turns whose distortion is within this share of the least one are told apart by quick matchings: a rabbit fits
