@@ -1,5 +1,6 @@
 #include "engine/frame/align.h"
 
+#include "engine/frame/climb_rotation.h"
 #include "engine/frame/feature_turns.h"
 #include "engine/volume/moments.h"
 #include "slicemorph/errors.h"
@@ -122,22 +123,10 @@ Turn measured(const Normalised& a, const Normalised& b, const Mat3d& rotation) {
 }
 
 /// Coordinate ascent over small turns about three axes, from steps of `coarse` to steps of `fine` radians.
-Turn climbed(const Normalised& a, const Normalised& b, Turn best, double coarse, double fine) {
-  for (double step = coarse; step > fine; step *= 0.5)
-    for (bool moved = true; moved;) {
-      // Take the best of the six neighbours, not the first, so that the ascent is the same from b to a.
-      const Mat3d half = halfOf(best.rotation);
-      Turn next = best;
-      for (int axis = 0; axis < 6; ++axis) {
-        Vec3d v(0.0);
-        v[axis / 2] = axis % 2 ? -step : step;
-        const Turn neighbour = measured(a, b, half * rotationFromVector(v) * half);
-        if (score(neighbour) > score(next)) next = neighbour;
-      }
-      moved = score(next) > score(best) + 1e-3 * step;
-      if (moved) best = next;
-    }
-  return best;
+Turn climbed(const Normalised& a, const Normalised& b, const Turn& start, double coarse, double fine) {
+  return climbRotation(
+      start, coarse, fine, [&](const Mat3d& rotation) { return measured(a, b, rotation); }, score,
+      [](const Turn&, double step) { return 1e-3 * step; });
 }
 
 /// The result of a climb from `start` if it is clearly better, else `start`.

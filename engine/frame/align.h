@@ -28,8 +28,8 @@ struct Turn {
 
 /// The turns worth trying from object a to object b: none; the best of those refined from the 24 proper
 /// assignments of the principal axes, by overlap minus a small price on the angle; and the quarter
-/// turns about `up`, unless that is zero. Only one turn where overlap alone decides. Symmetric: b to a
-/// gives the inverse turns.
+/// turns about `up`, unless that is zero; then the other assignments, which are not likely. Only one turn where
+/// overlap alone decides. Symmetric: b to a gives the inverse turns.
 std::vector<Turn> proposeTurns(const DistanceField& a, const DistanceField& b, const Vec3d& up);
 
 /// Price of a turn: the overlap that must be gained by turning an object. Turns about `up` cost a third of

@@ -1,9 +1,9 @@
 #include "engine/frame/feature_turns.h"
 
+#include "engine/numerics/nearest_rotation.h"
 #include "engine/spine/chart.h"
 
 #include <Eigen/Core>
-#include <Eigen/LU>
 #include <Eigen/SVD>
 
 #include <cmath>
@@ -29,8 +29,8 @@ std::vector<Vec3d> normalised(const std::vector<Vec3d>& points) {
 }
 
 /// Sum of the outer products b a^T.
-Eigen::Matrix3d productOf(const std::vector<Vec3d>& b, const std::vector<Vec3d>& a) {
-  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+Mat3d productOf(const std::vector<Vec3d>& b, const std::vector<Vec3d>& a) {
+  Mat3d sum = Mat3d::zero();
   for (size_t i = 0; i < a.size(); ++i)
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 3; ++c) sum(r, c) += b[i][r] * a[i][c];
@@ -53,14 +53,7 @@ std::vector<Vec3d> pointsOn(const std::vector<Feature>& features, size_t object)
 }
 
 Mat3d rotationOnto(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(productOf(to, from), Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d flip = Eigen::Matrix3d::Identity();
-  flip(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-  const Eigen::Matrix3d fit = svd.matrixU() * flip * svd.matrixV().transpose();
-  Mat3d rotation;
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c) rotation(r, c) = fit(r, c);
-  return rotation;
+  return nearestRotation(productOf(to, from));
 }
 
 double misfit(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to, const Mat3d& rotation) {
@@ -74,7 +67,10 @@ double misfit(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to, cons
 std::vector<Mat3d> turnsOf(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to) {
   if (from.size() < 2) return {};
   const std::vector<Vec3d> a = normalised(from), b = normalised(to);
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(productOf(b, a), Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Mat3d product = productOf(b, a);
+  using Rows = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  const Eigen::Matrix3d matrix = Eigen::Map<const Rows>(product.asPointer());
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Eigen::Vector3d& spread = svd.singularValues();
   if (!(spread[0] > 0)) return {};
   const Mat3d best = rotationOnto(a, b);

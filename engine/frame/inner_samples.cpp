@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace slicemorph {
 
@@ -20,8 +19,6 @@ namespace {
 constexpr int kInnerAlong = 48;
 constexpr size_t kMostInner = 6000;
 constexpr size_t kInnerSamples = 80;
-/// Nodes count that are this much of a spacing outside, at most; and the least share of one.
-constexpr double kInnerOutside = 0.25, kLeastInnerShare = 0.05;
 /// Radii of the inner balls whose volumes are compared, and how softly they end, in root mean square distances.
 constexpr double kBalls[2] = {0.3, 0.6}, kBallEdge = 0.1;
 /// Added to volume shares before their logarithms.
@@ -60,9 +57,7 @@ std::vector<double> sharesOf(const InsideNodes& nodes, const Geodesics& paths) {
     if (!(volume > most)) continue;
     most = volume;
     std::fill(best.begin(), best.end(), 0);
-    for (size_t i : part)
-      if (nodes.depth[i] > -kInnerOutside * nodes.spacing)
-        best[i] = std::max(nodes.share[i], kLeastInnerShare);
+    for (size_t i : part) best[i] = nodes.bodyShare(i);
   }
   return best;
 }
@@ -170,9 +165,7 @@ double distortionFrom(const InnerSamples& a, const InnerSamples& b, const Mat3d&
 }  // namespace
 
 InnerSamples innerSamples(const DistanceField& field) {
-  const openvdb::Coord size = field.size();
-  const InsideNodes nodes(field, kMostInner,
-                          std::max(1, std::max({size[0], size[1], size[2]}) / kInnerAlong));
+  const InsideNodes nodes(field, kMostInner, kInnerAlong);
   InnerSamples samples;
   if (nodes.position.empty()) return samples;
   const Geodesics paths(nodes);

@@ -4,7 +4,6 @@
 #include "engine/match/follow_limbs.h"
 
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
 
 #include <cstdio>
 #include <limits>
@@ -59,17 +58,11 @@ Body bodyOf(const DistanceField& field, const Chart& chart) {
   return body;
 }
 
-Vec3d meanOf(const std::vector<Vec3d>& points) {
-  Vec3d sum(0.0);
-  for (const Vec3d& p : points) sum += p / double(points.size());
-  return sum;
-}
-
 /// The correspondences that a fit of object `from` to object `to` gives: of its nodes and its surface.
 std::vector<Correspondence> pointsOf(const MatchObjects& objects, const std::vector<Body>& bodies,
                                      const ElasticFit& fit, size_t from, size_t to) {
   const BodyGraph& graph = bodies[from].graph;
-  const ElasticFit half = halfWay(graph, fit, 0.5 * (meanOf(graph.position) + meanOf(fit.position)));
+  const ElasticFit half = halfWay(graph, fit);
   const Chart middle = blendCharts(objects.charts, {0.5, 0.5}), rigidMiddle = rigidPart(middle);
   std::vector<Correspondence> points;
   const auto add = [&](const Vec3d& own, const Vec3d& between, const Vec3d& other) {
@@ -112,11 +105,11 @@ DirectedFit bestFit(const std::vector<Body>& bodies, const Start& start) {
   return {std::move(fits[from]), from};
 }
 
-/// Where a matching's map carries the nodes of body k, in the coordinates of the other one.
+/// Where the map of a matching that followed limbs carries the nodes of body k, in the coordinates of the other one.
 std::vector<Vec3d> carriedNodes(const MatchObjects& objects, const std::vector<Body>& bodies,
                                 const Matching& matching, size_t k) {
   std::vector<Vec3d> carriedTo;
-  const MiddleGuess guess(matching.map.lattice, matching.map.of[k]);
+  const MiddleGuess& guess = matching.guesses[k];
   for (const Vec3d& p : bodies[k].graph.position) {
     const Vec3d own = objects.charts[k].toChart(bodies[k].chart.toWorld(p));
     Vec3d s = guess.near(own);
@@ -129,8 +122,10 @@ std::vector<Vec3d> carriedNodes(const MatchObjects& objects, const std::vector<B
 
 }  // namespace
 
-std::optional<Bending> bentOntoEachOther(const MatchObjects& objects, const std::vector<Matching>& starts) {
-  if (objects.count() != 2 || !objects.features.empty() || starts[0].overlap > kNeedsNoBending)
+std::optional<Bending> bentOntoEachOther(
+    const MatchObjects& objects, const Matching& matching,
+    const std::function<const std::vector<Matching>&()>& limbCandidates) {
+  if (objects.count() != 2 || !objects.features.empty() || matching.overlap > kNeedsNoBending)
     return std::nullopt;
   // Charts along curved spines bend the objects already.
   for (const Chart& chart : objects.charts)
@@ -140,17 +135,18 @@ std::optional<Bending> bentOntoEachOther(const MatchObjects& objects, const std:
                     [&](size_t k) { bodies[k] = bodyOf(*objects.shape.fields[k], objects.charts[k]); });
   for (const Body& body : bodies)
     if (body.graph.position.empty()) return std::nullopt;
-  std::optional<DirectedFit> best = bestFit(bodies, [&](size_t k) { return bodies[k].graph.position; });
-  for (const Matching& start : starts) {
-    if (kSure.hold(best->fit) || best->fit.hopeless) break;
-    if (start.limbPoints.empty()) continue;
-    const DirectedFit other =
-        bestFit(bodies, [&](size_t k) { return carriedNodes(objects, bodies, start, k); });
-    if (badness(other.fit) < badness(best->fit)) best = other;
-  }
-  const ElasticFit& fit = best->fit;
-  if (fit.hopeless || !kMost.hold(fit)) return std::nullopt;
-  Bending bending{followBody(objects, starts[0], pointsOf(objects, bodies, fit, best->from, 1 - best->from)),
+  DirectedFit best = bestFit(bodies, [&](size_t k) { return bodies[k].graph.position; });
+  if (best.fit.hopeless) return std::nullopt;
+  if (!kSure.hold(best.fit))
+    for (const Matching& start : limbCandidates()) {
+      if (kSure.hold(best.fit)) break;
+      if (start.limbPoints.empty()) continue;
+      DirectedFit other = bestFit(bodies, [&](size_t k) { return carriedNodes(objects, bodies, start, k); });
+      if (badness(other.fit) < badness(best.fit)) best = std::move(other);
+    }
+  const ElasticFit& fit = best.fit;
+  if (!kMost.hold(fit)) return std::nullopt;
+  Bending bending{followBody(objects, matching, pointsOf(objects, bodies, fit, best.from, 1 - best.from)),
                   kSure.hold(fit)};
   bending.matching.bonus = fit.missed < kCrumpled * fit.strain ? kBentBonus : 0;
   char text[160];

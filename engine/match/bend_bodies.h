@@ -3,6 +3,7 @@
 #include "engine/match/match_objects.h"
 #include "engine/match/matching.h"
 
+#include <functional>
 #include <optional>
 
 namespace slicemorph {
@@ -17,8 +18,9 @@ struct Bending {
 /// whole however far they swing, and points keep their place along them. Nothing for more objects, where features
 /// prescribe where parts go, where the objects lie on each other already, or where bending takes much strain or
 /// leaves parts over. The same whichever of the two is named first.
-/// `starts`: matchings by which the bodies may lie on each other at first, tried where the objects' own positions
-/// leave doubt; they give the map to begin with, too: the first of them.
-std::optional<Bending> bentOntoEachOther(const MatchObjects& objects, const std::vector<Matching>& starts);
+/// `matching`: whose map is changed. `limbCandidates`: matchings that may have followed limbs, by which the bodies may
+/// lie on each other at first; called only where the objects' own positions leave doubt.
+std::optional<Bending> bentOntoEachOther(const MatchObjects& objects, const Matching& matching,
+                                         const std::function<const std::vector<Matching>&()>& limbCandidates);
 
 }  // namespace slicemorph

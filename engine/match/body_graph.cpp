@@ -14,10 +14,8 @@ namespace {
 /// horse_collapse) 24 along the side were as good as 32 and 40.
 constexpr int kAlong = 32;
 constexpr size_t kMostNodes = 2200;
-/// A node counts whose distance from the surface is below this share of the spacing, so that thin limbs have
-/// nodes; and an edge whose middle is.
-constexpr double kNodeOutside = 0.25, kGap = 0.1;
-constexpr double kLeastShare = 0.05;
+/// An edge counts whose middle is outside by no more than this share of the spacing.
+constexpr double kGap = 0.1;
 /// Added to distances in spacings where they are turned into weights of a binding, so that none is infinite.
 constexpr double kSoftest = 0.05;
 
@@ -47,29 +45,26 @@ BodyGraph::Binding BodyGraph::bind(const Vec3d& point) const {
 }
 
 BodyGraph bodyGraph(const DistanceField& field, const Chart& chart) {
-  const openvdb::Coord size = field.size();
-  const int longest = std::max({size[0], size[1], size[2]});
-  const InsideNodes inside(field, kMostNodes, std::max(1, longest / kAlong));
-  const Geodesics ways(inside);
+  const InsideNodes inside(field, kMostNodes, kAlong);
+  const Geodesics paths(inside);
   BodyGraph graph;
   graph.spacing = inside.spacing / chart.meanScale();
   std::vector<int> number(inside.position.size(), -1);
   for (size_t i = 0; i < inside.position.size(); ++i) {
-    if (!(inside.depth[i] > -kNodeOutside * inside.spacing)) continue;
+    if (!(inside.bodyShare(i) > 0)) continue;
     number[i] = int(graph.position.size());
     graph.position.push_back(chart.toChart(inside.position[i]));
-    graph.share.push_back(float(std::max(inside.share[i], kLeastShare)));
   }
   graph.neighbours.resize(graph.position.size());
   for (size_t i = 0; i < inside.position.size(); ++i)
-    for (const Geodesics::Neighbour& n : ways.neighbours(i)) {
+    for (const Geodesics::Neighbour& n : paths.neighbours(i)) {
       if (n.node < i || number[i] < 0 || number[n.node] < 0) continue;
       const Vec3d middle = 0.5 * (inside.position[i] + inside.position[n.node]);
       if (!(field.coarse(middle) < kGap * inside.spacing)) continue;
       const double length = n.distance / inside.spacing;
       const int a = number[i], b = number[n.node];
       const float weight =
-          std::sqrt(graph.share[size_t(a)] * graph.share[size_t(b)]) / float(length * length);
+          std::sqrt(float(inside.bodyShare(i)) * float(inside.bodyShare(n.node))) / float(length * length);
       graph.edges.push_back({a, b, weight});
       graph.neighbours[size_t(a)].push_back(b), graph.neighbours[size_t(b)].push_back(a);
     }

@@ -19,7 +19,6 @@ struct BodyGraph {
   };
 
   std::vector<Vec3d> position;  ///< chart coordinates of the chart given to bodyGraph
-  std::vector<float> share;     ///< of each node's cell, that is inside: 0.05 to 1
   std::vector<Edge> edges;
   double spacing = 1;                        ///< chart units
   std::vector<std::vector<int>> neighbours;  ///< per node

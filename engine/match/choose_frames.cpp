@@ -1,5 +1,6 @@
 #include "engine/match/choose_frames.h"
 
+#include "engine/frame/climb_rotation.h"
 #include "engine/frame/feature_turns.h"
 #include "engine/frame/inner_samples.h"
 #include "engine/frame/spine_frames.h"
@@ -64,26 +65,18 @@ constexpr double kSettledGain = 0.8;
 
 /// A turn moved by small ones to where inner distances are distorted least.
 Turn settled(const InnerSamples& a, const InnerSamples& b, const Turn& start) {
+  struct Placed {
+    Mat3d rotation;
+    double distortion;
+  };
+  const auto at = [&](const Mat3d& rotation) { return Placed{rotation, innerDistortion(a, b, rotation)}; };
+  const Placed before = at(start.rotation);
+  const Placed least = climbRotation(
+      before, 0.3, 0.03, at, [](const Placed& p) { return -p.distortion; },
+      [](const Placed& p, double) { return 1e-3 * p.distortion; });
+  if (!(least.distortion < kSettledGain * before.distortion)) return start;
   Turn turn = start;
-  const double before = innerDistortion(a, b, turn.rotation);
-  double least = before;
-  for (double step = 0.3; step > 0.03; step *= 0.5)
-    for (bool moved = true; moved;) {
-      // The best of the six neighbours, half before and half after: the same from b to a.
-      const Mat3d half = rotationFromVector(0.5 * rotationVector(turn.rotation));
-      moved = false;
-      Mat3d next = turn.rotation;
-      for (int axis = 0; axis < 6; ++axis) {
-        Vec3d v(0.0);
-        v[axis / 2] = axis % 2 ? -step : step;
-        const Mat3d neighbour = half * rotationFromVector(v) * half;
-        const double d = innerDistortion(a, b, neighbour);
-        if (d < 0.999 * least) least = d, next = neighbour, moved = true;
-      }
-      turn.rotation = next;
-    }
-  if (!(least < kSettledGain * before)) return start;
-  turn.angle = rotationVector(turn.rotation).length();
+  turn.rotation = least.rotation, turn.angle = rotationVector(turn.rotation).length();
   return turn;
 }
 

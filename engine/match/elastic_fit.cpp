@@ -1,9 +1,9 @@
 #include "engine/match/elastic_fit.h"
 
 #include "engine/numerics/conjugate_gradients.h"
+#include "engine/numerics/nearest_rotation.h"
 #include "engine/spine/chart.h"
 
-#include <Eigen/Dense>
 #include <nanoflann.hpp>
 
 #include <algorithm>
@@ -17,13 +17,13 @@ namespace {
 
 /// Stiffness against one per sample, from stage to stage, and how far partners may be then, in sizes of the
 /// target (root mean square distance from its middle). Measured on the recorded motions samba and horse_collapse
-/// with known correspondence: .7 and 1.1 % of the diagonal in the mean.
+/// with known correspondence: .7 and 1.5 % of the diagonal in the mean.
 struct Stage {
   double stiffness, reach;
+  bool mayEnd;  ///< whether a fit may be given up after it
 };
-constexpr Stage kStages[] = {{30, 0.9}, {10, 0.6}, {3, 0.45}, {1, 0.3}, {0.3, 0.24}};
-/// From this stiffness on downwards a fit is no longer given up.
-constexpr double kStillStiff = 3;
+constexpr Stage kStages[] = {
+    {30, 0.9, false}, {10, 0.6, true}, {3, 0.45, true}, {1, 0.3, false}, {0.3, 0.24, false}};
 constexpr int kPartnerSteps = 20;  ///< per stage: new partners are looked for
 constexpr int kRounds = 2;         ///< per step: rotations, then positions
 constexpr int kLinearSteps = 30;   ///< of conjugate gradients per round; the next round goes on from there
@@ -36,31 +36,11 @@ constexpr double kLikeNeighbours =
 constexpr double kAround = 0.15, kMostRatio = 1.8;
 constexpr float kHold = 1e-6f;  ///< keeps nodes that nothing else holds where they are
 
-using Matrix = Eigen::Matrix3d;
 using Columns = std::vector<float>;  // three numbers per node
 
-Matrix asEigen(const Mat3d& m) {
-  Matrix e;
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c) e(r, c) = m(r, c);
-  return e;
-}
-
-Mat3d fromEigen(const Matrix& e) {
-  return {e(0, 0), e(0, 1), e(0, 2), e(1, 0), e(1, 1), e(1, 2), e(2, 0), e(2, 1), e(2, 2)};
-}
-
-void addOuter(Matrix& sum, double weight, const Vec3d& a, const Vec3d& b) {
+void addOuter(Mat3d& sum, double weight, const Vec3d& a, const Vec3d& b) {
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) sum(r, c) += weight * a[r] * b[c];
-}
-
-/// The rotation R that maximises the trace of R^T S [Kab76].
-Matrix nearestRotation(const Matrix& s) {
-  const Eigen::JacobiSVD<Matrix> svd(s, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Matrix u = svd.matrixU();
-  if ((u * svd.matrixV().transpose()).determinant() < 0) u.col(2) = -u.col(2);
-  return u * svd.matrixV().transpose();
 }
 
 /// Points for a search of the nearest ones.
@@ -235,17 +215,17 @@ std::vector<Vec3d> offsetsOf(const BodyGraph& graph, const BoundPoints& points,
 
 /// Every node's rotation by how its edges are turned, and by its neighbours' rotations.
 std::vector<Mat3d> fittedRotations(const BodyGraph& graph, const ElasticFit& fit) {
-  std::vector<Matrix> sums(graph.position.size(), Matrix::Zero());
+  std::vector<Mat3d> sums(graph.position.size(), Mat3d::zero());
   for (const BodyGraph::Edge& e : graph.edges) {
     const size_t a = size_t(e.from), b = size_t(e.to);
     const Vec3d before = graph.position[b] - graph.position[a], after = fit.position[b] - fit.position[a];
     addOuter(sums[a], double(e.weight), after, before), addOuter(sums[b], double(e.weight), after, before);
     const double like = kLikeNeighbours * double(e.weight) * before.lengthSqr();
-    sums[a] += like * asEigen(fit.rotation[b]), sums[b] += like * asEigen(fit.rotation[a]);
+    sums[a] += like * fit.rotation[b], sums[b] += like * fit.rotation[a];
   }
   std::vector<Mat3d> rotations(sums.size());
   for (size_t i = 0; i < sums.size(); ++i)
-    rotations[i] = sums[i].squaredNorm() > 0 ? fromEigen(nearestRotation(sums[i])) : fit.rotation[i];
+    rotations[i] = graph.neighbours[i].empty() ? fit.rotation[i] : nearestRotation(sums[i]);
   return rotations;
 }
 
@@ -259,9 +239,14 @@ std::vector<Vec3d> rotatedEdges(const BodyGraph& graph, const std::vector<Mat3d>
   return wanted;
 }
 
+Vec3d meanOf(const std::vector<Vec3d>& points) {
+  Vec3d mean(0.0);
+  for (const Vec3d& p : points) mean += p / double(points.size());
+  return mean;
+}
+
 double sizeOf(const std::vector<Vec3d>& points) {
-  Vec3d middle(0.0);
-  for (const Vec3d& p : points) middle += p / double(points.size());
+  const Vec3d middle = meanOf(points);
   double sum = 0;
   for (const Vec3d& p : points) sum += (p - middle).lengthSqr() / double(points.size());
   return std::sqrt(sum);
@@ -303,30 +288,52 @@ double strainOf(const BodyGraph& graph, const ElasticFit& fit) {
   return weights > 0 ? std::sqrt(sum / weights) : 0;
 }
 
-/// Strain, residual and what is missed, of the fit as it is.
-void measure(const BodyGraph& graph, const OrientedPoints& surface, const BoundPoints& points,
-             const OrientedPoints& target, ElasticFit& fit) {
-  const double size = sizeOf(target.position);
-  fit.rotation = fittedRotations(graph, fit);
-  fit.strain = strainOf(graph, fit);
-  fit.residual = fit.missed = 0;
-  const std::vector<Vec3d> at = carried(graph, points, fit.position, fit.rotation);
-  const std::vector<Vec3d> normals = turnedNormals(surface, points, fit.rotation);
-  const NearestPoints nearSurface(at, graph.spacing), onTarget(target.position, graph.spacing);
-  const auto add = [&](const std::vector<Vec3d>& from, const std::vector<Vec3d>& fromNormals,
-                       const NearestPoints& own, const NearestPoints& to,
-                       const std::vector<Vec3d>& toNormals) {
+/// Both surfaces on each other as a fit has them: the one where it was carried to, and the target.
+class FittedSurfaces {
+ public:
+  FittedSurfaces(const BodyGraph& graph, const OrientedPoints& surface, const BoundPoints& points,
+                 const OrientedPoints& target, const ElasticFit& fit)
+      : at_(carried(graph, points, fit.position, fit.rotation)),
+        normals_(turnedNormals(surface, points, fit.rotation)),
+        target_(target),
+        size_(sizeOf(target.position)),
+        nearSurface_(at_, graph.spacing),
+        nearTarget_(target.position, graph.spacing) {}
+
+  double residual() const {
+    return residualTo(at_, nearTarget_, target_.normal) +
+           residualTo(target_.position, nearSurface_, normals_);
+  }
+  double missed() const {
+    return missedAround(at_, normals_, nearSurface_, nearTarget_, target_.normal) +
+           missedAround(target_.position, target_.normal, nearTarget_, nearSurface_, normals_);
+  }
+
+ private:
+  double residualTo(const std::vector<Vec3d>& from, const NearestPoints& to,
+                    const std::vector<Vec3d>& toNormals) const {
+    double sum = 0;
+    for (const Vec3d& p : from) sum += to.toPlane(p, toNormals);
+    return 0.5 * sum / (double(from.size()) * size_);
+  }
+
+  double missedAround(const std::vector<Vec3d>& from, const std::vector<Vec3d>& fromNormals,
+                      const NearestPoints& own, const NearestPoints& to,
+                      const std::vector<Vec3d>& toNormals) const {
+    size_t missed = 0;
     for (size_t i = 0; i < from.size(); ++i) {
-      const double share = 0.5 / double(from.size());
-      fit.residual += share * to.toPlane(from[i], toNormals) / size;
-      const double here = own.shareAround(from[i], fromNormals[i], fromNormals, kAround * size),
-                   there = to.shareAround(from[i], fromNormals[i], toNormals, kAround * size);
-      if (here > kMostRatio * there || there > kMostRatio * here) fit.missed += share;
+      const double here = own.shareAround(from[i], fromNormals[i], fromNormals, kAround * size_),
+                   there = to.shareAround(from[i], fromNormals[i], toNormals, kAround * size_);
+      missed += here > kMostRatio * there || there > kMostRatio * here;
     }
-  };
-  add(at, normals, nearSurface, onTarget, target.normal);
-  add(target.position, target.normal, onTarget, nearSurface, normals);
-}
+    return 0.5 * double(missed) / double(from.size());
+  }
+
+  std::vector<Vec3d> at_, normals_;
+  const OrientedPoints& target_;
+  double size_;
+  NearestPoints nearSurface_, nearTarget_;
+};
 
 /// Rotation vectors of the nodes, each in the turn (of those that differ by whole ones) nearest to the one of
 /// the neighbour that it was reached from; begun at the node that is turned least.
@@ -402,15 +409,17 @@ ElasticFit fitElastically(const BodyGraph& graph, const OrientedPoints& surface,
                        fit.position);
       }
     }
-    measure(graph, surface, points, target, fit);
-    fit.hopeless =
-        stage.stiffness >= kStillStiff && stage.stiffness < kStages[0].stiffness && fit.residual > hopeless;
-    if (fit.hopeless) break;
+    fit.rotation = fittedRotations(graph, fit);
+    if (!stage.mayEnd) continue;
+    fit.hopeless = FittedSurfaces(graph, surface, points, target, fit).residual() > hopeless;
+    if (fit.hopeless) return fit;
   }
+  const FittedSurfaces fitted(graph, surface, points, target, fit);
+  fit.strain = strainOf(graph, fit), fit.residual = fitted.residual(), fit.missed = fitted.missed();
   return fit;
 }
 
-ElasticFit halfWay(const BodyGraph& graph, const ElasticFit& fit, const Vec3d& middle) {
+ElasticFit halfWay(const BodyGraph& graph, const ElasticFit& fit) {
   ElasticFit half;
   for (const Vec3d& v : consistentVectors(graph, fit.rotation))
     half.rotation.push_back(rotationFromVector(0.5 * v));
@@ -428,11 +437,12 @@ ElasticFit halfWay(const BodyGraph& graph, const ElasticFit& fit, const Vec3d& m
   half.position.resize(graph.position.size());
   for (size_t i = 0; i < half.position.size(); ++i)
     half.position[i] = 0.5 * (graph.position[i] + fit.position[i]);
+  // Edges say nothing of where the whole lies.
+  const Vec3d middle = meanOf(half.position);
   constexpr int kMostSteps = 2000;
   solvePositions(graph, {}, {}, {}, wanted, 1, {kMostSteps, 1e-10}, half.position);
-  Vec3d mean(0.0);
-  for (const Vec3d& p : half.position) mean += p / double(half.position.size());
-  for (Vec3d& p : half.position) p += middle - mean;
+  const Vec3d shift = middle - meanOf(half.position);
+  for (Vec3d& p : half.position) p += shift;
   return half;
 }
 

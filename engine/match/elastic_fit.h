@@ -8,7 +8,7 @@ namespace slicemorph {
 struct ElasticFit {
   std::vector<Vec3d> position;  ///< per node: where it went
   std::vector<Mat3d> rotation;  ///< per node: how it was turned
-  bool hopeless = false;        ///< given up before the end
+  bool hopeless = false;        ///< given up before the end; then the figures below are not set
   double strain = 0;            ///< root mean square of the edges' relative change beyond rotation
   double residual = 0;  ///< mean distance of either surface's samples from the other, in sizes of the target
   /// Share of both surfaces' samples around which one surface has much more area than the other, as where a
@@ -33,14 +33,13 @@ std::vector<Vec3d> carried(const BodyGraph& graph, const BoundPoints& points,
 /// the planes of the nearest points that look the same way, from either surface to the other [CM92]; stiff at
 /// first, then softer. Sliding along the surface costs nothing, so that only what keeps its shape decides where
 /// along a limb a point goes. `start`: position per node; the body's own where it lies on the other already.
-/// `surface`, `target`: samples of both surfaces, in the same coordinates.
-/// `hopeless`: of the residual, while the body is still stiff: beyond it the fit is given up.
+/// `surface`, `target`: samples of both surfaces, in the same coordinates. `hopeless`: the residual beyond which the fit
+/// is given up while the body is still stiff.
 ElasticFit fitElastically(const BodyGraph& graph, const OrientedPoints& surface, const OrientedPoints& target,
                           const std::vector<Vec3d>& start, double hopeless);
 
 /// The body half way between itself and a fit of it: rotations and stretches are halved apart, node by node, and
-/// joined by one least-squares solution [XZWB05]. The same from the other side. `middle`: where the mean of all
-/// nodes is to be.
-ElasticFit halfWay(const BodyGraph& graph, const ElasticFit& fit, const Vec3d& middle);
+/// joined by one least-squares solution [XZWB05]. The same from the other side. Its figures are not set.
+ElasticFit halfWay(const BodyGraph& graph, const ElasticFit& fit);
 
 }  // namespace slicemorph

@@ -90,13 +90,17 @@ Matching bestAfterRounds(const MatchObjects& objects, std::vector<Candidate> can
 Registration registerObjects(const MatchObjects& objects, const TracedObjects& traced, int samples,
                              const Rounds& rounds, Progress& progress) {
   MatchingStart start = startMatching(objects, traced, samples);
+  std::vector<Matching> limbs;
+  const auto byLimbs = [&]() -> std::vector<Matching>& {
+    if (limbs.empty()) limbs = limbCandidates(objects, start.matching);
+    return limbs;
+  };
   std::vector<Candidate> candidates;
-  std::vector<Matching> starts{start.matching};
-  for (Matching& matching : limbCandidates(objects, start.matching)) starts.push_back(std::move(matching));
-  const std::optional<Bending> bent = bentOntoEachOther(objects, starts);
-  if (bent) candidates.push_back({bent->matching, roundsAfterBending(rounds)});
-  for (size_t i = 1; i < starts.size() && !(bent && bent->sure); ++i)
-    candidates.push_back({std::move(starts[i]), rounds});
+  std::optional<Bending> bent = bentOntoEachOther(objects, start.matching, byLimbs);
+  const bool sure = bent && bent->sure;
+  if (bent) candidates.push_back({std::move(bent->matching), roundsAfterBending(rounds)});
+  if (!sure)
+    for (Matching& matching : byLimbs()) candidates.push_back({std::move(matching), rounds});
   Matching best = bestAfterRounds(objects, std::move(candidates), progress);
   return withContradictions(objects, registrationOf(objects, std::move(best), std::move(start)));
 }

@@ -38,7 +38,7 @@ inline const Rounds kQuickRounds{{Round::Kind::kClosest, 0.25, 0.14, 3, 1500},
 inline const Rounds kFollowRounds{{Round::Kind::kClosest, 0.12, 0.06, 2, 6000},
                                   {Round::Kind::kClosest, 0.06, 0.045, 1.5, 8000}};
 
-/// What is left of rounds once bodies were bent onto each other (`elasticMatching`): the two finest.
+/// What is left of rounds once bodies were bent onto each other (`bentOntoEachOther`): the two finest.
 inline Rounds roundsAfterBending(const Rounds& rounds) { return {rounds.end() - 2, rounds.end()}; }
 
 }  // namespace slicemorph

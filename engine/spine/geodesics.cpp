@@ -1,5 +1,6 @@
 #include "engine/spine/geodesics.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -7,9 +8,10 @@
 
 namespace slicemorph {
 
-InsideNodes::InsideNodes(const DistanceField& field, size_t most, int leastStride) {
+InsideNodes::InsideNodes(const DistanceField& field, size_t most, int along) {
   const auto& n = field.size();
-  for (int stride = leastStride; position.empty() || position.size() > most; ++stride) {
+  for (int stride = std::max(1, std::max({n[0], n[1], n[2]}) / along);
+       position.empty() || position.size() > most; ++stride) {
     position.clear(), share.clear(), depth.clear(), at.clear();
     spacing = stride * field.spacing();
     for (int z = 0; z < n[2]; z += stride)
@@ -28,6 +30,11 @@ InsideNodes::InsideNodes(const DistanceField& field, size_t most, int leastStrid
 
 double InsideNodes::volume() const {
   return std::accumulate(share.begin(), share.end(), 0.0) * spacing * spacing * spacing;
+}
+
+double InsideNodes::bodyShare(size_t i) const {
+  constexpr double kOutside = 0.25, kLeast = 0.05;  // of the prototype that chose turns by inner distances
+  return depth[i] > -kOutside * spacing ? std::max(share[i], kLeast) : 0;
 }
 
 Geodesics::Geodesics(const InsideNodes& nodes) : neighbours_(nodes.position.size()) {

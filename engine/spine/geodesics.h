@@ -2,12 +2,15 @@
 
 #include "engine/volume/distance_field.h"
 
+#include <limits>
+
 namespace slicemorph {
 
 /// The inside of an object as points of a coarse regular grid.
 struct InsideNodes {
-  /// At most `most` points: of the field's coarse nodes every `leastStride`-th along each axis, or fewer.
-  explicit InsideNodes(const DistanceField& field, size_t most = 40000, int leastStride = 1);
+  /// At most `most` points, of the field's coarse nodes; `along`: about so many along the longest side, or fewer.
+  explicit InsideNodes(const DistanceField& field, size_t most = 40000,
+                       int along = std::numeric_limits<int>::max());
 
   std::vector<Vec3d> position;     ///< world
   std::vector<double> share;       ///< of each point's cell that is inside, 0 to 1
@@ -16,6 +19,9 @@ struct InsideNodes {
   double spacing = 0;              ///< world units
 
   double volume() const;
+  /// The share of a point that counts for a body's graph: 0 where the point is outside by a quarter of the spacing or
+  /// more, else at least 0.05, so that thin limbs hold together.
+  double bodyShare(size_t i) const;
 };
 
 /// Shortest paths through the inside, along steps between the 26 neighbours of each node (Dijkstra).

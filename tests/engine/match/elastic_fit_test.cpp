@@ -119,7 +119,7 @@ TEST(ElasticFit, AnArmGoesRound) {
 TEST(ElasticFit, HalfWayTheArmHasTurnedByHalf) {
   const double kFrom = 40, swing = 100;
   const Bent bent = bentFigure(kFrom, kFrom + swing, 80);
-  const ElasticFit half = halfWay(bent.graph, bent.fit, Vec3d(0.0));
+  const ElasticFit half = halfWay(bent.graph, bent.fit);
   // Means of the nodes near the elbow and near the hand: in the figure, in the fit and half way.
   struct Ends {
     Vec3d near{0, 0, 0}, far{0, 0, 0};
