@@ -99,14 +99,12 @@ size_t bestByAgreement(const Fields& pair, const std::vector<Turn>& turns, const
   return best;
 }
 
-/// The indices of turns that overlap or the up direction suggest; of all where features left none of these.
-std::vector<size_t> likelyOf(const std::vector<Turn>& turns) {
-  std::vector<size_t> likely, all;
-  for (size_t i = 0; i < turns.size(); ++i) {
-    all.push_back(i);
+/// Those turns that overlap or the up direction suggest; all where there are none of these.
+std::vector<size_t> likelyOf(const std::vector<Turn>& turns, const std::vector<size_t>& among) {
+  std::vector<size_t> likely;
+  for (size_t i : among)
     if (turns[i].likely) likely.push_back(i);
-  }
-  return likely.empty() ? all : likely;
+  return likely.empty() ? among : likely;
 }
 
 /// Turns whose distortion is within this share of the least one are told apart by quick matchings: a rabbit fits
@@ -143,7 +141,7 @@ Turn chooseTurn(const Fields& pair, const std::vector<Turn>& turns, const MorphO
       upright.empty() || (!other.empty() && distortion[other[0]] < kLeavesUpright * distortion[upright[0]]);
   std::vector<size_t> among = leaves ? other : upright;
   if (distortion[among[0]] > (leaves ? kNothingAlikeFreely : kNothingAlike))
-    return turns[bestByAgreement(pair, turns, likelyOf(turns), options, progress)];
+    return turns[bestByAgreement(pair, turns, likelyOf(turns, among), options, progress)];
   const double most = (1 + kUndecided) * distortion[among[0]];
   size_t count = 1;
   while (count < std::min(among.size(), kMostUndecided) && distortion[among[count]] <= most) ++count;
