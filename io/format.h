@@ -11,6 +11,7 @@ namespace slicemorph {
 struct StoredMesh;
 struct Mesh;
 struct Image;
+struct VectorImage;
 struct ImageFile;
 struct ImageOptions;
 struct ContourFile;
@@ -25,6 +26,7 @@ using ImageReader = ImageFile (*)(const InputSpec& input, const ImageOptions& op
 /// All images that an input may mean where it selects none.
 using ImageLister = std::vector<ImageFile> (*)(const InputSpec& input, const ImageOptions& options);
 using ImageWriter = void (*)(const std::string& path, const Image& image);
+using VectorWriter = void (*)(const std::string& path, const VectorImage& image);
 using ContourReader = ContourFile (*)(const std::string& path);
 
 /// A row of the table of formats. Functions that are null are not supported.
@@ -40,6 +42,7 @@ struct Format {
   ImageReader readImage = nullptr;
   ImageLister listImages = nullptr;  ///< null: there is one image, that of readImage
   ImageWriter writeImage = nullptr;
+  VectorWriter writeVectors = nullptr;
   ContourReader readContours = nullptr;
 };
 

@@ -48,8 +48,8 @@ Format mesh(const char* extension, MeshReader read, MeshWriter write, const char
   return format;
 }
 
-Format image(Format format, ImageReader read, ImageWriter write) {
-  format.readImage = read, format.writeImage = write;
+Format image(Format format, ImageReader read, ImageWriter write, VectorWriter writeVectors) {
+  format.readImage = read, format.writeImage = write, format.writeVectors = writeVectors;
   return format;
 }
 
@@ -88,11 +88,11 @@ std::vector<Format> makeFormats() {
   rows.push_back(mesh(".off", readOff, nullptr, "Object File Format"));
   rows.push_back(mesh(".glb", readGlb, writeStillGlb, "binary glTF 2.0, colours of points and materials"));
   rows.push_back(image(row("nifti", C::kImage, {".nii", ".nii.gz"}, {".nii", ".nii.gz"}, "NIfTI-1"),
-                       readNiftiImage, writeNifti));
+                       readNiftiImage, writeNifti, writeNiftiVectors));
   rows.push_back(image(row("nrrd", C::kImage, {".nrrd", ".nhdr"}, {".nrrd"}, "NRRD, attached or detached"),
-                       readNrrdImage, writeNrrd));
+                       readNrrdImage, writeNrrd, writeNrrdVectors));
   rows.push_back(image(row("metaimage", C::kImage, {".mha", ".mhd"}, {".mha"}, "MetaImage"),
-                       readMetaImageFile, writeMetaImage));
+                       readMetaImageFile, writeMetaImage, writeMetaImageVectors));
   rows.push_back(contours(row("csl", C::kContours, {".csl"}, {}, "contours on planes of any direction"),
                           nullptr, readCsl));
   rows.push_back(contours(row("rtstruct", C::kContours, {}, {}, "DICOM RT structure set"), isRtStructureSet,

@@ -111,21 +111,24 @@ double smallestRatio(const Displacements& map, const VectorField& sum, const Gua
   return smallest / (lattice.spacing * lattice.spacing * lattice.spacing);
 }
 
-/// The longest difference of a field's values at the ends of a cell's twelve edges.
-float longestDifference(const VectorField& field, const size_t (&corner)[8]) {
-  float longest = 0;
-  for (int from = 0; from < 8; ++from)
-    for (int bit : {1, 2, 4})
-      if (!(from & bit))
-        longest = std::max(longest, (field[corner[from | bit]] - field[corner[from]]).lengthSqr());
-  return std::sqrt(longest);
+/// The longest difference of a field's values at the ends of a cell's four edges along each axis.
+openvdb::Vec3s longestDifferences(const VectorField& field, const size_t (&corner)[8]) {
+  openvdb::Vec3s longest(0.f);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int from = 0; from < 8; ++from)
+      if (!(from & 1 << axis))
+        longest[axis] =
+            std::max(longest[axis], (field[corner[from | 1 << axis]] - field[corner[from]]).lengthSqr());
+    longest[axis] = std::sqrt(longest[axis]);
+  }
+  return longest;
 }
 
-/// How long those differences may be, in spacings, for a map that surely squeezes no tetrahedron below `floor`.
-/// A Kuhn tetrahedron has an edge along each axis, so the differences are the columns of the displacement's
-/// gradient G; det(I + G) >= (1 - |G|)^3, and |G| <= sqrt(3) times the longest column. Rounding takes far less
-/// than the thousandth that is kept back.
-double harmlessDifference(double floor) { return 0.999 * (1 - std::cbrt(floor)) / std::sqrt(3.0); }
+/// How long the vector of those differences may be, in spacings, for a map that surely squeezes no tetrahedron below
+/// `floor`. A Kuhn tetrahedron has an edge along each axis, so the differences are the columns of the displacement's
+/// gradient G; det(I + G) >= (1 - |G|)^3, and |G| is no more than the root of the columns' squares. Rounding takes
+/// far less than the thousandth that is kept back.
+double harmlessDifference(double floor) { return 0.999 * (1 - std::cbrt(floor)); }
 
 /// Cells with a suspect corner that some guarded map squeezes below the floor.
 std::vector<char> foldedCells(const Displacements& map, const std::vector<Guarded>& guarded, double floor,
@@ -140,12 +143,13 @@ std::vector<char> foldedCells(const Displacements& map, const std::vector<Guarde
     for (int c = 0; c < 8; ++c) corner[c] = lattice.corner(x, y, z, c), any |= suspect[corner[c]] != 0;
     if (!any) return;
     char& result = folded[corner[0]];
-    const double ofSum = longestDifference(sum, corner);
-    double ofOwn = 0;
+    const openvdb::Vec3s ofSum = longestDifferences(sum, corner);
+    openvdb::Vec3s ofOwn(0.f);
     for (size_t w = 0; w < guarded.size() && !result; ++w) {
       const Guarded& g = guarded[w];
-      if (w == 0 || g.object != guarded[w - 1].object) ofOwn = longestDifference(map.of[g.object], corner);
-      if (std::abs(g.own) * ofOwn + std::abs(g.all) * ofSum <= harmless) continue;
+      if (w == 0 || g.object != guarded[w - 1].object) ofOwn = longestDifferences(map.of[g.object], corner);
+      const Vec3d most = std::abs(g.own) * Vec3d(ofOwn) + std::abs(g.all) * Vec3d(ofSum);
+      if (most.lengthSqr() <= harmless * harmless) continue;
       result = smallestRatio(map, sum, g, x, y, z) < floor;
     }
   });

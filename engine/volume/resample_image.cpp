@@ -42,6 +42,14 @@ class Straight {
   Vec3d origin_, step_[3];
 };
 
+/// The value of the voxel nearest to voxel coordinates; 0 outside.
+template <typename T>
+T nearestValue(const ImageLattice& lattice, const std::vector<T>& values, const Vec3d& at) {
+  const openvdb::Coord v = openvdb::Coord::floor(at + Vec3d(0.5)), n = lattice.size;
+  const bool inside = v[0] >= 0 && v[1] >= 0 && v[2] >= 0 && v[0] < n[0] && v[1] < n[1] && v[2] < n[2];
+  return inside ? values[lattice.index(v[0], v[1], v[2])] : T(0);
+}
+
 }  // namespace
 
 Image resampledTo(const Image& image, const ImageLattice& on) {
@@ -68,19 +76,37 @@ Image nearestTo(const Image& labels, const ImageLattice& on) {
   return std::visit(
       [&](const auto& values) {
         using T = typename std::decay_t<decltype(values)>::value_type;
-        std::vector<T> out(on.count(), T(0));
-        const openvdb::Coord n = labels.lattice.size;
+        std::vector<T> out(on.count());
         tbb::parallel_for(0, on.size[2], [&](int k) {
           for (int j = 0; j < on.size[1]; ++j)
-            for (int i = 0; i < on.size[0]; ++i) {
-              const openvdb::Coord v = openvdb::Coord::floor(straight.at(i, j, k) + Vec3d(0.5));
-              if (v[0] >= 0 && v[1] >= 0 && v[2] >= 0 && v[0] < n[0] && v[1] < n[1] && v[2] < n[2])
-                out[on.index(i, j, k)] = values[labels.lattice.index(v[0], v[1], v[2])];
-            }
+            for (int i = 0; i < on.size[0]; ++i)
+              out[on.index(i, j, k)] = nearestValue(labels.lattice, values, straight.at(i, j, k));
         });
         return Image{on, std::move(out)};
       },
       labels.values);
+}
+
+Image sampledAt(const Image& image, const ImageLattice& on,
+                const std::function<std::vector<Vec3d>(int k)>& positions, bool nearest) {
+  const WorldToVoxel voxel(image.lattice);
+  return std::visit(
+      [&](const auto& values) {
+        using T = typename std::decay_t<decltype(values)>::value_type;
+        const ImageSampler<T> sampler(image.lattice, values);
+        std::vector<T> out(on.count());
+        for (int k = 0; k < on.size[2]; ++k) {
+          const std::vector<Vec3d> at = positions(k);
+          T* const slice = &out[on.index(0, 0, k)];
+          tbb::parallel_for(size_t(0), at.size(), [&](size_t i) {
+            const Vec3d v = voxel(at[i]);
+            slice[i] = nearest ? nearestValue(image.lattice, values, v)
+                               : storedValue<T>(double(sampler(openvdb::Vec3s(v))));
+          });
+        }
+        return Image{on, std::move(out)};
+      },
+      image.values);
 }
 
 }  // namespace slicemorph

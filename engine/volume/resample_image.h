@@ -2,6 +2,9 @@
 
 #include "slicemorph/image.h"
 
+#include <functional>
+#include <vector>
+
 namespace slicemorph {
 
 /// An image resampled at the voxels of another lattice, trilinear; outside the image its lowest value. Exact
@@ -10,5 +13,11 @@ Image resampledTo(const Image& image, const ImageLattice& on);
 
 /// A label map at the voxels of another lattice: the nearest voxel's label, 0 outside the map.
 Image nearestTo(const Image& labels, const ImageLattice& on);
+
+/// An image at any positions: at the voxels (.., .., k) of `on`, i fastest, the values at the world points that
+/// `positions(k)` gives for them. `nearest`: the nearest voxel's value, 0 outside, as of label maps; else trilinear,
+/// outside the lowest value.
+Image sampledAt(const Image& image, const ImageLattice& on,
+                const std::function<std::vector<Vec3d>(int k)>& positions, bool nearest);
 
 }  // namespace slicemorph

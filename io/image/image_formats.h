@@ -1,6 +1,7 @@
 #pragma once
 
 #include "slicemorph/io/image_file.h"
+#include "slicemorph/io/image_writer.h"
 
 #include <string>
 #include <vector>
@@ -27,5 +28,9 @@ std::vector<ImageFile> listStackImages(const InputSpec& input, const ImageOption
 void writeNifti(const std::string& path, const Image& image);
 void writeNrrd(const std::string& path, const Image& image);
 void writeMetaImage(const std::string& path, const Image& image);
+/// As writeVectors.
+void writeNiftiVectors(const std::string& path, const VectorImage& image);
+void writeNrrdVectors(const std::string& path, const VectorImage& image);
+void writeMetaImageVectors(const std::string& path, const VectorImage& image);
 
 }  // namespace slicemorph

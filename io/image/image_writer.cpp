@@ -113,23 +113,42 @@ void quaternionOf(const Mat3d& r, float q[3]) {
   q[0] = float(sign * b), q[1] = float(sign * c), q[2] = float(sign * d);
 }
 
-nifti_1_header niftiHeader(const std::string& path, const Image& image) {
-  const ImageLattice& lattice = image.lattice;
+/// What a file holds: numbers or vectors on a lattice.
+struct Voxels {
+  const ImageLattice& lattice;
+  TypeNames names;
+  size_t bytes;          ///< of a number
+  bool vectors = false;  ///< three numbers a voxel
+  std::string meaning;   ///< one line; empty: nothing to say
+};
+
+Voxels voxelsOf(const Image& image) {
+  return {image.lattice, namesOf(image.values), size_t(rawTypeOf(image.values).bytes), false, {}};
+}
+
+Voxels voxelsOf(const VectorImage& image) {
+  return {image.lattice, namesOf(std::vector<float>()), sizeof(float), true, image.meaning};
+}
+
+nifti_1_header niftiHeader(const std::string& path, const Voxels& voxels) {
+  const ImageLattice& lattice = voxels.lattice;
   nifti_1_header h = {};
   h.sizeof_hdr = 348;
-  h.dim[0] = 3, h.dim[4] = h.dim[5] = h.dim[6] = h.dim[7] = 1;
+  h.dim[0] = voxels.vectors ? 5 : 3, h.dim[4] = h.dim[5] = h.dim[6] = h.dim[7] = 1;
+  if (voxels.vectors) h.dim[5] = 3, h.intent_code = NIFTI_INTENT_VECTOR;
   for (int d = 0; d < 3; ++d) {
     if (lattice.size[d] > std::numeric_limits<short>::max())
       throw InputError(path, "NIfTI holds at most 32767 voxels along an axis, not " +
                                  std::to_string(lattice.size[d]) + "; use .nrrd or .mha");
     h.dim[d + 1] = short(lattice.size[d]);
   }
-  h.datatype = namesOf(image.values).nifti;
-  h.bitpix = short(8 * rawTypeOf(image.values).bytes);
+  h.datatype = voxels.names.nifti;
+  h.bitpix = short(8 * voxels.bytes);
   h.vox_offset = 352;
   h.scl_slope = 1;
   h.xyzt_units = NIFTI_UNITS_MM;
-  std::strncpy(h.descrip, "slicemorph", sizeof h.descrip - 1);
+  const std::string description = voxels.meaning.empty() ? "slicemorph" : "slicemorph: " + voxels.meaning;
+  std::strncpy(h.descrip, description.c_str(), sizeof h.descrip - 1);
   std::memcpy(h.magic, "n+1", 4);
   // LPS to RAS.
   Vec3d step[3], origin = lattice.origin;
@@ -162,39 +181,75 @@ nifti_1_header niftiHeader(const std::string& path, const Image& image) {
   return h;
 }
 
-std::string nrrdText(const Image& image) {
-  const ImageLattice& l = image.lattice;
-  std::string text = "NRRD0004\n# written by slicemorph\ntype: " + std::string(namesOf(image.values).nrrd) +
-                     "\ndimension: 3\nspace: left-posterior-superior\nsizes: " + std::to_string(l.size[0]) +
-                     " " + std::to_string(l.size[1]) + " " + std::to_string(l.size[2]) +
-                     "\nspace directions:";
+std::string nrrdText(const Voxels& voxels) {
+  const ImageLattice& l = voxels.lattice;
+  const bool vectors = voxels.vectors;
+  std::string text = "NRRD0004\n# written by slicemorph\n";
+  if (!voxels.meaning.empty()) text += "content: " + voxels.meaning + "\n";
+  text += "type: " + std::string(voxels.names.nrrd) + "\ndimension: " + (vectors ? "4" : "3") +
+          "\nspace: left-posterior-superior\nsizes: " + (vectors ? "3 " : "") + std::to_string(l.size[0]) +
+          " " + std::to_string(l.size[1]) + " " + std::to_string(l.size[2]) +
+          "\nspace directions:" + (vectors ? " none" : "");
   for (const Vec3d& s : l.step) text += " (" + numbersText(s, ",") + ")";
-  return text + "\nkinds: domain domain domain\nendian: little\nencoding: gzip\nspace origin: (" +
+  return text + "\nkinds: " + (vectors ? "vector " : "") +
+         "domain domain domain\nendian: little\nencoding: gzip\nspace origin: (" +
          numbersText(l.origin, ",") + ")\n\n";
 }
 
-std::string metaImageText(const Image& image) {
-  const ImageLattice& l = image.lattice;
+std::string metaImageText(const Voxels& voxels) {
+  const ImageLattice& l = voxels.lattice;
   const Vec3d spacing = l.spacing();
-  std::string text =
-      "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = "
+  std::string text = "ObjectType = Image\nNDims = 3\n";
+  if (!voxels.meaning.empty()) text += "Comment = " + voxels.meaning + "\n";
+  text +=
+      "BinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = "
       "True\nTransformMatrix =";
   for (int d = 0; d < 3; ++d) text += " " + numbersText(l.step[d] / spacing[d], " ");
   return text + "\nOffset = " + numbersText(l.origin, " ") +
          "\nCenterOfRotation = 0 0 0\nElementSpacing = " + numbersText(spacing, " ") +
          "\nDimSize = " + std::to_string(l.size[0]) + " " + std::to_string(l.size[1]) + " " +
-         std::to_string(l.size[2]) + "\nElementType = " + namesOf(image.values).meta +
-         "\nElementDataFile = LOCAL\n";
+         std::to_string(l.size[2]) + (voxels.vectors ? "\nElementNumberOfChannels = 3" : "") +
+         "\nElementType = " + voxels.names.meta + "\nElementDataFile = LOCAL\n";
 }
 
 /// A header, followed by all values as one compressed stream.
-void writePacked(const std::string& path, const std::string& header, const Image& image,
+void writePacked(const std::string& path, const std::string& header, std::string_view values,
                  Packer::Wrapper wrapper) {
   AtomicFile file(path);
   file.write(header);
   Packer packer(file, wrapper);
-  packer.add(bytesOf(image.values));
+  packer.add(values);
   packer.finish();
+  file.commit();
+}
+
+std::string_view bytesOf(const std::vector<float>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float)};
+}
+
+/// All first components, then all second and third ones, as NIfTI has them; interleaved for the others.
+std::vector<float> numbersOf(const VectorImage& image, bool interleaved) {
+  const size_t n = image.vectors.size();
+  std::vector<float> numbers(3 * n);
+  for (size_t i = 0; i < n; ++i)
+    for (size_t d = 0; d < 3; ++d) numbers[interleaved ? 3 * i + d : d * n + i] = image.vectors[i][int(d)];
+  return numbers;
+}
+
+void writeNiftiVoxels(const std::string& path, const Voxels& voxels, std::string_view values) {
+  const nifti_1_header header = niftiHeader(path, voxels);
+  const std::string head =
+      std::string(reinterpret_cast<const char*>(&header), sizeof header) + std::string(4, '\0');
+  AtomicFile file(path);
+  if (fullExtensionOf(path) == ".nii") {
+    file.write(head);
+    file.write(values);
+  } else {
+    Packer packer(file, Packer::kGzip);
+    packer.add(head);
+    packer.add(values);
+    packer.finish();
+  }
   file.commit();
 }
 
@@ -206,28 +261,27 @@ bool isImageOutput(const std::string& path) {
 }
 
 void writeNifti(const std::string& path, const Image& image) {
-  const nifti_1_header header = niftiHeader(path, image);
-  const std::string head =
-      std::string(reinterpret_cast<const char*>(&header), sizeof header) + std::string(4, '\0');
-  AtomicFile file(path);
-  if (fullExtensionOf(path) == ".nii") {
-    file.write(head);
-    file.write(bytesOf(image.values));
-  } else {
-    Packer packer(file, Packer::kGzip);
-    packer.add(head);
-    packer.add(bytesOf(image.values));
-    packer.finish();
-  }
-  file.commit();
+  writeNiftiVoxels(path, voxelsOf(image), bytesOf(image.values));
 }
 
 void writeNrrd(const std::string& path, const Image& image) {
-  writePacked(path, nrrdText(image), image, Packer::kGzip);
+  writePacked(path, nrrdText(voxelsOf(image)), bytesOf(image.values), Packer::kGzip);
 }
 
 void writeMetaImage(const std::string& path, const Image& image) {
-  writePacked(path, metaImageText(image), image, Packer::kZlib);
+  writePacked(path, metaImageText(voxelsOf(image)), bytesOf(image.values), Packer::kZlib);
+}
+
+void writeNiftiVectors(const std::string& path, const VectorImage& image) {
+  writeNiftiVoxels(path, voxelsOf(image), bytesOf(numbersOf(image, false)));
+}
+
+void writeNrrdVectors(const std::string& path, const VectorImage& image) {
+  writePacked(path, nrrdText(voxelsOf(image)), bytesOf(numbersOf(image, true)), Packer::kGzip);
+}
+
+void writeMetaImageVectors(const std::string& path, const VectorImage& image) {
+  writePacked(path, metaImageText(voxelsOf(image)), bytesOf(numbersOf(image, true)), Packer::kZlib);
 }
 
 void writeImage(const std::string& path, const Image& image) {
@@ -235,6 +289,13 @@ void writeImage(const std::string& path, const Image& image) {
   if (!format || !format->writeImage)
     throw InputError(path, "cannot write an image of this extension; use " + writableList(Contents::kImage));
   format->writeImage(path, image);
+}
+
+void writeVectors(const std::string& path, const VectorImage& image) {
+  const Format* format = formatToWrite(path);
+  if (!format || !format->writeVectors)
+    throw InputError(path, "cannot write vectors with this extension; use " + writableList(Contents::kImage));
+  format->writeVectors(path, image);
 }
 
 }  // namespace slicemorph

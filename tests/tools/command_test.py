@@ -179,13 +179,13 @@ WORKS = [
     ("convert to stl", "convert {d}/a.vdb -o {o}/m.stl", 0, "", "m.stl"),
     ("morph", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frames 3 --resolution 24", 0, "",
      ["m.0001.vdb", "m.0002.vdb", "m.0003.vdb"]),
-    ("morph quiet", "morph {d}/a.obj {d}/b.obj -o {o}/m.vdb --at 0.5 --resolution 24 --quiet", 0, "^$", "^$"),
+    ("morph quiet", "morph {d}/a.obj {d}/b.obj -o {o}/m.vdb --at 0.5 --resolution 24 --method sdf --quiet", 0, "^$", "^$"),
     ("morph of three", "morph {d}/a.obj {d}/b.obj {d}/a.vdb -o {o}/m.obj --weights 0.2,0.3,0.5 --resolution 24", 0, "",
      "m.obj"),
-    ("weights sum", "morph {d}/a.obj {d}/b.obj -o {o}/m.obj --weights 1,3 --resolution 24", 0,
+    ("weights sum", "morph {d}/a.obj {d}/b.obj -o {o}/m.obj --weights 1,3 --resolution 24 --method sdf", 0,
      "note: --weights 1,3 sum to 4: taken as 0.25,0.75", "m.obj"),
     ("morph by keys", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.obj --keys b@0,a@0.5,b@1 --timing catmull-rom --ease in-out "
-     "--frames 3 --resolution 24", 0, "", ["m.0001.obj", "m.0003.obj"]),
+     "--frames 3 --resolution 24 --method sdf", 0, "", ["m.0001.obj", "m.0003.obj"]),
     ("sdf", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.stl --frames 2 --resolution 24 --method sdf", 0, "", "m.0002.stl"),
     ("levelset", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.ply --frames 3 --resolution 24 --method levelset", 0, "",
      "m.0003.ply"),
@@ -445,7 +445,7 @@ def report_holds(d, o):
 def resume_keeps_frames(d, o):
     """An interrupted sequence is continued: only missing frames are made, and the log is removed."""
     folders = {"d": d, "o": o}
-    words = "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frames 60 --resolution 48"
+    words = "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frames 60 --resolution 48 --method sdf"
     command = [PROGRAM] + [w.format(**folders) for w in words.split()]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                                universal_newlines=True)
@@ -470,7 +470,7 @@ def resume_keeps_frames(d, o):
         problems.append("frame 1 was made again")
     if len(os.listdir(o)) != 60:
         problems.append("expected 60 files: %s" % sorted(os.listdir(o)))
-    result = run(words.replace("48", "40") + " --resume", folders)
+    result = run(words.replace("resolution 48", "resolution 40") + " --resume", folders)
     if "(kept)" in result.stdout:
         problems.append("frames of other settings were kept")
     return problems

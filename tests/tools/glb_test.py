@@ -230,15 +230,15 @@ def case_still(folder):
     glb = Glb(folder + "/a.glb")
     assert "animations" not in glb.json and "scale" not in glb.nodes[0]
     check_normals(*glb.at(0))
-    run("morph", ASSETS + "/blade.ply", ASSETS + "/ring.ply", "-o", folder + "/f.##.glb", "--frames", 2, "--resolution", 32)
-    run("morph", ASSETS + "/blade.ply", ASSETS + "/ring.ply", "-o", folder + "/half.glb", "--at", 0.5, "--resolution", 32)
+    run("morph", ASSETS + "/blade.ply", ASSETS + "/ring.ply", "-o", folder + "/f.##.glb", "--frames", 2, "--method", "sdf", "--resolution", 32)
+    run("morph", ASSETS + "/blade.ply", ASSETS + "/ring.ply", "-o", folder + "/half.glb", "--at", 0.5, "--method", "sdf", "--resolution", 32)
     for name in ("f.01", "f.02", "half"):
         assert len(Glb(folder + "/%s.glb" % name).nodes) == 1
 
 
 def case_space(folder):
     """Z up and millimetres: points are unchanged, the node above them turns and scales."""
-    words = ["morph", ASSETS + "/blade.ply", ASSETS + "/ring.ply", "--at", 0.5, "--resolution", 32]
+    words = ["morph", ASSETS + "/blade.ply", ASSETS + "/ring.ply", "--at", 0.5, "--method", "sdf", "--resolution", 32]
     run(*words, "-o", folder + "/a.glb")
     run(*words, "-o", folder + "/b.glb", "--glb-up", "z", "--glb-unit", "mm")
     a, b = Glb(folder + "/a.glb"), Glb(folder + "/b.glb")

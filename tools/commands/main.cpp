@@ -1,4 +1,5 @@
 #include "slicemorph/errors.h"
+#include "tools/commands/apply_command.h"
 #include "tools/commands/compare_command.h"
 #include "tools/commands/convert_command.h"
 #include "tools/commands/info_command.h"
@@ -36,6 +37,7 @@ int run(int argc, char** argv) {
   program.require_subcommand(1);
   program.get_formatter()->column_width(34);
   slicemorph::addMorphCommand(program);
+  slicemorph::addApplyCommand(program);
   slicemorph::addConvertCommand(program);
   slicemorph::addCompareCommand(program);
   slicemorph::addInfoCommand(program);

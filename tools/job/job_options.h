@@ -17,7 +17,7 @@ struct JobOptions {
   // Inputs
   std::vector<std::string> inputs;  ///< of commands that take any number
   std::string input, other;         ///< of commands that take one; the second of `compare`
-  std::string iso, imageKind = "auto", spacing, upright = "y", unit = "m";
+  std::string iso, imageKind = "auto", spacing, upright = "auto", glbUp = "y", unit = "m";
   LoadOptions load;
 
   // Shape and matching
@@ -34,8 +34,10 @@ struct JobOptions {
   std::string velocity = "vel", velocityUnit = "second";
   bool conserve = false, addVelocity = false, json = false;
   std::vector<std::string> reports;
-  int every = 0, between = 0;  ///< of `reconstruct`; 0: not given
-  double sliceTime = 0;        ///< of `slice`
+  int every = 0, between = 0;       ///< of `reconstruct`; 0: not given
+  double sliceTime = 0;             ///< of `slice`
+  double fromTime = 0, toTime = 1;  ///< of `apply`, as the next one
+  bool field = false;
 
   // Pictures
   std::string exrContent = "picture";

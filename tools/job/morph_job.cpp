@@ -5,6 +5,7 @@
 #include "tools/job/load_settings.h"
 #include "tools/job/morph_checks.h"
 #include "tools/job/option_values.h"
+#include "tools/job/plan_settings.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,24 +13,10 @@
 namespace slicemorph {
 namespace {
 
-/// Most voxels along the longest side of shapes found in fog, where the shape only steers the map. Set by
-/// hand: finer shapes cost time and do not help the matching, which works on coarser lattices.
-constexpr int kFogResolution = 160;
-
 Timing timingOf(const std::string& name) {
   return name == "smoothstep"    ? Timing::kSmoothstep
          : name == "catmull-rom" ? Timing::kCatmullRom
                                  : Timing::kLinear;
-}
-
-ContourPath pathOf(const std::string& name) {
-  return name == "hermite"     ? ContourPath::kHermite
-         : name == "intrinsic" ? ContourPath::kIntrinsic
-                               : ContourPath::kLinear;
-}
-
-SpineKind spineOf(const std::string& name) {
-  return name == "straight" ? SpineKind::kStraight : name == "curved" ? SpineKind::kCurved : SpineKind::kAuto;
 }
 
 /// Times of the frames: evenly from 0 to 1, or those of --at.
@@ -117,14 +104,6 @@ MorphJob withWeights(MorphJob job, const OptionSet& options) {
   return job;
 }
 
-std::vector<Landmark> landmarksOf(const OptionSet& options, const std::string& name,
-                                  const std::string& text) {
-  // --print-config reads no files.
-  if (options.values().printConfig && text.find('=') == std::string::npos) return {};
-  return options.about(name,
-                       [&] { return readLandmarks("--" + name, text, options.values().inputs.size()); });
-}
-
 /// Sets features, regions and landmarks.
 MorphJob withGuidance(MorphJob job, const OptionSet& options) {
   const JobOptions& given = options.values();
@@ -135,36 +114,19 @@ MorphJob withGuidance(MorphJob job, const OptionSet& options) {
     s.plan.regions = job.tables.regions = guidance.regions;
     job.notes.insert(job.notes.end(), guidance.notes.begin(), guidance.notes.end());
   }
-  s.landmarks = landmarksOf(options, "landmarks", given.landmarks);
-  s.checkLandmarks = landmarksOf(options, "check-landmarks", given.checkLandmarks);
+  s.landmarks = landmarksOf(options, "landmarks", given.landmarks, s.inputs.size());
+  s.checkLandmarks = landmarksOf(options, "check-landmarks", given.checkLandmarks, s.inputs.size());
   for (const Feature& feature : featuresOf(s.landmarks)) s.plan.features.push_back(feature);
   return job;
 }
 
 LoadOptions loadingOf(const MorphSettings& s, const OptionSet& options) {
   LoadOptions load = loadSettings(options);
-  if (!load.isosByInput.empty() && load.isosByInput.size() != s.inputs.size())
-    options.refuse("iso", "--iso names values for " + std::to_string(load.isosByInput.size()) +
-                              " inputs of " + std::to_string(s.inputs.size()) +
-                              "; give one for all or one for each, for example --iso 300/250");
+  checkIsos(load, options, s.inputs.size());
   // The shape found in fog only steers the map unless the surface itself is wanted.
   if (s.holdsGrids() && !std::count(s.grids.begin(), s.grids.end(), "surface"))
     load.fogResolution = kFogResolution;
   return load;
-}
-
-MorphOptions planOf(const OptionSet& options, bool images) {
-  const JobOptions& given = options.values();
-  MorphOptions plan = given.plan;
-  plan.voxelSize = given.load.voxelSize;
-  plan.path = pathOf(given.interpolation);
-  if (given.axis != "auto")
-    plan.axis = options.about("axis", [&] { return parseDirection("--axis", given.axis); });
-  plan.spine = spineOf(given.spine);
-  plan.align = given.align == "none" ? Align::kNone : Align::kAuto;
-  // Images state how they lie in space, so no turns about an upright axis are preferred.
-  plan.up = images ? Vec3d(0.0) : given.upright == "z" ? Vec3d(0, 0, 1) : Vec3d(0, 1, 0);
-  return plan;
 }
 
 VelocitySettings velocityOf(const OptionSet& options, const MorphSettings& s, bool images) {
@@ -188,8 +150,8 @@ MorphSettings plainSettings(const OptionSet& options) {
   const bool images = std::all_of(s.inputs.begin(), s.inputs.end(), isImageInput);
   s.velocity = velocityOf(options, s, images);
   s.load = loadingOf(s, options);
-  s.plan = planOf(options, images);
-  s.glb.zUp = given.upright == "z";
+  s.plan = planSettings(options, images);
+  s.glb.zUp = given.glbUp == "z";
   s.glb.metres = given.unit == "mm" ? 1e-3 : given.unit == "cm" ? 1e-2 : 1;
   s.picture = checkedPicture(options), s.exrSlices = checkedSlices(options, "exr-");
   s.pictureOptions = options.givenFor(OptionTarget::kPictures);

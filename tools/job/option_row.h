@@ -28,6 +28,7 @@ enum Command : unsigned {
   kRender = 16,
   kCompare = 32,
   kInfo = 64,
+  kApply = 128,
 };
 
 /// The field that a row is bound to; none for tables that only files have.

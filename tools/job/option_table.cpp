@@ -1,6 +1,7 @@
 #include "tools/job/option_table.h"
 
 #include "io/exr/exr_slice_writer.h"
+#include "io/points/position_file.h"
 #include "slicemorph/io/formats.h"
 
 #include <utility>
@@ -51,7 +52,8 @@ class Row {
   OptionRow row_;
 };
 
-constexpr unsigned kVoxelisers = kMorph | kSlice | kConvert | kRender | kCompare;
+constexpr unsigned kMatchers = kMorph | kApply;
+constexpr unsigned kVoxelisers = kMatchers | kSlice | kConvert | kRender | kCompare;
 
 std::string readableShapes() {
   return readableList(Contents::kGrids) + " (file.vdb:grid picks a grid) " + readableList(Contents::kMesh);
@@ -62,6 +64,12 @@ std::string readableImages() {
 }
 
 std::string writableShapes() { return writableList(Contents::kGrids) + " " + writableList(Contents::kMesh); }
+
+std::string positionFiles() {
+  std::string list;
+  for (const std::string& extension : positionExtensions()) list += (list.empty() ? "" : " ") + extension;
+  return list;
+}
 
 Rows inputRows() {
   const std::string shapes = readableShapes(), images = readableImages();
@@ -95,8 +103,21 @@ Rows inputRows() {
           .required(),
       Row(kCompare, "a", at<&J::input>, "", "Shape: " + shapes).positional("A").required(),
       Row(kCompare, "b", at<&J::other>, "", "Shape to compare with A").positional("B").required(),
-      Row(kMorph, "glb-up", at<&J::upright>, "",
-          "The inputs' axis that points up: what stands is turned about it, and .glb, where Y is up, says so")
+      Row(kApply, "inputs", at<&J::inputs>, "",
+          "Two or more objects, as for `morph`, and then WHAT is to be carried from the one to the other: "
+          "points, "
+          "meshes, curves (" +
+              positionFiles() + "; everything but positions is kept) or an image: " + images +
+              "; with --field only the objects")
+          .positional("INPUT")
+          .basic(),
+      Row(kMatchers, "upright", at<&J::upright>, "",
+          "The inputs' axis that points up: objects are turned about it rather than laid down; none: they "
+          "lie anyhow")
+          .oneOf({"auto", "x", "y", "z", "none"})
+          .fallback("as --glb-up says; none for images")
+          .basic(),
+      Row(kMorph, "glb-up", at<&J::glbUp>, "", "The inputs' axis that points up, for .glb, where it is Y")
           .oneOf({"y", "z"}),
       Row(kMorph, "glb-unit", at<&J::unit>, "", "The inputs' unit, for .glb, which is in metres")
           .oneOf({"m", "cm", "mm"}),
@@ -139,20 +160,21 @@ Rows shapeRows() {
 
 Rows matchingRows() {
   return {
-      Row(kMorph, "slices", at<&J::plan, &MorphOptions::slices>, "N", "Slices per object").range(8, 1024),
-      Row(kMorph, "samples", at<&J::plan, &MorphOptions::samples>, "N", "Points per contour").range(16, 4096),
-      Row(kMorph, "axis", at<&J::axis>, "auto|x|y|z|DX,DY,DZ", "Slicing direction of the first input"),
-      Row(kMorph, "spine", at<&J::spine>, "", "Line that the slices follow")
+      Row(kMatchers, "slices", at<&J::plan, &MorphOptions::slices>, "N", "Slices per object").range(8, 1024),
+      Row(kMatchers, "samples", at<&J::plan, &MorphOptions::samples>, "N", "Points per contour")
+          .range(16, 4096),
+      Row(kMatchers, "axis", at<&J::axis>, "auto|x|y|z|DX,DY,DZ", "Slicing direction of the first input"),
+      Row(kMatchers, "spine", at<&J::spine>, "", "Line that the slices follow")
           .oneOf({"auto", "straight", "curved"}),
-      Row(kMorph, "align", at<&J::align>, "", "none keeps world positions and directions")
+      Row(kMatchers, "align", at<&J::align>, "", "none keeps world positions and directions")
           .oneOf({"auto", "none"})
           .basic(),
-      Row(kMorph, "interpolation", at<&J::interpolation>, "",
+      Row(kMatchers, "interpolation", at<&J::interpolation>, "",
           "Path of the contours: straight, by cubics that leave and reach them at right angles, or by edge "
           "lengths and turning angles")
           .oneOf({"linear", "hermite", "intrinsic"})
           .needs(&MethodTraits::guided),
-      Row(kMorph, "landmarks", at<&J::landmarks>, "FILE,FILE[,...]",
+      Row(kMatchers, "landmarks", at<&J::landmarks>, "FILE,FILE[,...]",
           "Positions to be carried onto each other: a file of points per input, or in a job file "
           "[[[x,y,z],[x,y,z]], ...]")
           .as(OptionType::kLandmarks)
@@ -172,6 +194,15 @@ Rows outputRows() {
           "Result: " + writableShapes() + ", pictures .png .exr, slices .exr, of images also " +
               writableList(Contents::kImage) +
               "; #### stands for the frame number; a .glb without #### holds all frames, animated")
+          .basic(),
+      Row(kApply, "output", at<&J::output>, "OUTPUT",
+          "Result: a copy of WHAT with other positions, with its extension; of an image: " +
+              writableList(Contents::kImage) + "; of --field also .vdb")
+          .required(),
+      Row(kApply, "field", at<&J::field>, "",
+          "Write the map itself: at the points of time --from the displacement to where they are at --to, in "
+          "world units "
+          "(LPS millimetres); .vdb: a vec3s grid `displacement`")
           .basic(),
       Row(kSlice, "output", at<&J::output>, "OUTPUT",
           "Images: name.####.exr, one a slice from 1, or name.exr, one file of several parts")
@@ -238,6 +269,10 @@ Rows timeRows() {
           .above(0)
           .basic(),
       Row(kRender, "fps", at<&J::framesPerSecond>, "F", "Pictures per second of a preview").above(0),
+      Row(kApply, "from", at<&J::fromTime>, "T", "Time at which WHAT is: 0 the first object, 1 the last")
+          .range(0, 1)
+          .basic(),
+      Row(kApply, "to", at<&J::toTime>, "T", "Time to which it is carried").range(0, 1).basic(),
       Row(kSlice, "t", at<&J::sliceTime>, "T", "Time of the volume in its morph, for the attribute sliceT")
           .range(0, 1)
           .fallback("none"),
@@ -287,6 +322,9 @@ Rows imageRows() {
           .unit("millimetres"),
       Row(kMorph, "like", at<&J::like>, "IMAGE", "Put in-between images on the voxels of this one")
           .fallback("those of the first input, and more where shapes reach beyond"),
+      Row(kApply, "like", at<&J::like>, "IMAGE", "Put the image or field on the voxels of this one")
+          .fallback("the image's at that time, else WHAT's own; of a field those of 96 along the objects' "
+                    "longest side"),
       Row(kConvert, "like", at<&J::like>, "IMAGE", "Put an image on the voxels of another one"),
       Row(kReconstruct, "like", at<&J::like>, "IMAGE", "Put the dense label map on the voxels of this image"),
       Row(kReconstruct, "axis", at<&J::axis>, "", "Array axis that the slices follow each other along")
@@ -429,7 +467,7 @@ Rows sliceRows(Command command, const std::string& prefix) {
 }
 
 Rows farmRows() {
-  constexpr unsigned kWorkers = kMorph | kSlice | kReconstruct | kConvert | kRender | kCompare;
+  constexpr unsigned kWorkers = kMatchers | kSlice | kReconstruct | kConvert | kRender | kCompare;
   return {
       Row(kWorkers, "threads", at<&J::threads>, "N", "Threads to use; the result is the same")
           .range(1, 1024)

@@ -37,7 +37,7 @@ const std::vector<Vec3d> kPoints{{1, 2, 3}, {-4, 5.5, 6}};
 
 TEST(Landmarks, AreReadFromLinesOfNumbers) {
   EXPECT_EQ(pointsOf(fileOf("plain.txt", "1 2 3\n-4 5.5 6\n")), kPoints);
-  EXPECT_EQ(pointsOf(fileOf("table.csv", "x,y,z\n1,2,3\n-4;5.5;6\n")), kPoints);
+  EXPECT_EQ(pointsOf(fileOf("table.csv", "x,y,z\n1,2,3\n-4,5.5,6\n")), kPoints);
   EXPECT_EQ(pointsOf(fileOf("labels.txt", "# by hand\r\nnose 1 2 3\r\nchin -4 5.5 6\r\n")), kPoints);
 }
 

@@ -3,6 +3,7 @@
 #include "slicemorph/image.h"
 
 #include <string>
+#include <vector>
 
 namespace slicemorph {
 
@@ -13,5 +14,17 @@ bool isImageOutput(const std::string& path);
 /// the format's axes. NIfTI gets an sform, and a qform where the axes are at right angles. The same bytes for
 /// any thread count. Throws InputError for another extension, and IoError.
 void writeImage(const std::string& path, const Image& image);
+
+/// A vector at every voxel, as of a displacement field.
+struct VectorImage {
+  ImageLattice lattice;
+  std::vector<openvdb::Vec3s> vectors;  ///< lattice.count() of them; world units along LPS
+  std::string meaning;                  ///< one line for the file's header
+};
+
+/// Writes vectors as 32-bit floats, otherwise as writeImage(). The three numbers of a vector stay in LPS in every
+/// format, also in NIfTI (intent "vector"), as ITK, ANTs and 3D Slicer have it. Throws InputError for another extension,
+/// and IoError.
+void writeVectors(const std::string& path, const VectorImage& image);
 
 }  // namespace slicemorph

@@ -1,0 +1,85 @@
+// Which way round the second object lies, where the answer is known.
+#include "engine/match/choose_frames.h"
+
+#include "tests/support/fields.h"
+#include "tests/support/quadruped.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace slicemorph {
+namespace {
+
+constexpr double kVoxel = 0.03;
+/// Turns are climbed by steps down to .03 radians, and samples of a turned shape lie elsewhere in their cells.
+constexpr double kTolerance = 0.05;
+
+/// A standing animal about its middle, z up, turned and moved.
+std::shared_ptr<const DistanceField> animal(const Mat3d& turn) {
+  const Vec3d middle(0.06, 0, 0.35), offset(3, -2, 1);
+  const shapes::Distance own = shapes::quadruped({0, 0, 0, 0});
+  const shapes::Distance centred = [=](const Vec3d& p) { return own(p + middle); };
+  return shapes::fieldOf(shapes::placed(centred, turn, offset), {offset - Vec3d(1.3), offset + Vec3d(1.3)},
+                         kVoxel);
+}
+
+MorphOptions straight(const Vec3d& up) {
+  MorphOptions options;
+  options.up = up, options.spine = SpineKind::kStraight;
+  return options;
+}
+
+/// From the first object's directions to the second's.
+Mat3d turnOf(const Frames& frames) { return frames.charts[1].axes * frames.charts[0].axes.transpose(); }
+
+double apart(const Mat3d& a, const Mat3d& b) { return rotationVector(a.transpose() * b).length(); }
+
+const std::vector<std::string> kNames{"first", "second"};
+const Vec3d kZ(0, 0, 1);
+
+TEST(ChooseFrames, FindsATurnAboutTheUpDirection) {
+  const auto standing = animal(Mat3d::identity());
+  for (double degrees : {40.0, 95.0, 180.0, 250.0}) {
+    SCOPED_TRACE(degrees);
+    const Mat3d turn = rotationFromVector(degrees * M_PI / 180 * kZ);
+    const auto turned = animal(turn);
+    EXPECT_LT(apart(turnOf(chooseFrames({standing, turned}, kNames, straight(kZ), {})), turn), kTolerance);
+    EXPECT_LT(apart(turnOf(chooseFrames({turned, standing}, kNames, straight(kZ), {})), turn.transpose()),
+              kTolerance);
+  }
+}
+
+TEST(ChooseFrames, FindsAnyTurnWhereNothingIsUp) {
+  const auto standing = animal(Mat3d::identity());
+  for (const Vec3d& vector : {Vec3d(0.5, -1.2, 0.8), Vec3d(-2.0, 0.4, 1.1), Vec3d(1.0, 2.5, -0.3)}) {
+    SCOPED_TRACE(::testing::Message() << vector);
+    const Mat3d turn = rotationFromVector(vector);
+    EXPECT_LT(apart(turnOf(chooseFrames({standing, animal(turn)}, kNames, straight(Vec3d(0.0)), {})), turn),
+              kTolerance);
+  }
+}
+
+TEST(ChooseFrames, TurnsNothingThatIsToKeepItsDirections) {
+  const Mat3d turn = rotationFromVector(2.0 * kZ);
+  MorphOptions options = straight(kZ);
+  options.align = Align::kNone;
+  EXPECT_LT(apart(turnOf(chooseFrames({animal(Mat3d::identity()), animal(turn)}, kNames, options, {})),
+                  Mat3d::identity()),
+            1e-12);
+}
+
+/// Balls look the same from everywhere: they keep their directions, and the note says so of the object it is about.
+TEST(ChooseFrames, TiesKeepDirections) {
+  Fields balls;
+  for (double radius : {1.0, 0.6})
+    balls.push_back(shapes::fieldOf(shapes::sphere(Vec3d(0.0), radius), {Vec3d(-1.0), Vec3d(1.0)}, kVoxel));
+  const Frames frames = chooseFrames(balls, kNames, straight(kZ), {});
+  EXPECT_LT(apart(turnOf(frames), Mat3d::identity()), 1e-12);
+  ASSERT_FALSE(frames.notes.empty());
+  EXPECT_EQ(frames.notes[0].code, "frame.kept");
+  EXPECT_EQ(frames.notes[0].about, "second");
+}
+
+}  // namespace
+}  // namespace slicemorph

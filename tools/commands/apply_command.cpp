@@ -1,0 +1,29 @@
+#include "tools/commands/apply_command.h"
+
+#include "tools/commands/command_options.h"
+#include "tools/commands/common_options.h"
+#include "tools/commands/terminal_events.h"
+#include "tools/job/apply_map.h"
+
+namespace slicemorph {
+namespace {
+
+void runApply(const OptionSet& options) {
+  const JobOptions& given = options.values();
+  const ApplyJob job = applyJob(options);
+  const auto limit = limitThreads(given.threads);
+  TerminalEvents events(given.quiet, given.verbose);
+  applyMap(job, events);
+}
+
+}  // namespace
+
+void addApplyCommand(CLI::App& program) {
+  CLI::App* command = program.add_subcommand(
+      "apply",
+      "Carry points, meshes, curves or an image along a morph, or write its map as a displacement field");
+  const auto options = addOptions(*command, kApply);
+  command->callback([options] { runApply(*options); });
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,256 @@
+#include "tools/job/apply_map.h"
+
+#include "engine/volume/image_grid.h"
+#include "engine/volume/image_shape.h"
+#include "engine/volume/resample_image.h"
+#include "io/paths.h"
+#include "io/points/position_file.h"
+#include "slicemorph/io/formats.h"
+#include "slicemorph/io/image_writer.h"
+#include "slicemorph/io/output.h"
+#include "slicemorph/io/vdb_writer.h"
+#include "tools/job/image_lattice.h"
+#include "tools/job/key_times.h"
+#include "tools/job/load_settings.h"
+#include "tools/job/option_values.h"
+#include "tools/job/plan_settings.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <memory>
+
+namespace slicemorph {
+namespace {
+
+/// Voxels along the longest side of a field where nothing else says how many: the map's own lattice has 30 to 50.
+constexpr int kFieldVoxels = 96;
+/// The map is defined, and a field drawn, this share of the objects' diagonal around them; farther points are told.
+constexpr double kAround = 0.1;
+
+bool isPositions(const std::string& path) {
+  const std::vector<std::string>& known = positionExtensions();
+  return std::find(known.begin(), known.end(), extensionOf(path)) != known.end();
+}
+
+std::string wordsOf(const std::vector<std::string>& extensions) {
+  std::string text;
+  for (const std::string& each : extensions) text += (text.empty() ? "" : " ") + each;
+  return text;
+}
+
+/// Throws where the output does not fit what is carried.
+void checkApplyOutput(const ApplyJob& job, const OptionSet& options) {
+  if (OutputName(job.output).isSequence())
+    options.refuse("output", "-o " + job.output + ": apply writes one file; leave out the ####");
+  const bool image = isImageOutput(job.output);
+  if (job.field()) {
+    if (!image && extensionOf(job.output) != ".vdb")
+      options.refuse("output", "-o " + job.output + ": a field is written as " +
+                                   writableList(Contents::kImage) + " .vdb");
+  } else if (isImageInput(job.what)) {
+    if (!image)
+      options.refuse("output",
+                     "-o " + job.output + ": an image is written as " + writableList(Contents::kImage));
+  } else if (!isPositions(job.what)) {
+    options.refuse("inputs", job.what + ": cannot carry a file with the extension '" + extensionOf(job.what) +
+                                 "'; use points, meshes, curves: " + wordsOf(positionExtensions()) +
+                                 "; or an image: " + readableList(Contents::kImage));
+  } else if (extensionOf(job.output) != extensionOf(job.what)) {
+    options.refuse("output", "-o " + job.output + ": the result is a copy of " + job.what +
+                                 " with other positions; give it the extension " + extensionOf(job.what));
+  }
+  checkOutputPath(job.output);
+}
+
+/// The map from one time to another and the objects it is of.
+class TimeMap {
+ public:
+  TimeMap(const ApplyJob& job, JobEvents& events) {
+    for (size_t k = 0; k < job.inputs.size(); ++k) {
+      events.throwIfCancelled();
+      events.report("reading", 0.2 * double(k) / double(job.inputs.size()));
+      inputs_.push_back(loadObject(job.inputs[k], optionsOfInput(job.load, k)));
+      events.notes(about(job.inputs[k], inputs_.back().notes));
+    }
+    addLabelSurfaces(inputs_);
+    std::vector<Object> objects;
+    for (const LoadedObject& input : inputs_) objects.push_back(input.object);
+    PartProgress part(events, 0.2, 0.8);
+    plan_ = std::make_unique<MorphPlan>(objects, job.plan, &part);
+    events.notes(plan_->notes());
+    const WeightCourse course = courseOf(evenKeys(job.inputs.size()), Timing::kLinear, {});
+    from_ = weightsAt(course, job.from), to_ = weightsAt(course, job.to);
+    for (const LoadedObject& input : inputs_) {
+      const FloatGrid& grid = *input.object.levelSet;
+      box_.expand(grid.transform().indexToWorld(grid.evalActiveVoxelBoundingBox()));
+    }
+    const Vec3d margin(kAround * box_.extents().length());
+    box_ = openvdb::BBoxd(box_.min() - margin, box_.max() + margin);
+  }
+
+  std::vector<Vec3d> carried(const std::vector<Vec3d>& points) const {
+    return plan_->carryPoints(points, from_, to_);
+  }
+  /// From the time `to` to the time `from`.
+  std::vector<Vec3d> carriedBack(const std::vector<Vec3d>& points) const {
+    return plan_->carryPoints(points, to_, from_);
+  }
+  /// Around all objects, world.
+  const openvdb::BBoxd& box() const { return box_; }
+  /// The image that is at a time; null: none is.
+  const Image* imageFrom() const { return imageAt(from_); }
+  const Image* imageTo() const { return imageAt(to_); }
+
+ private:
+  const Image* imageAt(const Weights& weights) const {
+    const std::optional<size_t> alone = aloneIn(weights);
+    return alone ? inputs_[*alone].image.get() : nullptr;
+  }
+
+  std::vector<LoadedObject> inputs_;
+  std::unique_ptr<MorphPlan> plan_;
+  Weights from_, to_;
+  openvdb::BBoxd box_;
+};
+
+std::vector<Vec3d> voxelsOf(const ImageLattice& lattice, int k) {
+  std::vector<Vec3d> points;
+  points.reserve(size_t(lattice.size[0]) * size_t(lattice.size[1]));
+  for (int j = 0; j < lattice.size[1]; ++j)
+    for (int i = 0; i < lattice.size[0]; ++i) points.push_back(lattice.toWorld(Vec3d(i, j, k)));
+  return points;
+}
+
+void carryPositions(const ApplyJob& job, const PositionFile& file, const TimeMap& map, JobEvents& events) {
+  const std::vector<Vec3d>& points = file.positions();
+  const auto outside =
+      std::count_if(points.begin(), points.end(), [&](const Vec3d& p) { return !map.box().isInside(p); });
+  if (outside > 0)
+    events.note({"apply.far-away", Severity::kWarning, job.what,
+                 std::to_string(outside) + " of " + std::to_string(points.size()) +
+                     " points are far from the objects, where the map is only continued; are they in the "
+                     "objects' coordinates and units?"});
+  if (file.hasNormals())
+    events.note({"apply.normals-kept", Severity::kNote, job.what,
+                 "its normals are kept as they are; compute them anew where they are needed"});
+  file.write(job.output, map.carried(points));
+}
+
+void carryImage(const ApplyJob& job, const TimeMap& map, JobEvents& events) {
+  const ImageFile file = readImage(job.what, job.load.image);
+  events.notes(about(job.what, file.notes));
+  const bool labels = job.load.imageKind == ImageKind::kLabels ||
+                      (job.load.imageKind == ImageKind::kAuto && looksLikeLabels(file.image));
+  const ImageLattice on = !job.like.empty() ? readImage(job.like, job.load.image).image.lattice
+                          : map.imageTo()   ? map.imageTo()->lattice
+                                            : file.image.lattice;
+  const auto positions = [&](int k) {
+    events.throwIfCancelled();
+    events.report("carrying", 0.8 + 0.2 * double(k) / double(on.size[2]));
+    return map.carriedBack(voxelsOf(on, k));
+  };
+  writeImage(job.output, sampledAt(file.image, on, positions, labels));
+}
+
+ImageLattice latticeOver(const openvdb::BBoxd& box, double voxelSize) {
+  const Vec3d extents = box.extents();
+  const double edge =
+      voxelSize > 0 ? voxelSize : std::max({extents[0], extents[1], extents[2]}) / kFieldVoxels;
+  ImageLattice lattice;
+  lattice.origin = box.min();
+  for (int d = 0; d < 3; ++d) {
+    lattice.size[d] = int(std::ceil(extents[d] / edge)) + 1;
+    lattice.step[d] = Vec3d(0.0), lattice.step[d][d] = edge;
+  }
+  return lattice;
+}
+
+void writeFieldGrid(const std::string& path, const VectorImage& field) {
+  const openvdb::Vec3SGrid::Ptr grid = openvdb::Vec3SGrid::create(openvdb::Vec3s(0.f));
+  const ImageLattice& on = field.lattice;
+  openvdb::Vec3SGrid::Accessor accessor = grid->getAccessor();
+  for (int k = 0; k < on.size[2]; ++k)
+    for (int j = 0; j < on.size[1]; ++j)
+      for (int i = 0; i < on.size[0]; ++i)
+        accessor.setValue(openvdb::Coord(i, j, k), field.vectors[on.index(i, j, k)]);
+  grid->setTransform(transformOf(on));
+  grid->setName("displacement");
+  grid->setVectorType(openvdb::VEC_CONTRAVARIANT_RELATIVE);
+  grid->insertMeta("meaning", openvdb::StringMetadata(field.meaning));
+  writeVdb(path, {grid}, {});
+}
+
+void writeField(const ApplyJob& job, const TimeMap& map, JobEvents& events) {
+  VectorImage field;
+  field.lattice = !job.like.empty() ? readImage(job.like, job.load.image).image.lattice
+                  : map.imageFrom() ? map.imageFrom()->lattice
+                                    : latticeOver(map.box(), job.load.voxelSize);
+  const bool vdb = !isImageOutput(job.output);
+  field.meaning = "displacement from t=" + formatNumber(job.from) + " to t=" + formatNumber(job.to) +
+                  (vdb ? ", world units" : ", LPS mm");
+  const ImageLattice& on = field.lattice;
+  for (int k = 0; k < on.size[2]; ++k) {
+    events.throwIfCancelled();
+    events.report("carrying", 0.8 + 0.2 * double(k) / double(on.size[2]));
+    const std::vector<Vec3d> points = voxelsOf(on, k), there = map.carried(points);
+    for (size_t i = 0; i < points.size(); ++i) field.vectors.emplace_back(there[i] - points[i]);
+  }
+  vdb ? writeFieldGrid(job.output, field) : writeVectors(job.output, field);
+  events.note({"apply.field-meaning", Severity::kNote, job.output,
+               "holds, at points of t = " + formatNumber(job.from) +
+                   ", the displacement to where they are at t = " + formatNumber(job.to) +
+                   (vdb ? ", in world units" : ", in millimetres along LPS (as ITK, also in NIfTI)") +
+                   "; to draw an image of t = " + formatNumber(job.from) + " as it is at t = " +
+                   formatNumber(job.to) + ", resampling programs want the other one, --from " +
+                   formatNumber(job.to) + " --to " + formatNumber(job.from)});
+}
+
+}  // namespace
+
+ApplyJob applyJob(const OptionSet& options) {
+  options.checkExclusions();
+  const JobOptions& given = options.values();
+  ApplyJob job;
+  job.inputs = given.inputs, job.output = given.output, job.like = given.like;
+  job.from = given.fromTime, job.to = given.toTime;
+  const size_t least = given.field ? 2 : 3;
+  if (job.inputs.size() < least)
+    options.refuse("inputs", given.field
+                                 ? "apply --field needs two objects or more"
+                                 : "apply needs two objects or more and, last, what is to be carried");
+  if (!given.field) job.what = job.inputs.back(), job.inputs.pop_back();
+  for (const std::string& input : job.inputs) {
+    if (isMovingInput(input))
+      options.refuse("inputs",
+                     input + " is a sequence; apply takes still objects, one of its files for example");
+    checkInputExists(input);
+  }
+  if (!job.field()) checkInputExists(job.what);
+  if (!job.like.empty()) checkInputExists(job.like);
+  checkApplyOutput(job, options);
+  job.load = loadSettings(options);
+  checkIsos(job.load, options, job.inputs.size());
+  if (std::none_of(job.inputs.begin(), job.inputs.end(), isImageInput))
+    job.load.fogResolution = kFogResolution;
+  job.plan = planSettings(options, std::all_of(job.inputs.begin(), job.inputs.end(), isImageInput));
+  job.plan.features = featuresOf(landmarksOf(options, "landmarks", given.landmarks, job.inputs.size()));
+  return job;
+}
+
+void applyMap(const ApplyJob& job, JobEvents& events) {
+  // Read before the long work, so that what is wrong with it is told at once.
+  std::unique_ptr<PositionFile> positions;
+  if (!job.field() && isPositions(job.what)) positions = std::make_unique<PositionFile>(job.what);
+  const TimeMap map(job, events);
+  events.throwIfCancelled();
+  if (job.field())
+    writeField(job, map, events);
+  else if (positions)
+    carryPositions(job, *positions, map, events);
+  else
+    carryImage(job, map, events);
+  events.fileWritten(job.output, false);
+}
+
+}  // namespace slicemorph
