@@ -1,6 +1,7 @@
 #include "engine/frame/inner_samples.h"
 
 #include "engine/spine/geodesics.h"
+#include "engine/spine/inner_points.h"
 
 #include <Eigen/Core>
 
@@ -19,10 +20,6 @@ namespace {
 constexpr int kInnerAlong = 48;
 constexpr size_t kMostInner = 6000;
 constexpr size_t kInnerSamples = 80;
-/// Radii of the inner balls whose volumes are compared, and how softly they end, in root mean square distances.
-constexpr double kBalls[2] = {0.3, 0.6}, kBallEdge = 0.1;
-/// Added to volume shares before their logarithms.
-constexpr double kEmptyBall = 1e-4;
 /// Blur of the soft matching, in squared radii, and its iterations.
 constexpr double kBlur = 0.02;
 constexpr int kMatchings = 40;
@@ -62,70 +59,6 @@ std::vector<double> sharesOf(const InsideNodes& nodes, const Geodesics& paths) {
   return best;
 }
 
-/// Nodes spread over the inside, and the inner distances from each to all nodes, world units.
-struct FarthestNodes {
-  std::vector<size_t> node;
-  std::vector<std::vector<double>> distance;
-};
-
-/// Each the farthest from those before; the first is the farthest from the deepest node.
-FarthestNodes farthestNodes(const InsideNodes& nodes, const Geodesics& paths,
-                            const std::vector<double>& share) {
-  size_t deepest = 0;
-  for (size_t i = 0; i < share.size(); ++i)
-    if (share[i] > 0 && (share[deepest] == 0 || nodes.depth[i] > nodes.depth[deepest])) deepest = i;
-  std::vector<double> nearest = paths.from(deepest).length;
-  FarthestNodes chosen;
-  while (chosen.node.size() < kInnerSamples) {
-    size_t next = share.size();
-    double most = 0;
-    for (size_t i = 0; i < share.size(); ++i)
-      if (share[i] > 0 && std::isfinite(nearest[i]) && nearest[i] > most) most = nearest[i], next = i;
-    if (next == share.size()) break;
-    chosen.node.push_back(next), chosen.distance.push_back(paths.from(next).length);
-    for (size_t i = 0; i < nearest.size(); ++i)
-      nearest[i] =
-          chosen.node.size() == 1 ? chosen.distance[0][i] : std::min(nearest[i], chosen.distance.back()[i]);
-  }
-  return chosen;
-}
-
-/// Square roots of the volumes that are nearest to each node, of sum 1: between equal weights and volumes, as this
-/// gave the largest margins.
-std::vector<double> weightsOf(const FarthestNodes& chosen, const std::vector<double>& share) {
-  std::vector<double> weight(chosen.node.size(), 0);
-  for (size_t i = 0; i < share.size(); ++i) {
-    size_t owner = 0;
-    for (size_t k = 1; k < weight.size(); ++k)
-      if (chosen.distance[k][i] < chosen.distance[owner][i]) owner = k;
-    weight[owner] += share[i];
-  }
-  double sum = 0;
-  for (double& w : weight) w = std::sqrt(w), sum += w;
-  for (double& w : weight) w /= sum;
-  return weight;
-}
-
-/// Logarithms of the shares of the volume within kBalls of each node. `unit`: world units per ball radius of 1.
-std::vector<std::array<double, 2>> fullnessOf(const FarthestNodes& chosen, const std::vector<double>& share,
-                                              double unit) {
-  double volume = 0;
-  for (double s : share) volume += s;
-  std::vector<std::array<double, 2>> fullness(chosen.node.size());
-  tbb::parallel_for(size_t(0), fullness.size(), [&](size_t k) {
-    for (size_t ball = 0; ball < 2; ++ball) {
-      double inside = 0;
-      for (size_t i = 0; i < share.size(); ++i) {
-        if (!(share[i] > 0)) continue;
-        const double beyond = (chosen.distance[k][i] / unit - kBalls[ball]) / kBallEdge;
-        inside += share[i] * std::min(std::max(0.5 - beyond, 0.0), 1.0);
-      }
-      fullness[k][ball] = std::log(kEmptyBall + inside / volume);
-    }
-  });
-  return fullness;
-}
-
 /// The distortion where each iteration scales a's weights first: the other order differs a little, because the
 /// iterations are few.
 double distortionFrom(const InnerSamples& a, const InnerSamples& b, const Mat3d& rotation) {
@@ -136,9 +69,7 @@ double distortionFrom(const InnerSamples& a, const InnerSamples& b, const Mat3d&
     const Vec3d p = rotation * a.position[size_t(i)];
     for (Eigen::Index j = 0; j < m; ++j) {
       squared(i, j) = (p - b.position[size_t(j)]).lengthSqr();
-      const double f = a.fullness[size_t(i)][0] - b.fullness[size_t(j)][0],
-                   g = a.fullness[size_t(i)][1] - b.fullness[size_t(j)][1];
-      unlike(i, j) = 0.5 * (f * f + g * g);
+      unlike(i, j) = InnerPoints::unlike(a.fullness[size_t(i)], b.fullness[size_t(j)]);
     }
   }
   const Eigen::ArrayXd p = Eigen::Map<const Eigen::ArrayXd>(a.weight.data(), n),
@@ -169,27 +100,20 @@ InnerSamples innerSamples(const DistanceField& field) {
   InnerSamples samples;
   if (nodes.position.empty()) return samples;
   const Geodesics paths(nodes);
-  const std::vector<double> share = sharesOf(nodes, paths);
-  const FarthestNodes chosen = farthestNodes(nodes, paths, share);
-  const size_t count = chosen.node.size();
+  InnerNodes inner{sharesOf(nodes, paths), 0, [&](size_t i) { return paths.from(i).length; }};
+  for (size_t i = 0; i < inner.share.size(); ++i)
+    if (inner.share[i] > 0 &&
+        (inner.share[inner.deepest] == 0 || nodes.depth[i] > nodes.depth[inner.deepest]))
+      inner.deepest = i;
+  const InnerPoints points = innerPoints(inner, kInnerSamples);
+  const size_t count = points.node.size();
   if (count == 0) return samples;
-  samples.weight = weightsOf(chosen, share);
-  double squares = 0;
-  samples.distance.assign(count, std::vector<double>(count, 0));
-  for (size_t i = 0; i < count; ++i)
-    for (size_t j = 0; j < count; ++j) {
-      const double d = 0.5 * (chosen.distance[i][chosen.node[j]] + chosen.distance[j][chosen.node[i]]);
-      samples.distance[i][j] = d, squares += samples.weight[i] * samples.weight[j] * d * d;
-    }
-  const double unit = std::sqrt(squares);
-  for (auto& row : samples.distance)
-    for (double& d : row) d /= unit;
-  samples.fullness = fullnessOf(chosen, share, unit);
+  samples.weight = points.weight, samples.distance = points.distance, samples.fullness = points.fullness;
   Vec3d mean(0.0);
   double radius = 0;
-  for (size_t k = 0; k < count; ++k) mean += samples.weight[k] * nodes.position[chosen.node[k]];
+  for (size_t k = 0; k < count; ++k) mean += samples.weight[k] * nodes.position[points.node[k]];
   for (size_t k = 0; k < count; ++k) {
-    samples.position.push_back(nodes.position[chosen.node[k]] - mean);
+    samples.position.push_back(nodes.position[points.node[k]] - mean);
     radius += samples.weight[k] * samples.position[k].lengthSqr();
   }
   for (Vec3d& p : samples.position) p /= std::sqrt(radius);

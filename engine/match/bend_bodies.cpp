@@ -1,10 +1,12 @@
 #include "engine/match/bend_bodies.h"
 
+#include "engine/match/couple_bodies.h"
 #include "engine/match/elastic_fit.h"
 #include "engine/match/follow_limbs.h"
 
 #include <tbb/parallel_for.h>
 
+#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <utility>
@@ -22,7 +24,7 @@ constexpr int kSamples = 3000;
 struct Limits {
   double strain, residual, missed;
   bool hold(const ElasticFit& fit) const {
-    return fit.strain < strain && fit.residual < residual && fit.missed < missed;
+    return !fit.hopeless && fit.strain < strain && fit.residual < residual && fit.missed < missed;
   }
 };
 constexpr Limits kSure{0.2, 0.01, 0.03}, kMost{0.25, 0.02, 0.2};
@@ -32,6 +34,13 @@ constexpr Limits kSure{0.2, 0.01, 0.03}, kMost{0.25, 0.02, 0.2};
 constexpr double kBentBonus = 0.05, kCrumpled = 0.6;
 /// Residual of a body that is still stiff beyond which it will never fit; bodies that do have at most half of it.
 constexpr double kHopeless = 0.05;
+/// A limit that no fit exceeds: of bodies that are of one kind by their inner distances.
+constexpr double kAnyResidual = 1e9;
+/// Distortion of inner distances up to which two bodies are coupled to be bent: coupled rightly they have .03 and less,
+/// coupled wrongly .057 and more (the prototype's figures).
+constexpr double kOneKind = 0.045;
+/// Parts that turn by more on the way from the middle to an object are carried round in several steps.
+constexpr double kTurnOfStep = 0.6;
 /// Objects that lie on each other so well already are not bent.
 constexpr double kNeedsNoBending = 0.96;
 
@@ -58,28 +67,62 @@ Body bodyOf(const DistanceField& field, const Chart& chart) {
   return body;
 }
 
-/// The correspondences that a fit of object `from` to object `to` gives: of its nodes and its surface.
-std::vector<Correspondence> pointsOf(const MatchObjects& objects, const std::vector<Body>& bodies,
-                                     const ElasticFit& fit, size_t from, size_t to) {
-  const BodyGraph& graph = bodies[from].graph;
-  const ElasticFit half = halfWay(graph, fit);
-  const Chart middle = blendCharts(objects.charts, {0.5, 0.5}), rigidMiddle = rigidPart(middle);
+/// What a bent body tells: which points belong together, and how they get there.
+struct BodyPoints {
   std::vector<Correspondence> points;
-  const auto add = [&](const Vec3d& own, const Vec3d& between, const Vec3d& other) {
-    Correspondence c;
-    c.middle = middle.toChart(rigidMiddle.toWorld(between));
-    c.at.resize(2);
-    c.at[from] = objects.charts[from].toChart(bodies[from].chart.toWorld(own));
-    c.at[to] = objects.charts[to].toChart(bodies[to].chart.toWorld(other));
-    points.push_back(std::move(c));
-  };
-  for (size_t i = 0; i < graph.position.size(); ++i)
-    add(graph.position[i], half.position[i], fit.position[i]);
+  Ways ways;
+};
+
+/// Where the nodes and the surface samples of a body are in some pose of it.
+std::vector<Vec3d> posed(const BodyGraph& graph, const BoundPoints& surface, const ElasticFit& pose) {
+  std::vector<Vec3d> at = pose.position;
+  const std::vector<Vec3d> samples = carried(graph, surface, pose.position, pose.rotation);
+  at.insert(at.end(), samples.begin(), samples.end());
+  return at;
+}
+
+/// Those of a fit of object `from` to object `to`: of its nodes and its surface.
+BodyPoints pointsOf(const MatchObjects& objects, const std::vector<Body>& bodies, const ElasticFit& fit,
+                    size_t from, size_t to) {
+  const BodyGraph& graph = bodies[from].graph;
   const BoundPoints surface = bindPoints(graph, bodies[from].surface.position);
-  const std::vector<Vec3d> between = carried(graph, surface, half.position, half.rotation),
-                           other = carried(graph, surface, fit.position, fit.rotation);
-  for (size_t i = 0; i < between.size(); ++i) add(surface.own[i], between[i], other[i]);
-  return points;
+  const Chart middle = blendCharts(objects.charts, {0.5, 0.5}), rigidMiddle = rigidPart(middle);
+  // Of a part of the way, in the middle space.
+  const auto middleAt = [&](double t) {
+    std::vector<Vec3d> at = posed(graph, surface, partWay(graph, fit, t));
+    for (Vec3d& p : at) p = middle.toChart(rigidMiddle.toWorld(p));
+    return at;
+  };
+  std::vector<Vec3d> own = graph.position;
+  own.insert(own.end(), surface.own.begin(), surface.own.end());
+  const std::vector<Vec3d> half = middleAt(0.5), other = posed(graph, surface, fit);
+  BodyPoints result;
+  result.points.resize(own.size());
+  for (size_t i = 0; i < own.size(); ++i) {
+    Correspondence& c = result.points[i];
+    c.middle = half[i];
+    c.at.resize(2);
+    c.at[from] = objects.charts[from].toChart(bodies[from].chart.toWorld(own[i]));
+    c.at[to] = objects.charts[to].toChart(bodies[to].chart.toWorld(other[i]));
+  }
+  const int steps = int(std::ceil(0.5 * largestTurn(graph, fit) / kTurnOfStep));
+  if (steps < 2) return result;
+  result.ways.resize(2);
+  for (int step = 1; step < steps; ++step) {
+    const double share = double(step) / steps;
+    result.ways[from].push_back(middleAt(0.5 - 0.5 * share));
+    result.ways[to].push_back(middleAt(0.5 + 0.5 * share));
+  }
+  return result;
+}
+
+/// The objects with room in the middle space for all points on their way.
+MatchObjects withRoom(MatchObjects objects, const BodyPoints& body) {
+  for (const Correspondence& c : body.points) objects.box.expand(c.middle);
+  for (const auto& way : body.ways)
+    for (const std::vector<Vec3d>& points : way)
+      for (const Vec3d& p : points) objects.box.expand(p);
+  return objects;
 }
 
 /// Less is better; only what is compared counts.
@@ -94,19 +137,19 @@ struct DirectedFit {
   size_t from;
 };
 
-/// Of the fits of either body to the other the better one. `start(k)`: position per node of body k, on the other.
+/// Of the fits of either body to the other the better one. `start(k)`: pose of body k on the other.
 template <typename Start>
-DirectedFit bestFit(const std::vector<Body>& bodies, const Start& start) {
+DirectedFit bestFit(const std::vector<Body>& bodies, const Start& start, double hopeless) {
   ElasticFit fits[2];
   tbb::parallel_for(size_t(0), size_t(2), [&](size_t k) {
-    fits[k] = fitElastically(bodies[k].graph, bodies[k].surface, bodies[1 - k].surface, start(k), kHopeless);
+    fits[k] = fitElastically(bodies[k].graph, bodies[k].surface, bodies[1 - k].surface, start(k), hopeless);
   });
   const size_t from = badness(fits[1]) < badness(fits[0]) ? 1 : 0;
   return {std::move(fits[from]), from};
 }
 
 /// Where the map of a matching that followed limbs carries the nodes of body k, in the coordinates of the other one.
-std::vector<Vec3d> carriedNodes(const MatchObjects& objects, const std::vector<Body>& bodies,
+std::vector<Vec3d> nodesByLimbs(const MatchObjects& objects, const std::vector<Body>& bodies,
                                 const Matching& matching, size_t k) {
   std::vector<Vec3d> carriedTo;
   const MiddleGuess& guess = matching.guesses[k];
@@ -118,6 +161,34 @@ std::vector<Vec3d> carriedNodes(const MatchObjects& objects, const std::vector<B
     carriedTo.push_back(bodies[1 - k].chart.toChart(objects.charts[1 - k].toWorld(other)));
   }
   return carriedTo;
+}
+
+/// The best fit of those started from the bodies' own positions, from their coupling by inner distances and from limbs:
+/// each only where those before leave doubt.
+DirectedFit bestOfStarts(const MatchObjects& objects, const std::vector<Body>& bodies,
+                         const std::function<const std::vector<Matching>&()>& limbCandidates) {
+  DirectedFit best = bestFit(
+      bodies,
+      [&](size_t k) {
+        return BodyPose{bodies[k].graph.position, {}};
+      },
+      kHopeless);
+  const auto consider = [&](DirectedFit other) {
+    if (badness(other.fit) < badness(best.fit)) best = std::move(other);
+  };
+  if (kSure.hold(best.fit)) return best;
+  const BodyCoupling coupling = coupleBodies(bodies[0].graph, bodies[1].graph);
+  if (coupling.distortion < kOneKind)
+    consider(bestFit(
+        bodies, [&](size_t k) { return coupling.pose[k]; }, kAnyResidual));
+  if (best.fit.hopeless) return best;
+  for (const Matching& start : limbCandidates()) {
+    if (kSure.hold(best.fit)) break;
+    if (start.limbPoints.empty()) continue;
+    const auto byLimbs = [&](size_t k) { return BodyPose{nodesByLimbs(objects, bodies, start, k), {}}; };
+    consider(bestFit(bodies, byLimbs, kHopeless));
+  }
+  return best;
 }
 
 }  // namespace
@@ -135,19 +206,12 @@ std::optional<Bending> bentOntoEachOther(
                     [&](size_t k) { bodies[k] = bodyOf(*objects.shape.fields[k], objects.charts[k]); });
   for (const Body& body : bodies)
     if (body.graph.position.empty()) return std::nullopt;
-  DirectedFit best = bestFit(bodies, [&](size_t k) { return bodies[k].graph.position; });
-  if (best.fit.hopeless) return std::nullopt;
-  if (!kSure.hold(best.fit))
-    for (const Matching& start : limbCandidates()) {
-      if (kSure.hold(best.fit)) break;
-      if (start.limbPoints.empty()) continue;
-      DirectedFit other = bestFit(bodies, [&](size_t k) { return carriedNodes(objects, bodies, start, k); });
-      if (badness(other.fit) < badness(best.fit)) best = std::move(other);
-    }
+  const DirectedFit best = bestOfStarts(objects, bodies, limbCandidates);
   const ElasticFit& fit = best.fit;
   if (!kMost.hold(fit)) return std::nullopt;
-  Bending bending{followBody(objects, matching, pointsOf(objects, bodies, fit, best.from, 1 - best.from)),
-                  kSure.hold(fit)};
+  BodyPoints body = pointsOf(objects, bodies, fit, best.from, 1 - best.from);
+  Bending bending{withRoom(objects, body), {}, kSure.hold(fit)};
+  bending.matching = followBody(bending.objects, matching, std::move(body.points), body.ways);
   bending.matching.bonus = fit.missed < kCrumpled * fit.strain ? kBentBonus : 0;
   char text[160];
   std::snprintf(

@@ -10,8 +10,9 @@ namespace slicemorph {
 
 /// Two objects bent onto each other.
 struct Bending {
-  Matching matching;  ///< its map follows the bent bodies; its bonus is what having bent little is worth
-  bool sure = false;  ///< nearly rigid, and all parts have a partner: nothing else need be tried
+  MatchObjects objects;  ///< with room in the middle space for what swings beyond both of them
+  Matching matching;     ///< its map follows the bent bodies; its bonus is what having bent little is worth
+  bool sure = false;     ///< nearly rigid, and all parts have a partner: nothing else need be tried
 };
 
 /// Bends two objects onto each other as rigidly as possible, as one body in two poses can be: limbs are followed

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <queue>
 
 namespace slicemorph {
 
@@ -44,16 +45,36 @@ BodyGraph::Binding BodyGraph::bind(const Vec3d& point) const {
   return binding;
 }
 
+std::vector<double> BodyGraph::distancesFrom(size_t node) const {
+  std::vector<double> length(position.size(), std::numeric_limits<double>::infinity());
+  using Entry = std::pair<double, size_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> queue;
+  length[node] = 0;
+  queue.push({0, node});
+  while (!queue.empty()) {
+    const auto [d, i] = queue.top();
+    queue.pop();
+    if (d > length[i]) continue;
+    for (int n : neighbours[i])
+      if (const double next = d + (position[size_t(n)] - position[i]).length(); next < length[size_t(n)])
+        queue.push({length[size_t(n)] = next, size_t(n)});
+  }
+  return length;
+}
+
 BodyGraph bodyGraph(const DistanceField& field, const Chart& chart) {
   const InsideNodes inside(field, kMostNodes, kAlong);
   const Geodesics paths(inside);
   BodyGraph graph;
   graph.spacing = inside.spacing / chart.meanScale();
   std::vector<int> number(inside.position.size(), -1);
+  double deepest = -std::numeric_limits<double>::max();
   for (size_t i = 0; i < inside.position.size(); ++i) {
     if (!(inside.bodyShare(i) > 0)) continue;
     number[i] = int(graph.position.size());
     graph.position.push_back(chart.toChart(inside.position[i]));
+    graph.share.push_back(inside.bodyShare(i));
+    if (inside.depth[i] > deepest) deepest = inside.depth[i], graph.deepest = size_t(number[i]);
   }
   graph.neighbours.resize(graph.position.size());
   for (size_t i = 0; i < inside.position.size(); ++i)

@@ -19,10 +19,20 @@ struct BodyGraph {
   };
 
   std::vector<Vec3d> position;  ///< chart coordinates of the chart given to bodyGraph
+  std::vector<double> share;    ///< per node: how much of it is inside, 0.05 to 1
+  size_t deepest = 0;           ///< the node farthest from the surface
   std::vector<Edge> edges;
   double spacing = 1;                        ///< chart units
   std::vector<std::vector<int>> neighbours;  ///< per node
   Binding bind(const Vec3d& point) const;    ///< `point`: chart coordinates
+  /// Lengths of the shortest paths from a node to all, chart units; infinite where there is none.
+  std::vector<double> distancesFrom(size_t node) const;
+};
+
+/// Where the nodes of a body's graph are.
+struct BodyPose {
+  std::vector<Vec3d> position;
+  std::vector<Mat3d> rotation;  ///< per node: how it is turned; empty where that is not known
 };
 
 /// `chart`: straight, with the same scale along all axes. No nodes where nothing is inside.

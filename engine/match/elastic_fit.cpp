@@ -28,11 +28,12 @@ constexpr int kPartnerSteps = 20;  ///< per stage, at most: new partners are loo
 /// A stage is over once nodes move by less than this many spacings in a step (root mean square). With .01 the match of
 /// the recorded motion horse_collapse gets worse (from 1.5 to 1.65 % of the diagonal), with .005 not.
 constexpr double kAtRest = 0.005;
-constexpr int kRounds = 2;         ///< per step: rotations, then positions
-constexpr int kLinearSteps = 30;   ///< of conjugate gradients per round; the next round goes on from there
-constexpr double kSameSide = 0.7;  ///< least cosine between partners' normals
-constexpr size_t kCandidates = 8;  ///< nearest points among which partners are looked for
-constexpr float kSliding = 0.02f;  ///< weight of distances along the plane against those to it
+constexpr int kFirstRotations = 5;  ///< rounds by which rotations are found that a start does not tell
+constexpr int kRounds = 2;          ///< per step: rotations, then positions
+constexpr int kLinearSteps = 30;    ///< of conjugate gradients per round; the next round goes on from there
+constexpr double kSameSide = 0.7;   ///< least cosine between partners' normals
+constexpr size_t kCandidates = 8;   ///< nearest points among which partners are looked for
+constexpr float kSliding = 0.02f;   ///< weight of distances along the plane against those to it
 constexpr double kLikeNeighbours =
     0.5;  ///< weight of neighbours' rotations against the edges' own directions
 /// How far around a sample areas are compared, in sizes of the target, and up to which ratio they are alike.
@@ -398,15 +399,16 @@ std::vector<Vec3d> carried(const BodyGraph& graph, const BoundPoints& points,
 }
 
 ElasticFit fitElastically(const BodyGraph& graph, const OrientedPoints& surface, const OrientedPoints& target,
-                          const std::vector<Vec3d>& start, double hopeless) {
+                          const BodyPose& start, double hopeless) {
   ElasticFit fit;
-  fit.position = start;
-  fit.rotation.assign(start.size(), Mat3d::identity());
+  fit.position = start.position, fit.rotation = start.rotation;
+  const bool found = fit.rotation.empty();
+  if (found) fit.rotation.assign(start.position.size(), Mat3d::identity());
   if (graph.position.empty() || surface.position.empty() || target.position.empty()) return fit;
   const BoundPoints points = bindPoints(graph, surface.position);
   const NearestPoints nearTarget(target.position);
   const double size = sizeOf(target.position);
-  for (int i = 0; i < 5; ++i) fit.rotation = fittedRotations(graph, fit);
+  for (int i = 0; found && i < kFirstRotations; ++i) fit.rotation = fittedRotations(graph, fit);
   for (const Stage& stage : kStages) {
     double moved = std::numeric_limits<double>::max();
     for (int step = 0; step < kPartnerSteps && moved > kAtRest * graph.spacing; ++step) {
@@ -432,10 +434,11 @@ ElasticFit fitElastically(const BodyGraph& graph, const OrientedPoints& surface,
   return fit;
 }
 
-ElasticFit halfWay(const BodyGraph& graph, const ElasticFit& fit) {
-  ElasticFit half;
+ElasticFit partWay(const BodyGraph& graph, const ElasticFit& fit, double t) {
+  ElasticFit part;
+  std::vector<Mat3d> back;  // from the fit to the part of the way
   for (const Vec3d& v : consistentVectors(graph, fit.rotation))
-    half.rotation.push_back(rotationFromVector(0.5 * v));
+    part.rotation.push_back(rotationFromVector(t * v)), back.push_back(rotationFromVector((t - 1) * v));
   // An edge's stretch is told by turning the fitted one back; both ends say how it is turned.
   std::vector<Vec3d> wanted;
   for (const BodyGraph::Edge& e : graph.edges) {
@@ -444,19 +447,31 @@ ElasticFit halfWay(const BodyGraph& graph, const ElasticFit& fit) {
                 after = fit.position[ends[1]] - fit.position[ends[0]];
     Vec3d edge(0.0);
     for (size_t node : ends)
-      edge += 0.25 * (half.rotation[node] * before + half.rotation[node].transpose() * after);
+      edge += 0.5 * ((1 - t) * (part.rotation[node] * before) + t * (back[node] * after));
     wanted.push_back(edge);
   }
-  half.position.resize(graph.position.size());
-  for (size_t i = 0; i < half.position.size(); ++i)
-    half.position[i] = 0.5 * (graph.position[i] + fit.position[i]);
+  part.position.resize(graph.position.size());
+  for (size_t i = 0; i < part.position.size(); ++i)
+    part.position[i] = (1 - t) * graph.position[i] + t * fit.position[i];
   // Edges say nothing of where the whole lies.
-  const Vec3d middle = meanOf(half.position);
+  const Vec3d middle = meanOf(part.position);
   constexpr int kMostSteps = 2000;
-  solvePositions(graph, {}, {}, {}, wanted, 1, {kMostSteps, 1e-10}, half.position);
-  const Vec3d shift = middle - meanOf(half.position);
-  for (Vec3d& p : half.position) p += shift;
-  return half;
+  solvePositions(graph, {}, {}, {}, wanted, 1, {kMostSteps, 1e-10}, part.position);
+  const Vec3d shift = middle - meanOf(part.position);
+  for (Vec3d& p : part.position) p += shift;
+  return part;
+}
+
+double largestTurn(const BodyGraph& graph, const ElasticFit& fit) {
+  const std::vector<Vec3d> vectors = consistentVectors(graph, fit.rotation);
+  Vec3d mean(0.0);
+  for (const Vec3d& v : vectors) mean += v / double(vectors.size());
+  std::vector<double> angles;
+  for (const Vec3d& v : vectors) angles.push_back((v - mean).length());
+  // A few nodes in a crease may be turned any way.
+  const size_t rank = size_t(0.98 * double(angles.size() - 1));
+  std::nth_element(angles.begin(), angles.begin() + std::ptrdiff_t(rank), angles.end());
+  return angles[rank];
 }
 
 }  // namespace slicemorph

@@ -16,6 +16,8 @@ namespace {
 
 /// Most steps; correspondences that are not met by then stay unmet.
 constexpr int kMaxSteps = 16;
+/// The same for positions on the way, which need not be met exactly.
+constexpr int kStepsOnTheWay = 4;
 /// A step squeezes no tetrahedron below this share of its volume.
 constexpr double kLeastRatio = 0.4;
 /// Of a step's fit, see fitFields.
@@ -23,23 +25,10 @@ constexpr double kStiffness = 0.3;
 /// Weight of the points that stay fixed, against 1 of the limbs' points.
 constexpr float kStillWeight = 0.3f;
 
-/// The steps whose composition takes the correspondences' middle points to the points that `map` takes to
-/// their positions on one object.
-std::vector<Displacements> stepsOf(const Displacements& map, size_t object,
-                                   const std::vector<Correspondence>& points, const std::vector<Vec3d>& still,
-                                   const Lattice& lattice) {
-  std::vector<Vec3d> target;
-  Sites sites;
-  for (const Correspondence& c : points) {
-    Vec3d s = c.at[object] - map.at(object, c.at[object]);
-    if (!toMiddle(map, object, c.at[object], s)) continue;
-    sites.position.push_back(c.middle), sites.weight.push_back(c.weight), target.push_back(s);
-  }
-  for (const Vec3d& s : still)
-    sites.position.push_back(s), sites.weight.push_back(kStillWeight), target.push_back(s);
-  sites.value.resize(1);
-  std::vector<Displacements> steps;
-  while (steps.size() < kMaxSteps) {
+/// Adds steps that carry the sites to the targets, and carries them.
+void addSteps(Sites& sites, const std::vector<Vec3d>& target, const Lattice& lattice, int most,
+              std::vector<Displacements>& steps) {
+  for (int count = 0; count < most; ++count) {
     sites.value[0].clear();
     double farthest = 0;
     for (size_t i = 0; i < target.size(); ++i) {
@@ -54,18 +43,49 @@ std::vector<Displacements> stepsOf(const Displacements& map, size_t object,
     for (Vec3d& p : sites.position) p += step.at(0, p);
     steps.push_back(std::move(step));
   }
+}
+
+/// The steps whose composition takes the correspondences' middle points to the points that `map` takes to
+/// their positions on one object. `way`: of this object, see Ways.
+std::vector<Displacements> stepsOf(const Displacements& map, size_t object,
+                                   const std::vector<Correspondence>& points, const std::vector<Vec3d>& still,
+                                   const Lattice& lattice, const std::vector<std::vector<Vec3d>>& way) {
+  std::vector<std::vector<Vec3d>> targets(way.size() + 1);  // on the way; last at the object
+  Sites sites;
+  for (size_t i = 0; i < points.size(); ++i) {
+    const Correspondence& c = points[i];
+    Vec3d s = c.at[object] - map.at(object, c.at[object]);
+    if (!toMiddle(map, object, c.at[object], s)) continue;
+    sites.position.push_back(c.middle), sites.weight.push_back(c.weight), targets.back().push_back(s);
+    for (size_t w = 0; w < way.size(); ++w) targets[w].push_back(way[w][i]);
+  }
+  for (const Vec3d& s : still) {
+    sites.position.push_back(s), sites.weight.push_back(kStillWeight);
+    for (std::vector<Vec3d>& target : targets) target.push_back(s);
+  }
+  sites.value.resize(1);
+  std::vector<Displacements> steps;
+  for (const std::vector<Vec3d>& target : targets)
+    addSteps(sites, target, lattice, &target == &targets.back() ? kMaxSteps : kStepsOnTheWay, steps);
   return steps;
 }
 
 }  // namespace
 
 Displacements flowed(const Displacements& map, const std::vector<Correspondence>& points,
-                     const std::vector<Vec3d>& still, double spacing, const Lattice& lattice) {
-  const Vec3d extent = map.lattice.spacing * (map.lattice.size.asVec3d() - Vec3d(1));
-  const Lattice coarse = Lattice::over({map.lattice.origin, map.lattice.origin + extent}, spacing);
+                     const std::vector<Vec3d>& still, double spacing, const Lattice& lattice,
+                     const Ways& ways) {
+  // The result may have room for points that are outside the map's own lattice.
+  openvdb::BBoxd room;
+  for (const Lattice* l : {&map.lattice, &lattice}) {
+    room.expand(l->origin);
+    room.expand(l->position(l->size - openvdb::Coord(1)));
+  }
+  const Lattice coarse = Lattice::over(room, spacing);
   Displacements result{lattice, std::vector<VectorField>(map.of.size(), VectorField(lattice.count()))};
   for (size_t k = 0; k < map.of.size(); ++k) {
-    const std::vector<Displacements> steps = stepsOf(map, k, points, still, coarse);
+    const std::vector<std::vector<Vec3d>> way = ways.empty() ? std::vector<std::vector<Vec3d>>() : ways[k];
+    const std::vector<Displacements> steps = stepsOf(map, k, points, still, coarse, way);
     tbb::parallel_for(0, int(lattice.size[2]), [&](int z) {
       for (int y = 0; y < lattice.size[1]; ++y)
         for (int x = 0; x < lattice.size[0]; ++x) {

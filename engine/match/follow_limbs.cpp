@@ -34,8 +34,8 @@ bool isAway(const Vec3d& z, const std::vector<PlacedLimb>& limbs, double gap) {
 
 /// `spacing`, `lattice`: see kFlowSpacing and kFlowLattice.
 Matching followed(const MatchObjects& objects, Matching matching, std::vector<Correspondence> points,
-                  const std::vector<Vec3d>& still, double spacing, double lattice) {
-  matching.map = flowed(matching.map, points, still, spacing * objects.size, objects.lattice(lattice));
+                  const std::vector<Vec3d>& still, double spacing, double lattice, const Ways& ways = {}) {
+  matching.map = flowed(matching.map, points, still, spacing * objects.size, objects.lattice(lattice), ways);
   removeFolds(matching.map);
   matching.overlap = mapOverlap(objects, matching.map);
   matching.base = matching.map;
@@ -63,8 +63,9 @@ Matching followLimbs(const MatchObjects& objects, Matching matching, std::vector
   return followed(objects, std::move(matching), std::move(points), still, kFlowSpacing, kFlowLattice);
 }
 
-Matching followBody(const MatchObjects& objects, Matching matching, std::vector<Correspondence> points) {
-  return followed(objects, std::move(matching), std::move(points), {}, kBodySpacing, kBodyLattice);
+Matching followBody(const MatchObjects& objects, Matching matching, std::vector<Correspondence> points,
+                    const Ways& ways) {
+  return followed(objects, std::move(matching), std::move(points), {}, kBodySpacing, kBodyLattice, ways);
 }
 
 }  // namespace slicemorph

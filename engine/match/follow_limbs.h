@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/match/flow.h"
 #include "engine/match/match_objects.h"
 #include "engine/match/matching.h"
 
@@ -15,7 +16,8 @@ std::vector<Vec3d> stillPoints(const MatchObjects& objects, const Matching& matc
 Matching followLimbs(const MatchObjects& objects, Matching matching, std::vector<Correspondence> points,
                      const std::vector<Vec3d>& still);
 
-/// The same for points all over the bodies, which a finer map can hold.
-Matching followBody(const MatchObjects& objects, Matching matching, std::vector<Correspondence> points);
+/// The same for points all over the bodies, which a finer map can hold. `ways`: see flowed.
+Matching followBody(const MatchObjects& objects, Matching matching, std::vector<Correspondence> points,
+                    const Ways& ways);
 
 }  // namespace slicemorph

@@ -22,8 +22,8 @@ constexpr double kPointsOfStiffness = 2000;
 
 /// Closest points of the inner surfaces, sampled as densely as the shapes; each on the same inner surface of
 /// the other objects.
-std::vector<Correspondence> innerPoints(const MatchObjects& objects, const Matching& matching,
-                                        const Round& round) {
+std::vector<Correspondence> innerSurfacePoints(const MatchObjects& objects, const Matching& matching,
+                                               const Round& round) {
   std::vector<Correspondence> points;
   for (const MatchSurface& surface : objects.inner) {
     std::vector<MiddleSamples> samples(objects.count());
@@ -47,7 +47,7 @@ std::vector<Correspondence> roundPoints(const MatchObjects& objects, const Match
   if (round.kind == Round::Kind::kSoft) return softPoints(matching.map, samples, reach);
   std::vector<Correspondence> points =
       closestPoints(objects.shape.fields, objects.charts, matching.map, samples, reach);
-  const std::vector<Correspondence> inner = innerPoints(objects, matching, round);
+  const std::vector<Correspondence> inner = innerSurfacePoints(objects, matching, round);
   points.insert(points.end(), inner.begin(), inner.end());
   return points;
 }

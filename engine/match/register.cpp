@@ -62,25 +62,25 @@ Registration withContradictions(const MatchObjects& objects, Registration made) 
 
 /// A matching that rounds may start from.
 struct Candidate {
+  const MatchObjects* objects;
   Matching matching;
   Rounds rounds;
 };
 
-/// The best matching after running its rounds on every candidate; the earlier one unless another is clearly
+/// The best candidate after running its rounds on every one; the earlier one unless another is clearly
 /// better.
-Matching bestAfterRounds(const MatchObjects& objects, std::vector<Candidate> candidates, Progress& progress) {
-  std::optional<Matching> best;
+Candidate bestAfterRounds(std::vector<Candidate> candidates, Progress& progress) {
+  std::optional<Candidate> best;
   double all = 0;
   int done = 0;
   for (const Candidate& candidate : candidates) all += double(candidate.rounds.size());
   for (Candidate& candidate : candidates) {
-    Matching matching = std::move(candidate.matching);
     for (const Round& round : candidate.rounds) {
       if (progress.cancelled()) throw Cancelled();
       progress.report("match", 0.2 + 0.8 * done++ / all);
-      matching = refined(objects, std::move(matching), round);
+      candidate.matching = refined(*candidate.objects, std::move(candidate.matching), round);
     }
-    if (!best || matching.value() > best->value() + kSureGain) best = std::move(matching);
+    if (!best || candidate.matching.value() > best->matching.value() + kSureGain) best = std::move(candidate);
   }
   return std::move(*best);
 }
@@ -98,11 +98,12 @@ Registration registerObjects(const MatchObjects& objects, const TracedObjects& t
   std::vector<Candidate> candidates;
   std::optional<Bending> bent = bentOntoEachOther(objects, start.matching, byLimbs);
   const bool sure = bent && bent->sure;
-  if (bent) candidates.push_back({std::move(bent->matching), roundsAfterBending(rounds)});
+  if (bent) candidates.push_back({&bent->objects, std::move(bent->matching), roundsAfterBending(rounds)});
   if (!sure)
-    for (Matching& matching : byLimbs()) candidates.push_back({std::move(matching), rounds});
-  Matching best = bestAfterRounds(objects, std::move(candidates), progress);
-  return withContradictions(objects, registrationOf(objects, std::move(best), std::move(start)));
+    for (Matching& matching : byLimbs()) candidates.push_back({&objects, std::move(matching), rounds});
+  Candidate best = bestAfterRounds(std::move(candidates), progress);
+  return withContradictions(objects,
+                            registrationOf(*best.objects, std::move(best.matching), std::move(start)));
 }
 
 Registration startRegistration(const MatchObjects& objects, const TracedObjects& traced, int samples) {

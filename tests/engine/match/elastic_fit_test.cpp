@@ -58,7 +58,7 @@ Bent bentFigure(double from, double to, double startSwing = 0) {
   const Mat3d turn = rotationFromVector({0, 0, startSwing * M_PI / 180});
   for (Vec3d& p : start)
     if (onArm(p, from)) p = kShoulder + turn * (p - kShoulder);
-  bent.fit = fitElastically(bent.graph, surfaceOn(*a, chart), surfaceOn(*b, chart), start, 1);
+  bent.fit = fitElastically(bent.graph, surfaceOn(*a, chart), surfaceOn(*b, chart), {start, {}}, 1);
   return bent;
 }
 
@@ -119,7 +119,7 @@ TEST(ElasticFit, AnArmGoesRound) {
 TEST(ElasticFit, HalfWayTheArmHasTurnedByHalf) {
   const double kFrom = 40, swing = 100;
   const Bent bent = bentFigure(kFrom, kFrom + swing, 80);
-  const ElasticFit half = halfWay(bent.graph, bent.fit);
+  const ElasticFit half = partWay(bent.graph, bent.fit, 0.5);
   // Means of the nodes near the elbow and near the hand: in the figure, in the fit and half way.
   struct Ends {
     Vec3d near{0, 0, 0}, far{0, 0, 0};
