@@ -87,17 +87,26 @@ Image nearestTo(const Image& labels, const ImageLattice& on) {
       labels.values);
 }
 
+std::vector<SliceRange> sliceRanges(const ImageLattice& lattice) {
+  constexpr size_t kVoxels = 1 << 20;
+  const size_t slice = size_t(lattice.size[0]) * size_t(lattice.size[1]);
+  const int step = int(std::max<size_t>(kVoxels / std::max<size_t>(slice, 1), 1));
+  std::vector<SliceRange> ranges;
+  for (int k = 0; k < lattice.size[2]; k += step) ranges.push_back({k, std::min(k + step, lattice.size[2])});
+  return ranges;
+}
+
 Image sampledAt(const Image& image, const ImageLattice& on,
-                const std::function<std::vector<Vec3d>(int k)>& positions, bool nearest) {
+                const std::function<std::vector<Vec3d>(const SliceRange&)>& positions, bool nearest) {
   const WorldToVoxel voxel(image.lattice);
   return std::visit(
       [&](const auto& values) {
         using T = typename std::decay_t<decltype(values)>::value_type;
         const ImageSampler<T> sampler(image.lattice, values);
         std::vector<T> out(on.count());
-        for (int k = 0; k < on.size[2]; ++k) {
-          const std::vector<Vec3d> at = positions(k);
-          T* const slice = &out[on.index(0, 0, k)];
+        for (const SliceRange& range : sliceRanges(on)) {
+          const std::vector<Vec3d> at = positions(range);
+          T* const slice = &out[on.index(0, 0, range.from)];
           tbb::parallel_for(size_t(0), at.size(), [&](size_t i) {
             const Vec3d v = voxel(at[i]);
             slice[i] = nearest ? nearestValue(image.lattice, values, v)

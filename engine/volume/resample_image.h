@@ -14,10 +14,17 @@ Image resampledTo(const Image& image, const ImageLattice& on);
 /// A label map at the voxels of another lattice: the nearest voxel's label, 0 outside the map.
 Image nearestTo(const Image& labels, const ImageLattice& on);
 
-/// An image at any positions: at the voxels (.., .., k) of `on`, i fastest, the values at the world points that
-/// `positions(k)` gives for them. `nearest`: the nearest voxel's value, 0 outside, as of label maps; else trilinear,
+/// Slices of a lattice, from `from` up to before `to`.
+struct SliceRange {
+  int from, to;
+};
+/// All slices of a lattice, in parts of about a million voxels.
+std::vector<SliceRange> sliceRanges(const ImageLattice& lattice);
+
+/// An image at any positions: at the voxels of `on` in some slices, i fastest, the values at the world points that
+/// `positions` gives for them. `nearest`: the nearest voxel's value, 0 outside, as of label maps; else trilinear,
 /// outside the lowest value.
 Image sampledAt(const Image& image, const ImageLattice& on,
-                const std::function<std::vector<Vec3d>(int k)>& positions, bool nearest);
+                const std::function<std::vector<Vec3d>(const SliceRange&)>& positions, bool nearest);
 
 }  // namespace slicemorph

@@ -114,12 +114,18 @@ class TimeMap {
   openvdb::BBoxd box_;
 };
 
-std::vector<Vec3d> voxelsOf(const ImageLattice& lattice, int k) {
+std::vector<Vec3d> voxelsOf(const ImageLattice& lattice, const SliceRange& slices) {
   std::vector<Vec3d> points;
-  points.reserve(size_t(lattice.size[0]) * size_t(lattice.size[1]));
-  for (int j = 0; j < lattice.size[1]; ++j)
-    for (int i = 0; i < lattice.size[0]; ++i) points.push_back(lattice.toWorld(Vec3d(i, j, k)));
+  points.reserve(size_t(lattice.size[0]) * size_t(lattice.size[1]) * size_t(slices.to - slices.from));
+  for (int k = slices.from; k < slices.to; ++k)
+    for (int j = 0; j < lattice.size[1]; ++j)
+      for (int i = 0; i < lattice.size[0]; ++i) points.push_back(lattice.toWorld(Vec3d(i, j, k)));
   return points;
+}
+
+void reportSlices(JobEvents& events, const SliceRange& slices, const ImageLattice& of) {
+  events.throwIfCancelled();
+  events.report("carrying", 0.8 + 0.2 * double(slices.from) / double(of.size[2]));
 }
 
 void carryPositions(const ApplyJob& job, const PositionFile& file, const TimeMap& map, JobEvents& events) {
@@ -145,10 +151,9 @@ void carryImage(const ApplyJob& job, const TimeMap& map, JobEvents& events) {
   const ImageLattice on = !job.like.empty() ? readImage(job.like, job.load.image).image.lattice
                           : map.imageTo()   ? map.imageTo()->lattice
                                             : file.image.lattice;
-  const auto positions = [&](int k) {
-    events.throwIfCancelled();
-    events.report("carrying", 0.8 + 0.2 * double(k) / double(on.size[2]));
-    return map.carriedBack(voxelsOf(on, k));
+  const auto positions = [&](const SliceRange& slices) {
+    reportSlices(events, slices, on);
+    return map.carriedBack(voxelsOf(on, slices));
   };
   writeImage(job.output, sampledAt(file.image, on, positions, labels));
 }
@@ -190,10 +195,10 @@ void writeField(const ApplyJob& job, const TimeMap& map, JobEvents& events) {
   field.meaning = "displacement from t=" + formatNumber(job.from) + " to t=" + formatNumber(job.to) +
                   (vdb ? ", world units" : ", LPS mm");
   const ImageLattice& on = field.lattice;
-  for (int k = 0; k < on.size[2]; ++k) {
-    events.throwIfCancelled();
-    events.report("carrying", 0.8 + 0.2 * double(k) / double(on.size[2]));
-    const std::vector<Vec3d> points = voxelsOf(on, k), there = map.carried(points);
+  field.vectors.reserve(on.count());
+  for (const SliceRange& slices : sliceRanges(on)) {
+    reportSlices(events, slices, on);
+    const std::vector<Vec3d> points = voxelsOf(on, slices), there = map.carried(points);
     for (size_t i = 0; i < points.size(); ++i) field.vectors.emplace_back(there[i] - points[i]);
   }
   vdb ? writeFieldGrid(job.output, field) : writeVectors(job.output, field);

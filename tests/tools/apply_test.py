@@ -1,0 +1,260 @@
+#!/usr/bin/env python3
+"""`slicemorph apply`: points, meshes, curves, landmarks and images carried along a morph whose map is known, and the map.
+
+usage: apply_test.py PATH/TO/slicemorph [NAME...]     (NAME: only the cases whose name contains it)
+
+The objects are one shape twice, moved by SHIFT and 1.5 times as large: every point goes to its own image. Files are read
+by nibabel and pyopenvdb, or byte by byte. Tolerance: half a voxel of the objects, 0.03, where nothing else is said.
+"""
+import gzip
+import os
+import struct
+import subprocess
+import sys
+import zlib
+
+sys.path.append("/usr/lib/python3/dist-packages")
+import nibabel
+import numpy as np
+import pyopenvdb as vdb
+
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+from cases import named_cases, run_cases
+
+if len(sys.argv) < 2:
+    sys.exit(__doc__)
+PROGRAM, ONLY = os.path.abspath(sys.argv[1]), sys.argv[2:]
+SHIFT, FACTOR, NEAR = np.array([3.0, 1.0, -2.0]), 1.5, 0.03
+SMALL = ["--resolution", "40", "--slices", "32"]
+POINTS = np.array([[0.9, 0.1, 0], [-0.5, 0.4, 0.2], [0, -0.6, 0.1], [0.25, 0.25, 0.25]])
+
+
+def run(*words, code=0, cwd=None):
+    result = subprocess.run([PROGRAM, *map(str, words)], cwd=cwd, capture_output=True, text=True, timeout=300)
+    assert result.returncode == code, "exit %d: %s" % (result.returncode, result.stderr)
+    return result
+
+
+def mesh(path, scale, shift):
+    """An egg-like ellipsoid without symmetry, so that no turn maps it onto itself."""
+    rings, around, lines = 24, 48, []
+    for i in range(rings + 1):
+        for j in range(around):
+            a, b = np.pi * i / rings, 2 * np.pi * j / around
+            p = np.array([np.cos(a), 0.7 * np.sin(a) * np.cos(b), 0.45 * np.sin(a) * np.sin(b)])
+            p[1] += 0.25 * p[0] ** 2
+            p[2] += 0.2 * p[0] * (1 + p[0])
+            lines.append("v %g %g %g" % tuple(scale * p + shift))
+    at = lambda i, j: i * around + j % around + 1
+    for i in range(rings):
+        for j in range(around):
+            quad = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]
+            if i == 0:
+                quad = [at(0, 0), quad[1], quad[2]]
+            elif i == rings - 1:
+                quad = [quad[0], at(rings, 0), quad[3]]
+            lines.append("f " + " ".join(map(str, quad)))
+    with open(path, "w") as file:
+        file.write("\n".join(lines) + "\n")
+
+
+def pair(d):
+    mesh(d + "/a.obj", 1, np.zeros(3))
+    mesh(d + "/b.obj", FACTOR, SHIFT)
+    return [d + "/a.obj", d + "/b.obj"]
+
+
+def image_of(points, t=1.0):
+    """By the known map, at a time: sizes and positions change linearly."""
+    return points * (1 + t * (FACTOR - 1)) + t * SHIFT
+
+
+def apply(d, what, out, *more):
+    return run("apply", *pair(d), what, "-o", out, *SMALL, *more)
+
+
+def case_obj(d):
+    """Only the numbers behind `v` change; lines, comments, texture, weights and order stay."""
+    text = "# curve\r\nmtllib x.mtl\r\n" + "".join("v %.6f  %.6f\t%.6f 1.0\r\n" % tuple(p) for p in POINTS) + "vn 0 0 1\r\nvt 0 1\r\nl 1 2 3 4\r\n"
+    with open(d + "/c.obj", "w", newline="") as file:
+        file.write(text)
+    note = apply(d, d + "/c.obj", d + "/o.obj").stderr
+    assert "normals" in note, note
+    with open(d + "/o.obj", newline="") as file:
+        got = file.read()
+    before, after = text.split("\r\n"), got.split("\r\n")
+    assert len(before) == len(after)
+    moved = []
+    for x, y in zip(before, after):
+        if x.startswith("v "):
+            assert y.split()[4] == "1.0" and "\t" in y and "  " in y, y
+            moved.append([float(n) for n in y.split()[1:4]])
+        else:
+            assert x == y, (x, y)
+    assert np.abs(moved - image_of(POINTS)).max() < NEAR * FACTOR, moved - image_of(POINTS)
+    # And back again.
+    apply(d, d + "/o.obj", d + "/p.obj", "--from", 1, "--to", 0)
+    with open(d + "/p.obj") as file:
+        back = [[float(n) for n in l.split()[1:4]] for l in file if l.startswith("v ")]
+    assert np.abs(back - POINTS).max() < 1e-3, back
+
+
+def case_times(d):
+    """To a time between, and from there on."""
+    np.savetxt(d + "/p.txt", POINTS)
+    apply(d, d + "/p.txt", d + "/half.txt", "--to", 0.5)
+    half = np.loadtxt(d + "/half.txt")
+    assert np.abs(half - image_of(POINTS, 0.5)).max() < NEAR * FACTOR
+    apply(d, d + "/half.txt", d + "/end.txt", "--from", 0.5)
+    assert np.abs(np.loadtxt(d + "/end.txt") - image_of(POINTS)).max() < NEAR * FACTOR
+
+
+def case_csv(d):
+    """Columns in any order and other columns, by name; without names the first three numbers."""
+    with open(d + "/t.csv", "w") as file:
+        file.write('id;"Pos Z";x [mm];y;note\n' + "".join("p%d;%g;;;\n".replace(";;;", ";%g;%g;\"a;b\"") % (i, p[2], p[0], p[1])
+                                                             for i, p in enumerate(POINTS)))
+    text = open(d + "/t.csv").read().replace("Pos Z", "z")
+    open(d + "/t.csv", "w").write(text)
+    apply(d, d + "/t.csv", d + "/u.csv")
+    rows = [l.split(";") for l in open(d + "/u.csv").read().split("\n")[:-1]]
+    assert rows[0] == ["id", '"z"', "x [mm]", "y", "note"] and rows[1][0] == "p0" and rows[1][4:] == ['"a', 'b"'], rows[:2]
+    got = np.array([[float(r[2]), float(r[3]), float(r[1])] for r in rows[1:]])
+    assert np.abs(got - image_of(POINTS)).max() < NEAR * FACTOR
+    np.savetxt(d + "/n.csv", np.c_[POINTS, np.arange(4)], delimiter=",", fmt="%g")
+    apply(d, d + "/n.csv", d + "/m.csv")
+    got = np.loadtxt(d + "/m.csv", delimiter=",")
+    assert np.abs(got[:, :3] - image_of(POINTS)).max() < NEAR * FACTOR and (got[:, 3] == np.arange(4)).all()
+
+
+def case_ply(d):
+    """Text and binary of both byte orders, doubles, other elements before the points; faces and colours are kept."""
+    for order, kind in (("<", "binary_little_endian"), (">", "binary_big_endian")):
+        head = ("ply\nformat %s 1.0\nelement camera 1\nproperty list uchar short ids\nelement vertex 4\nproperty uchar red\n"
+                "property double z\nproperty float x\nproperty float y\nelement face 1\nproperty list uchar int vertex_indices\n"
+                "end_header\n" % kind).encode()
+        body = struct.pack(order + "Bhh", 2, 7, 8)
+        body += b"".join(struct.pack(order + "Bdff", 9 + i, p[2], p[0], p[1]) for i, p in enumerate(POINTS))
+        body += struct.pack(order + "Biii", 3, 0, 1, 2)
+        with open(d + "/b.ply", "wb") as file:
+            file.write(head + body)
+        apply(d, d + "/b.ply", d + "/c.ply")
+        got = open(d + "/c.ply", "rb").read()
+        assert got[:len(head)] == head and len(got) == len(head + body) and got[-13:] == body[-13:]
+        assert got[len(head):len(head) + 5] == body[:5]
+        rows = [struct.unpack_from(order + "Bdff", got, len(head) + 5 + 17 * i) for i in range(4)]
+        assert [r[0] for r in rows] == [9, 10, 11, 12]
+        moved = np.array([[r[2], r[3], r[1]] for r in rows])
+        assert np.abs(moved - image_of(POINTS)).max() < NEAR * FACTOR, moved
+
+
+def case_landmarks(d):
+    """3D Slicer's points are in RAS where the file says so; names stay."""
+    for said, sign in (("LPS", 1), ("RAS", -1)):
+        lines = ["# Markups fiducial file version = 5.0", "# CoordinateSystem = " + said]
+        lines += ["id%d,%g,%g,%g,0,0,0,1,1,1,0,name %d,," % (i, sign * p[0], sign * p[1], p[2], i) for i, p in enumerate(POINTS)]
+        open(d + "/l.fcsv", "w").write("\n".join(lines) + "\n")
+        apply(d, d + "/l.fcsv", d + "/m.fcsv")
+        got = open(d + "/m.fcsv").read().split("\n")
+        assert got[:2] == lines[:2] and "name 3" in got[5]
+        moved = np.array([[float(n) for n in l.split(",")[1:4]] for l in got[2:6]]) * [sign, sign, 1]
+        assert np.abs(moved - image_of(POINTS)).max() < NEAR * FACTOR, moved
+
+
+def case_image(d):
+    """A ramp in the object's own coordinates is carried with it; labels keep their numbers."""
+    n = 48
+    affine = np.diag([-1 / 16, -1 / 16, 1 / 16, 1])  # LPS axes
+    affine[:3, 3] = [1.5, 1.5, -1.5]
+    index = np.stack(np.meshgrid(*[np.arange(n)] * 3, indexing="ij"), -1)
+    world = index / 16 - 1.5
+    ramp = (100 + 40 * world[..., 0] + 20 * world[..., 2]).astype(np.float32)
+    nibabel.save(nibabel.Nifti1Image(ramp, affine), d + "/ramp.nii")
+    step = FACTOR / 16
+    target = np.diag([-step, -step, step, 1])
+    target[:3, 3] = [1.5 * FACTOR - SHIFT[0], 1.5 * FACTOR - SHIFT[1], SHIFT[2] - 1.5 * FACTOR]
+    nibabel.save(nibabel.Nifti1Image(ramp * 0, target), d + "/like.nii")
+    apply(d, d + "/ramp.nii", d + "/out.nii.gz", "--like", d + "/like.nii", "--image", "grey")
+    got = nibabel.load(d + "/out.nii.gz")
+    assert np.allclose(got.affine, target, atol=1e-5)
+    inside = (world[..., 0] ** 2 + (world[..., 1] / 0.6) ** 2 + (world[..., 2] / 0.4) ** 2) < 0.5
+    # A point that is off by half a voxel is off by that in value along the ramp.
+    slack = NEAR * np.hypot(40, 20)
+    assert np.abs(got.get_fdata() - ramp)[inside].max() < slack, np.abs(got.get_fdata() - ramp)[inside].max()
+    labels = np.where(world[..., 0] > 0, 7, 3).astype(np.int16)
+    nibabel.save(nibabel.Nifti1Image(labels, affine), d + "/labels.nii")
+    apply(d, d + "/labels.nii", d + "/moved.mha", "--like", d + "/like.nii", "--image", "labels")
+    run("convert", d + "/moved.mha", "-o", d + "/moved.nii")
+    got = nibabel.load(d + "/moved.nii").get_fdata()
+    clear = inside & (np.abs(world[..., 0]) > NEAR + 1 / 32)
+    assert (got[clear] == labels[clear]).all()
+
+
+def check_field(vectors, world, t0, t1):
+    """Displacements at world points near the object, which is at a time."""
+    size, here = 1 + t0 * (FACTOR - 1), t0 * SHIFT
+    own = (world - here) / size
+    inside = (own[..., 0] ** 2 + (own[..., 1] / 0.6) ** 2 + (own[..., 2] / 0.4) ** 2) < 0.5
+    wanted = image_of(own, t1) - world
+    assert inside.sum() > 200, inside.sum()
+    off = np.abs(vectors - wanted)[inside].max()
+    assert off < NEAR * FACTOR, off
+
+
+def case_field(d):
+    """The same numbers in all formats: LPS, at the points of --from, to where these are at --to."""
+    field = lambda name, *more: run("apply", *pair(d), "--field", "-o", d + "/" + name, *SMALL, *more)
+    for t0, t1 in ((0, 1), (1, 0), (0, 0.5)):
+        note = field("f.nii.gz", "--from", t0, "--to", t1).stderr
+        assert "displacement" in note and "LPS" in note, note
+        got = nibabel.load(d + "/f.nii.gz")
+        assert got.header.get_intent()[0] == "vector" and got.shape[3:] == (1, 3), got.shape
+        assert ("t=%g to t=%g, LPS mm" % (t0, t1)).encode() in got.header["descrip"].tobytes(), got.header["descrip"]
+        index = np.stack(np.meshgrid(*map(np.arange, got.shape[:3]), indexing="ij"), -1)
+        world = (index @ got.affine[:3, :3].T + got.affine[:3, 3]) * [-1, -1, 1]
+        nifti = got.get_fdata()[..., 0, :]
+        check_field(nifti, world, t0, t1)
+    field("f.nii.gz")
+    nifti = nibabel.load(d + "/f.nii.gz").get_fdata()[..., 0, :]
+    field("f.nrrd")
+    head, body = open(d + "/f.nrrd", "rb").read().split(b"\n\n", 1)
+    assert b"kinds: vector domain domain domain" in head and b"space: left-posterior-superior" in head, head
+    values = np.frombuffer(gzip.decompress(body), "<f4").reshape(nifti.shape[2::-1] + (3,))
+    assert np.array_equal(values.transpose(2, 1, 0, 3), nifti.astype(np.float32))
+    field("f.mha")
+    whole = open(d + "/f.mha", "rb").read()
+    at = whole.index(b"ElementDataFile = LOCAL\n") + 24
+    assert b"ElementNumberOfChannels = 3" in whole[:at] and b"Comment = displacement from t=0 to t=1" in whole[:at]
+    assert zlib.decompress(whole[at:]) == values.tobytes()
+    field("f.vdb")
+    grid = vdb.read(d + "/f.vdb", "displacement")
+    low, high = grid.evalActiveVoxelBoundingBox()
+    array = np.zeros([h - l + 1 for l, h in zip(low, high)] + [3], np.float32)
+    grid.copyToArray(array, ijk=low)
+    assert np.array_equal(array, nifti.astype(np.float32))
+
+
+def case_wrong(d):
+    """Messages name the file, the option and what would be right; nothing is written."""
+    a, b = pair(d)
+    open(d + "/bad.csv", "w").write("x,y,z\n1,2,3\n1,two,3\n")
+    open(d + "/p.txt", "w").write("1 2 3\n")
+    open(d + "/far.txt", "w").write("100 2 3\n")
+    for words, code, says in (
+            ([a, b, d + "/p.txt", "-o", d + "/o.csv"], 2, ["o.csv", ".txt"]),
+            ([a, b, d + "/none.txt", "-o", d + "/o.txt"], 1, ["none.txt", "no such file"]),
+            ([a, b, d + "/bad.csv", "-o", d + "/o.csv"], 2, ["bad.csv:3", "'two'", "y"]),
+            ([a, b, a, "-o", d + "/o.stl"], 2, ["o.stl", ".obj"]),
+            ([a, b, "-o", d + "/o.obj"], 2, ["two objects", "what is to be carried"]),
+            ([a, b, "-o", d + "/o.obj", "--field"], 2, ["o.obj", ".nii.gz", ".vdb"]),
+            ([a, "-o", d + "/o.vdb", "--field"], 2, ["two objects"]),
+            ([a, b, d + "/p.txt", "-o", d + "/o.txt", "--to", 2], 2, ["--to 2", "0 to 1"]),
+            ([a, b, d + "/p.txt", "-o", d + "/o.####.txt"], 2, ["####"])):
+        error = run("apply", *words, code=code).stderr
+        for said in says:
+            assert said in error, (words, said, error)
+    assert not [n for n in os.listdir(d) if n.startswith("o.")], os.listdir(d)
+    assert "far from the objects" in apply(d, d + "/far.txt", d + "/f.txt").stderr
+
+
+sys.exit(run_cases([(name.replace("_", " "), case) for name, case in named_cases(globals())], ONLY))
