@@ -1,3 +1,4 @@
+#include "engine/blend/surface_stretch.h"
 #include "engine/pipeline.h"
 #include "engine/rebuild/pullback.h"
 #include "slicemorph/errors.h"
@@ -105,6 +106,26 @@ std::vector<Vec3d> MorphPlan::carryPoints(const std::vector<Vec3d>& points, cons
   if (a == b || !plan.lattice) return points;
   return plan.lattice->carryPoints(points, plan.lattice->poseAt(a), plan.lattice->poseAt(b));
 }
+
+FrameStrain MorphPlan::strain(const Weights& weights) const {
+  const Plan& plan = impl_->plan;
+  const Weights w = withoutNegatives(plan.shapes.weightsFrom(weights));
+  FrameStrain strain;
+  if (!plan.lattice) return strain;
+  const LatticePose pose = plan.lattice->poseAt(w);
+  strain.meanStretch = 0;
+  for (size_t k = 0; k < w.size(); ++k) {
+    if (w[k] == 0) continue;
+    const SurfaceStretch s = surfaceStretch(*plan.lattice, *plan.shapes.fields[k], k, pose);
+    strain.meanStretch += w[k] * s.mean, strain.worstStretch = std::max(strain.worstStretch, s.worst);
+    strain.muchStretched += w[k] * s.beyond, strain.meanTurn += w[k] * s.turned;
+  }
+  return strain;
+}
+
+std::vector<TurnChoice> MorphPlan::turnChoices() const { return impl_->plan.frames.choices; }
+
+double MorphPlan::overlap() const { return impl_->plan.registration.overlapAfter; }
 
 size_t MorphPlan::objectCount() const { return impl_->plan.shapes.shapeOf.size(); }
 

@@ -13,7 +13,7 @@ NodeStretch::NodeStretch(const NodeMap& nodes, size_t object, const Mat3d& voxel
       for (int x = 0; x < nodes.size[0]; ++x) {
         const openvdb::Coord c = nodes.origin + openvdb::Coord(x, y, z);
         const Mat3d stretch = jacobian(c[0], c[1], c[2], object) * voxelPerWorld;
-        local_[nodes.index(c[0], c[1], c[2])] = {openvdb::Mat3s(nearestRotation(stretch)),
+        local_[nodes.index(c[0], c[1], c[2])] = {openvdb::Mat3s(polarRotation(stretch)),
                                                  float(std::max(stretch.det(), 0.0))};
       }
   });
@@ -56,7 +56,7 @@ NodeStretch::Local NodeStretch::at(int i, int j, int k, const openvdb::Vec3s& fr
 }
 
 /// Newton's iteration for the orthogonal polar factor.
-Mat3d nearestRotation(Mat3d m) {
+Mat3d polarRotation(Mat3d m) {
   if (!(m.det() > 0)) return Mat3d::identity();
   for (int i = 0; i < 12; ++i) m = (m + m.inverse().transpose()) * 0.5;
   return m;

@@ -25,6 +25,6 @@ class NodeStretch {
 };
 
 /// The rotation nearest to a matrix; identity where its determinant is not positive.
-Mat3d nearestRotation(Mat3d m);
+Mat3d polarRotation(Mat3d m);
 
 }  // namespace slicemorph

@@ -13,9 +13,10 @@ using Fields = std::vector<std::shared_ptr<const DistanceField>>;
 
 /// The objects' coordinate frames (not frames of time).
 struct Frames {
-  std::vector<Chart> charts;  ///< one per object
-  double halfLength = 1;      ///< the common half length along the spine, chart units
-  Notes notes;                ///< what was decided
+  std::vector<Chart> charts;        ///< one per object
+  double halfLength = 1;            ///< the common half length along the spine, chart units
+  std::vector<TurnChoice> choices;  ///< per object but the first
+  Notes notes;                      ///< what was decided
 };
 
 /// A candidate rotation from one object's directions to another's.

@@ -116,11 +116,40 @@ constexpr double kUndecided = 0.07;
 constexpr double kNothingAlike = 0.21, kNothingAlikeFreely = 0.12;
 constexpr size_t kMostUndecided = 4;
 
+/// Turns farther from the chosen one than this, radians, are another way round.
+constexpr double kOtherWay = M_PI / 3;
+/// A shape looks the same when turned if that distorts its own inner distances by less than this share of what the other
+/// way round distorts those of the pair.
+constexpr double kLooksTheSame = 0.5;
+
+struct ChosenTurn {
+  Turn turn;
+  TurnChoice choice;
+};
+
+/// How sure a turn is. `distortion`: of all turns.
+TurnChoice choiceOf(const InnerSamples (&samples)[2], const std::vector<Turn>& turns,
+                    const std::vector<double>& distortion, const Turn& chosen) {
+  TurnChoice choice{chosen.angle * 180 / M_PI, innerDistortion(samples[0], samples[1], chosen.rotation), -1};
+  size_t next = turns.size();
+  for (size_t i = 0; i < turns.size(); ++i) {
+    const bool other = rotationVector(chosen.rotation.transpose() * turns[i].rotation).length() > kOtherWay;
+    if (other && std::isfinite(distortion[i]) && (next == turns.size() || distortion[i] < distortion[next]))
+      next = i;
+  }
+  if (next == turns.size() || !(choice.distortion > 0)) return choice;
+  const double there = innerDistortion(samples[0], samples[1], turns[next].rotation);
+  const Mat3d between = chosen.rotation.transpose() * turns[next].rotation;
+  if (innerDistortion(samples[0], samples[0], between) < kLooksTheSame * there) return choice;
+  choice.margin = std::max(there / choice.distortion - 1, 0.0);
+  return choice;
+}
+
 /// The turn from the first object of a pair to the second whose soft matching distorts inner distances least.
 /// Where no distortion is a number, as of shapes with no inside, the first of `turns`.
-Turn chooseTurn(const Fields& pair, const std::vector<Turn>& turns, const MorphOptions& options,
-                const Progress& progress) {
-  if (turns.size() == 1) return turns[0];
+ChosenTurn chooseTurn(const Fields& pair, const std::vector<Turn>& turns, const MorphOptions& options,
+                      const Progress& progress) {
+  if (turns.size() == 1) return {turns[0], {turns[0].angle * 180 / M_PI, -1, -1}};
   InnerSamples samples[2];
   tbb::parallel_for(0, 2, [&](int k) { samples[k] = innerSamples(*pair[size_t(k)]); });
   if (progress.cancelled()) throw Cancelled();
@@ -136,18 +165,21 @@ Turn chooseTurn(const Fields& pair, const std::vector<Turn>& turns, const MorphO
   const auto less = [&](size_t i, size_t j) { return distortion[i] < distortion[j]; };
   std::stable_sort(upright.begin(), upright.end(), less);
   std::stable_sort(other.begin(), other.end(), less);
-  if (upright.empty() && other.empty()) return turns[0];
+  if (upright.empty() && other.empty()) return {turns[0], {turns[0].angle * 180 / M_PI, -1, -1}};
+  const auto chosen = [&](const Turn& turn) {
+    return ChosenTurn{turn, choiceOf(samples, turns, distortion, turn)};
+  };
   const bool leaves =
       upright.empty() || (!other.empty() && distortion[other[0]] < kLeavesUpright * distortion[upright[0]]);
   std::vector<size_t> among = leaves ? other : upright;
   if (distortion[among[0]] > (leaves ? kNothingAlikeFreely : kNothingAlike))
-    return turns[bestByAgreement(pair, turns, likelyOf(turns, among), options, progress)];
+    return chosen(turns[bestByAgreement(pair, turns, likelyOf(turns, among), options, progress)]);
   const double most = (1 + kUndecided) * distortion[among[0]];
   size_t count = 1;
   while (count < std::min(among.size(), kMostUndecided) && distortion[among[count]] <= most) ++count;
   among.resize(count);
   const Turn& best = turns[bestByAgreement(pair, turns, among, options, progress)];
-  return leaves ? settled(samples[0], samples[1], best) : best;
+  return chosen(leaves ? settled(samples[0], samples[1], best) : best);
 }
 
 /// Mean price of the objects' turns relative to the first.
@@ -173,11 +205,24 @@ Note turnNote(const Turn& turn, const std::string& name, const std::string& firs
   return {"frame.turned", Severity::kNote, name, sentence + text};
 }
 
+/// A warning where another way round fits hardly worse.
+Notes doubtsOf(const TurnChoice& choice, const std::string& name) {
+  if (choice.margin < 0 || choice.margin > kUndecided) return {};
+  char text[256];
+  std::snprintf(text, sizeof text,
+                "may be the wrong way round: another way fits hardly worse (%.0f %%); where it is, "
+                "--landmarks say what "
+                "belongs together, and --align none keeps its directions",
+                100 * choice.margin);
+  return {{"frame.unsure", Severity::kWarning, name, text}};
+}
+
 /// Frames with straight spines, every object turned relative to the first.
 Frames straightFrames(const Fields& fields, const std::vector<std::string>& names,
                       const MorphOptions& options, const Progress& progress) {
   std::vector<Mat3d> rotations(fields.size(), Mat3d::identity());
   Notes notes;
+  std::vector<TurnChoice> choices;
   for (size_t k = 1; k < fields.size() && options.align != Align::kNone; ++k) {
     // The features refer to all objects, but only two are compared here.
     MorphOptions pairOptions = options;
@@ -185,11 +230,14 @@ Frames straightFrames(const Fields& fields, const std::vector<std::string>& name
     const Fields pair{fields[0], fields[k]};
     const std::vector<Turn> turns =
         turnsToTry(pair, pointsOn(options.features, 0), pointsOn(options.features, k), options.up);
-    const Turn turn = chooseTurn(pair, turns, pairOptions, progress);
-    rotations[k] = turn.rotation;
-    notes.push_back(turnNote(turn, names[k], names[0]));
+    const ChosenTurn chosen = chooseTurn(pair, turns, pairOptions, progress);
+    rotations[k] = chosen.turn.rotation;
+    choices.push_back(chosen.choice);
+    notes.push_back(turnNote(chosen.turn, names[k], names[0]));
+    for (const Note& doubt : doubtsOf(chosen.choice, names[k])) notes.push_back(doubt);
   }
   Frames frames = frameObjects(fields, rotations, options);
+  frames.choices = std::move(choices);
   frames.notes.insert(frames.notes.begin(), notes.begin(), notes.end());
   return frames;
 }
@@ -229,11 +277,13 @@ Frames chooseFrames(const Fields& fields, const std::vector<std::string>& names,
   MorphOptions quick = options;
   quick.slices = kQuickSlices;
   FrameTrials trials{straightFrames(fields, names, quick, progress), {}};
+  const std::vector<TurnChoice> choices = trials.best.choices;
   if (options.align == Align::kNone) return trials.best;
   trials.reached = quickAgreement(fields, trials.best, quick);
   const auto consider = [&](const std::optional<Frames>& frames, const char* name, bool wanted) {
     if (progress.cancelled()) throw Cancelled();
     if (frames) trials = afterTrial(std::move(trials), *frames, fields, quick, name, wanted);
+    trials.best.choices = choices;
   };
   if (mayBeBeaten(trials, options.up)) consider(twistedFrames(fields, names, trials.best), "twist", false);
   const bool wanted = options.spine == SpineKind::kCurved;

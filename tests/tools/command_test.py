@@ -427,12 +427,18 @@ def report_holds(d, o):
         return problems
     with open(o + "/r.json") as f:
         report = json.load(f)
-    for key in ("settings", "inputs", "notes", "frames", "summary", "seconds", "peakMemoryBytes"):
+    for key in ("settings", "inputs", "notes", "frames", "summary", "plan", "seconds", "peakMemoryBytes"):
         if key not in report:
             problems.append("report lacks " + key)
     for i, frame in enumerate(report["frames"]):
         if frame["frame"] != i + 1 or frame["t"] != i / 2 or frame["pieces"] != 1 or frame["genus"] != 0:
             problems.append("frame %d: %s" % (i + 1, frame))
+    # Ellipsoids morph without crumpling, and their map stretches no part threefold.
+    for frame in report["frames"]:
+        if frame["areaRatio"] > 1.02 or frame["stretch"]["shareBeyond3"] > 0 or not 1 <= frame["stretch"]["mean"] < 1.5:
+            problems.append("stretch of frame %d: %s" % (frame["frame"], frame["stretch"]))
+    if not 0.9 < report["plan"]["overlap"] <= 1:
+        problems.append("overlap %s" % report["plan"])
     # Vertices lie at most h^2 / 4 R below a surface of curvature radius R, facets h^2 / 6 R more in the mean.
     for index, axes in ((0, (1, 0.8, 0.6)), (2, (0.5, 0.7, 1.1))):
         frame, exact = report["frames"][index], volume_of(*ellipsoid(*axes))

@@ -62,6 +62,7 @@ FrameFigures FrameReport::measure(const FrameTask& task, const MorphFrame& frame
   figures.voxelSize = surface->voxelSize()[0];
   figures.foldShare = frame.shape.foldShare;
   figures.shape = measureShape(*surface);
+  if (const MorphPlan* plan = task.plan.method.slices.get()) figures.strain = plan->strain(task.job.weights);
   if (previous_) figures.symmetricDifference = overlap(*previous_, *surface).symmetricDifference;
   previous_ = surface;
   return figures;
@@ -102,6 +103,7 @@ void FrameReport::write(const FrameMaker& maker, const Notes& notes, Progress& p
   report.loadSeconds = maker.seconds().load, report.planSeconds = maker.seconds().plan;
   report.restDistance = maker.plan().restDistance;
   if (const MorphPlan* plan = maker.plan().slices.get()) {
+    report.overlap = plan->overlap(), report.turns = plan->turnChoices();
     if (!settings_.landmarks.empty()) report.landmarks = landmarkErrors(settings_.landmarks, *plan);
     if (!settings_.checkLandmarks.empty())
       report.checkLandmarks = landmarkErrors(settings_.checkLandmarks, *plan);

@@ -20,7 +20,8 @@ Json describeShape(const ShapeMeasures& shape) {
 }
 
 Json summarise(const std::vector<Json>& frames) {
-  double sum = 0, largest = 0, lowestRatio = INFINITY, lowestSizeLinear = INFINITY, fold = 0;
+  double sum = 0, largest = 0, lowestRatio = INFINITY, lowestSizeLinear = INFINITY, fold = 0, area = 0,
+         beyond = 0;
   int steps = 0, pieces = 0, genusChanges = 0;
   for (size_t i = 0; i < frames.size(); ++i) {
     const Json& frame = frames[i];
@@ -31,6 +32,8 @@ Json summarise(const std::vector<Json>& frames) {
     if (frame["volume"].is_null()) continue;
     lowestRatio = std::min(lowestRatio, frame["volumeRatio"].get<double>());
     lowestSizeLinear = std::min(lowestSizeLinear, frame["volumeRatioSizeLinear"].get<double>());
+    if (frame.contains("areaRatio")) area = std::max(area, frame["areaRatio"].get<double>());
+    if (frame.contains("stretch")) beyond = std::max(beyond, frame["stretch"]["shareBeyond3"].get<double>());
     pieces = std::max(pieces, frame["pieces"].get<int>());
     fold = std::max(fold, frame["foldShare"].get<double>());
     genusChanges += i && frame["genus"] != frames[i - 1]["genus"];
@@ -39,6 +42,8 @@ Json summarise(const std::vector<Json>& frames) {
   return {{"pop", sum > 0 ? Json(largest * steps / sum) : Json(nullptr)},
           {"lowestVolumeRatio", lowestRatio},
           {"lowestVolumeRatioSizeLinear", lowestSizeLinear},
+          {"highestAreaRatio", area},
+          {"largestShareBeyond3", beyond},
           {"mostPieces", pieces},
           {"genusChanges", genusChanges},
           {"largestFoldShare", fold}};
@@ -47,9 +52,10 @@ Json summarise(const std::vector<Json>& frames) {
 }  // namespace
 
 Json describeFrame(const FrameFigures& figures, const std::vector<ShapeMeasures>& inputs) {
-  double linear = 0, size = 0;
+  double linear = 0, size = 0, area = 0;
   for (size_t k = 0; k < inputs.size(); ++k) {
     linear += figures.weights[k] * inputs[k].volume;
+    area += figures.weights[k] * inputs[k].area;
     size += figures.weights[k] * std::cbrt(inputs[k].volume);
   }
   Json frame = {{"frame", figures.number},
@@ -68,6 +74,14 @@ Json describeFrame(const FrameFigures& figures, const std::vector<ShapeMeasures>
   frame["volumeRatioSizeLinear"] =
       ofShape([&](const ShapeMeasures& s) { return s.volume / (size * size * size); });
   frame["area"] = ofShape([](const ShapeMeasures& s) { return s.area; });
+  frame["areaLinear"] = area;
+  // What is crumpled has more surface than the ends.
+  frame["areaRatio"] = ofShape([&](const ShapeMeasures& s) { return s.area / area; });
+  if (figures.strain)
+    frame["stretch"] = {{"mean", figures.strain->meanStretch},
+                        {"worst", figures.strain->worstStretch},
+                        {"shareBeyond3", figures.strain->muchStretched},
+                        {"meanTurnDegrees", figures.strain->meanTurn * 180 / M_PI}};
   frame["pieces"] = ofShape([](const ShapeMeasures& s) { return s.pieces; });
   frame["genus"] = ofShape([](const ShapeMeasures& s) { return s.genus; });
   frame["foldShare"] = figures.foldShare;
@@ -160,6 +174,14 @@ Json reportOf(const ReportParts& parts) {
   report["notes"] = sentencesOf(parts.notes);
   report["frames"] = parts.frames;
   report["summary"] = summarise(parts.frames);
+  if (parts.overlap) {
+    Json turns = Json::array();
+    const auto known = [](double value) { return value < 0 ? Json(nullptr) : Json(value); };
+    for (const TurnChoice& t : parts.turns)
+      turns.push_back(
+          {{"degrees", t.degrees}, {"innerDistortion", known(t.distortion)}, {"margin", known(t.margin)}});
+    report["plan"] = {{"overlap", *parts.overlap}, {"turns", turns}};
+  }
   if (parts.landmarks) report["landmarks"] = describe(*parts.landmarks);
   if (parts.checkLandmarks) report["checkLandmarks"] = describe(*parts.checkLandmarks);
   if (parts.restDistance) report["summary"]["restDistanceVoxels"] = *parts.restDistance;

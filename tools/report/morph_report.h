@@ -32,6 +32,7 @@ struct FrameFigures {
   std::string file;
   double voxelSize = 0, foldShare = 0;
   std::optional<ShapeMeasures> shape;         ///< none where the method makes no surface
+  std::optional<FrameStrain> strain;          ///< of the method slices
   std::vector<GridFigures> grids;             ///< of VDB outputs
   std::vector<LabelMeasures> labels;          ///< of images: each label, or the part above the iso value
   std::optional<double> symmetricDifference;  ///< to the frame before, world units cubed
@@ -59,7 +60,9 @@ struct ReportParts {
   double loadSeconds = 0, planSeconds = 0;
   std::optional<double> restDistance;  ///< of --method levelset, voxels
   std::optional<LandmarkErrors> landmarks, checkLandmarks;
-  PageParts page;  ///< for .html
+  std::optional<double> overlap;  ///< after matching, of the method slices
+  std::vector<TurnChoice> turns;  ///< how sure it is of which way round objects lie
+  PageParts page;                 ///< for .html
 };
 
 /// Writes the reports by extension, .json, .csv or .html, each whole or not at all. Throws IoError.

@@ -130,6 +130,24 @@ class Pullback {
   std::unique_ptr<Impl> impl_;
 };
 
+/// How an in-between is made of its objects: figures that show where a map is not to be trusted.
+struct FrameStrain {
+  /// Of the objects' surfaces beyond the change of size, mean over the objects by weight: the greater principal stretch or
+  /// the inverse of the lesser one; 1 where nothing is stretched.
+  double meanStretch = 1, worstStretch = 1;
+  double muchStretched = 0;  ///< share of the surface stretched more than threefold
+  double meanTurn = 0;       ///< radians by which the surface is turned against the whole, in the mean
+};
+
+/// How sure a plan is of which way round an object lies against the first one.
+struct TurnChoice {
+  double degrees = 0;     ///< by which it is turned
+  double distortion = 0;  ///< of inner distances, 0: the objects are alike; below zero: not measured
+  /// By how much more the best turn that differs by more than 60 degrees distorts, as a share; below zero: not measured
+  /// or the objects look the same that way, too.
+  double margin = -1;
+};
+
 /// The least allowed weight. Weights below 0 extrapolate beyond the objects.
 constexpr double kLeastWeight = -0.5;
 
@@ -172,6 +190,13 @@ class MorphPlan {
   std::vector<Vec3d> carryPoints(const std::vector<Vec3d>& points, size_t from, const Weights& to) const;
   /// The same from one object to another; throws as above.
   std::vector<Vec3d> correspond(const std::vector<Vec3d>& points, size_t from, size_t to) const;
+
+  /// See FrameStrain; weights as for frame().
+  FrameStrain strain(const Weights& weights) const;
+  /// Per object but the first, in the plan's own order; empty with Align::kNone.
+  std::vector<TurnChoice> turnChoices() const;
+  /// Of the warped objects in the middle space, intersection over union, 0 to 1.
+  double overlap() const;
 
   size_t objectCount() const;
   std::vector<SlicePicture> slicePictures() const;

@@ -31,9 +31,9 @@ TEST(NodeStretch, TheNearestRotationIsThePolarFactor) {
       for (int j = 0; j < 3; ++j) m(i, j) = uniform(random);
     if (m.det() < 0) m = -m;
     if (m.det() < 0.02) continue;  // its twelve rounds are for maps that do not nearly fold
-    EXPECT_LE((eigenOf(nearestRotation(m)) - polarFactor(m)).norm(), 1e-6) << m;
+    EXPECT_LE((eigenOf(polarRotation(m)) - polarFactor(m)).norm(), 1e-6) << m;
   }
-  EXPECT_EQ(nearestRotation(Mat3d(-1, 0, 0, 0, 1, 0, 0, 0, 1)), Mat3d::identity());
+  EXPECT_EQ(polarRotation(Mat3d(-1, 0, 0, 0, 1, 0, 0, 0, 1)), Mat3d::identity());
 }
 
 /// Nodes of an affine map p -> m p + offset from voxels of an in-between, `step` of them apart.

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace slicemorph {
@@ -35,6 +36,13 @@ Mat3d turnOf(const Frames& frames) { return frames.charts[1].axes * frames.chart
 
 double apart(const Mat3d& a, const Mat3d& b) { return rotationVector(a.transpose() * b).length(); }
 
+/// Whether a warning says that another way round fits hardly worse.
+bool doubts(const Frames& frames) {
+  return std::any_of(frames.notes.begin(), frames.notes.end(), [](const Note& n) {
+    return n.code == "frame.unsure" && n.severity == Severity::kWarning;
+  });
+}
+
 const std::vector<std::string> kNames{"first", "second"};
 const Vec3d kZ(0, 0, 1);
 
@@ -44,7 +52,9 @@ TEST(ChooseFrames, FindsATurnAboutTheUpDirection) {
     SCOPED_TRACE(degrees);
     const Mat3d turn = rotationFromVector(degrees * M_PI / 180 * kZ);
     const auto turned = animal(turn);
-    EXPECT_LT(apart(turnOf(chooseFrames({standing, turned}, kNames, straight(kZ), {})), turn), kTolerance);
+    const Frames frames = chooseFrames({standing, turned}, kNames, straight(kZ), {});
+    EXPECT_LT(apart(turnOf(frames), turn), kTolerance);
+    EXPECT_FALSE(doubts(frames));
     EXPECT_LT(apart(turnOf(chooseFrames({turned, standing}, kNames, straight(kZ), {})), turn.transpose()),
               kTolerance);
   }
@@ -79,6 +89,26 @@ TEST(ChooseFrames, TiesKeepDirections) {
   ASSERT_FALSE(frames.notes.empty());
   EXPECT_EQ(frames.notes[0].code, "frame.kept");
   EXPECT_EQ(frames.notes[0].about, "second");
+  // Other ways round are no doubt where they look the same.
+  EXPECT_FALSE(doubts(frames));
+  for (const TurnChoice& choice : frames.choices) EXPECT_LT(choice.margin, 0);
+}
+
+/// What has a head at one end and a tail at the other fits what has heads at both ends either way.
+TEST(ChooseFrames, SaysWhereItIsNotSure) {
+  using shapes::capsule;
+  const auto beast = [](bool secondHead) {
+    std::vector<shapes::Distance> parts{
+        capsule({-0.8, 0, 0}, {0.8, 0, 0}, 0.3), capsule({0.8, 0, 0.1}, {1.2, 0, 0.4}, 0.22),
+        capsule({0.3, 0, 0}, {0.3, 0, -0.8}, 0.12), capsule({-0.3, 0, 0}, {-0.3, 0, -0.8}, 0.12)};
+    parts.push_back(secondHead ? capsule({-0.8, 0, 0.1}, {-1.2, 0, 0.4}, 0.22)
+                               : capsule({-0.8, 0, 0.1}, {-1.5, 0, 0.1}, 0.08));
+    return shapes::fieldOf(shapes::joined(parts), {Vec3d(-1.8), Vec3d(1.8)}, kVoxel);
+  };
+  const Frames frames = chooseFrames({beast(false), beast(true)}, kNames, straight(kZ), {});
+  ASSERT_EQ(frames.choices.size(), 1u);
+  EXPECT_GE(frames.choices[0].margin, 0);
+  EXPECT_TRUE(doubts(frames));
 }
 
 }  // namespace
