@@ -127,19 +127,16 @@ struct ChosenTurn {
   TurnChoice choice;
 };
 
-/// How sure a turn is. `distortion`: of all turns.
+/// How sure a turn is. `rivals`: the turns that might have been chosen instead, those that distort less first.
 TurnChoice choiceOf(const InnerSamples (&samples)[2], const std::vector<Turn>& turns,
-                    const std::vector<double>& distortion, const Turn& chosen) {
+                    const std::vector<size_t>& rivals, const Turn& chosen) {
   TurnChoice choice{chosen.angle * 180 / M_PI, innerDistortion(samples[0], samples[1], chosen.rotation), -1};
-  size_t next = turns.size();
-  for (size_t i = 0; i < turns.size(); ++i) {
-    const bool other = rotationVector(chosen.rotation.transpose() * turns[i].rotation).length() > kOtherWay;
-    if (other && std::isfinite(distortion[i]) && (next == turns.size() || distortion[i] < distortion[next]))
-      next = i;
-  }
-  if (next == turns.size() || !(choice.distortion > 0)) return choice;
-  const double there = innerDistortion(samples[0], samples[1], turns[next].rotation);
-  const Mat3d between = chosen.rotation.transpose() * turns[next].rotation;
+  const auto next = std::find_if(rivals.begin(), rivals.end(), [&](size_t i) {
+    return rotationVector(chosen.rotation.transpose() * turns[i].rotation).length() > kOtherWay;
+  });
+  if (next == rivals.end() || !(choice.distortion > 0)) return choice;
+  const double there = innerDistortion(samples[0], samples[1], turns[*next].rotation);
+  const Mat3d between = chosen.rotation.transpose() * turns[*next].rotation;
   if (innerDistortion(samples[0], samples[0], between) < kLooksTheSame * there) return choice;
   choice.margin = std::max(there / choice.distortion - 1, 0.0);
   return choice;
@@ -166,12 +163,13 @@ ChosenTurn chooseTurn(const Fields& pair, const std::vector<Turn>& turns, const 
   std::stable_sort(upright.begin(), upright.end(), less);
   std::stable_sort(other.begin(), other.end(), less);
   if (upright.empty() && other.empty()) return {turns[0], {turns[0].angle * 180 / M_PI, -1, -1}};
-  const auto chosen = [&](const Turn& turn) {
-    return ChosenTurn{turn, choiceOf(samples, turns, distortion, turn)};
-  };
   const bool leaves =
       upright.empty() || (!other.empty() && distortion[other[0]] < kLeavesUpright * distortion[upright[0]]);
   std::vector<size_t> among = leaves ? other : upright;
+  const std::vector<size_t> rivals = among;
+  const auto chosen = [&](const Turn& turn) {
+    return ChosenTurn{turn, choiceOf(samples, turns, rivals, turn)};
+  };
   if (distortion[among[0]] > (leaves ? kNothingAlikeFreely : kNothingAlike))
     return chosen(turns[bestByAgreement(pair, turns, likelyOf(turns, among), options, progress)]);
   const double most = (1 + kUndecided) * distortion[among[0]];
@@ -205,9 +203,9 @@ Note turnNote(const Turn& turn, const std::string& name, const std::string& firs
   return {"frame.turned", Severity::kNote, name, sentence + text};
 }
 
-/// A warning where another way round fits hardly worse.
+/// A warning where objects are alike, so that there is a right way round, and another one fits hardly worse.
 Notes doubtsOf(const TurnChoice& choice, const std::string& name) {
-  if (choice.margin < 0 || choice.margin > kUndecided) return {};
+  if (choice.margin < 0 || choice.margin > kUndecided || choice.distortion > kNothingAlike) return {};
   char text[256];
   std::snprintf(text, sizeof text,
                 "may be the wrong way round: another way fits hardly worse (%.0f %%); where it is, "

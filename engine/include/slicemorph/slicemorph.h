@@ -143,8 +143,8 @@ struct FrameStrain {
 struct TurnChoice {
   double degrees = 0;     ///< by which it is turned
   double distortion = 0;  ///< of inner distances, 0: the objects are alike; below zero: not measured
-  /// By how much more the best turn that differs by more than 60 degrees distorts, as a share; below zero: not measured
-  /// or the objects look the same that way, too.
+  /// By how much more the best turn distorts that differs by more than 60 degrees and might have been chosen (an upright
+  /// one, if the chosen one is), as a share; below zero: not measured, or the objects look the same that way, too.
   double margin = -1;
 };
 
