@@ -71,8 +71,12 @@ Cleaned clean(const PolygonMesh& input) {
   return c;
 }
 
+/// Boundary edges that form no loop, as beside edges with more than two faces, are slits where they are short: nothing is
+/// filled there, and voxels close them. Length in the bounding box's diagonals; the faces of a scanned animal are .01.
+constexpr double kLongestSlit = 0.05;
+
 bool tooLarge(const Cleaned& c) {
-  return c.boundary.strays > 0 || c.found.longestLoop > kLargestHole * c.found.diagonal;
+  return c.found.longestLoop > (c.boundary.strays > 0 ? kLongestSlit : kLargestHole) * c.found.diagonal;
 }
 
 void refuseUnusable(const Cleaned& c) {
@@ -110,6 +114,8 @@ void noteCleaning(const Cleaned& c, Notes& notes) {
   say(c.winding.turned, "mesh.faces-turned", "turned ", "face", " wound against the neighbours");
   say(c.winding.nonManifold, "mesh.not-manifold", "", "edge",
       " with more than two faces: kept, the inside is what cannot be reached from outside");
+  say(c.boundary.strays, "mesh.slits", "left ", "open edge",
+      " beside those as they are: voxels close such slits");
 }
 
 void noteTurned(const TurnedParts& turned, Notes& notes) {

@@ -203,6 +203,27 @@ TEST_F(Volume, SmallHolesAreFilledLargeOnesRefused) {
   EXPECT_NE(why.find("the surface is open: 64 boundary edges in 1 loop"), std::string::npos) << why;
 }
 
+/// A roof whose ridge carries a fin without thickness, whose two sides are one face folded: merged, they are one face too
+/// many on the ridge and two open edges. Left so, as OpenVDB takes it; the roof's volume is h (A0 + 4 Am + A1) / 6.
+TEST_F(Volume, SlitsBesideFoldedFacesAreLeft) {
+  const std::vector<Vec3s> points{{-1, -1, -1},  {1, -1, -1},  {1, 1, -1},    {-1, 1, -1},
+                                  {-.01f, 0, 1}, {.01f, 0, 1}, {0, 0, 1.02f}, {0, 0, 1.02f}};
+  const RepairedMesh repaired = repairMesh(polygons(points, {{0, 3, 2, 1},
+                                                             {0, 1, 5, 4},
+                                                             {1, 2, 5},
+                                                             {2, 3, 4, 5},
+                                                             {3, 0, 4},
+                                                             {4, 5, 6},
+                                                             {5, 4, 7},
+                                                             {4, 6, 7},
+                                                             {5, 7, 6}}));
+  EXPECT_TRUE(hasNote(repaired.notes, "voxels close such slits"));
+  const double volume = 2 * (4 + 4 * 1.01 * 1 + 0) / 6;
+  // Edges are cut off within half a voxel of them: 24 long in all, by h^2 / 8 of area each at most.
+  const double h = 0.05;
+  EXPECT_NEAR(checks::volumeOf(surfaceOf(*voxelise(repaired.mesh, h))), volume, 24 * h * h / 8 + 1e-3);
+}
+
 TEST_F(Volume, OneSidedBandIsRefused) {
   std::vector<Vec3s> points;
   const unsigned count = 30;
