@@ -122,9 +122,14 @@ constexpr double kOtherWay = M_PI / 3;
 /// way round distorts those of the pair.
 constexpr double kLooksTheSame = 0.5;
 
+/// Below this share of the best upright turn's distortion a free one is told of; hands that lie anyhow are at .45 to .56.
+constexpr double kFreelyBetter = 0.65;
+
 struct ChosenTurn {
   Turn turn;
   TurnChoice choice;
+  bool alike = false;  ///< the objects are alike enough for a right way round
+  double freely = 1;   ///< distortion of the best turn that leaves upright over that of the best upright one
 };
 
 /// How sure a turn is. `rivals`: the turns that might have been chosen instead, those that distort less first.
@@ -168,7 +173,10 @@ ChosenTurn chooseTurn(const Fields& pair, const std::vector<Turn>& turns, const 
   std::vector<size_t> among = leaves ? other : upright;
   const std::vector<size_t> rivals = among;
   const auto chosen = [&](const Turn& turn) {
-    return ChosenTurn{turn, choiceOf(samples, turns, rivals, turn)};
+    const bool kept = !leaves && !other.empty();
+    const TurnChoice choice = choiceOf(samples, turns, rivals, turn);
+    return ChosenTurn{turn, choice, choice.distortion < (leaves ? kNothingAlikeFreely : kNothingAlike),
+                      kept ? distortion[other[0]] / distortion[upright[0]] : 1};
   };
   if (distortion[among[0]] > (leaves ? kNothingAlikeFreely : kNothingAlike))
     return chosen(turns[bestByAgreement(pair, turns, likelyOf(turns, among), options, progress)]);
@@ -203,9 +211,15 @@ Note turnNote(const Turn& turn, const std::string& name, const std::string& firs
   return {"frame.turned", Severity::kNote, name, sentence + text};
 }
 
-/// A warning where objects are alike, so that there is a right way round, and another one fits hardly worse.
-Notes doubtsOf(const TurnChoice& choice, const std::string& name) {
-  if (choice.margin < 0 || choice.margin > kUndecided || choice.distortion > kNothingAlike) return {};
+/// Warnings where objects are alike, so that there is a right way round, and another one fits hardly worse or, not being
+/// upright, better.
+Notes doubtsOf(const ChosenTurn& chosen, const std::string& name) {
+  const TurnChoice& choice = chosen.choice;
+  if (chosen.freely < kFreelyBetter)
+    return {{"frame.upright-kept", Severity::kWarning, name,
+             "stays upright, though turned freely it would fit better; where it lies anyhow, --upright none "
+             "turns it so"}};
+  if (choice.margin < 0 || choice.margin > kUndecided || !chosen.alike) return {};
   char text[256];
   std::snprintf(text, sizeof text,
                 "may be the wrong way round: another way fits hardly worse (%.0f %%); where it is, "
@@ -232,7 +246,7 @@ Frames straightFrames(const Fields& fields, const std::vector<std::string>& name
     rotations[k] = chosen.turn.rotation;
     choices.push_back(chosen.choice);
     notes.push_back(turnNote(chosen.turn, names[k], names[0]));
-    for (const Note& doubt : doubtsOf(chosen.choice, names[k])) notes.push_back(doubt);
+    for (const Note& doubt : doubtsOf(chosen, names[k])) notes.push_back(doubt);
   }
   Frames frames = frameObjects(fields, rotations, options);
   frames.choices = std::move(choices);
