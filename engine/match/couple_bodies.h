@@ -2,13 +2,15 @@
 
 #include "engine/match/body_graph.h"
 
+#include <limits>
+
 namespace slicemorph {
 
 /// A soft correspondence of two bodies' insides.
 struct BodyCoupling {
   /// How much inner distances differ between points that belong together, in their mean squares; below some .04 both are
   /// one kind of body.
-  double distortion = 0;
+  double distortion = std::numeric_limits<double>::infinity();
   /// Per body (of two): where it is on the other one, in that one's coordinates. Nodes are turned no more than they have
   /// to be against those nearer to the body's middle, as round limbs show no twist.
   BodyPose pose[2];
@@ -16,7 +18,7 @@ struct BodyCoupling {
 
 /// Couples two bodies by inner distances, which do not change where limbs swing, and a little by position, in which the
 /// body counts more than the limbs [PCS16], [VCFTC19]: from far apart to near, turning the one onto the other at each
-/// step. The bodies' coordinates must be turned onto each other, roughly. No poses where a body has no nodes.
+/// step. The bodies' coordinates must be turned onto each other, roughly. No poses, and infinite distortion, where a body has no points.
 BodyCoupling coupleBodies(const BodyGraph& a, const BodyGraph& b);
 
 }  // namespace slicemorph

@@ -24,7 +24,7 @@ std::vector<double> weightsOf(const InnerPoints& points, const std::vector<doubl
     size_t owner = 0;
     for (size_t k = 1; k < weight.size(); ++k)
       if (points.toNodes[k][i] < points.toNodes[owner][i]) owner = k;
-    weight[owner] += share[i];
+    if (std::isfinite(points.toNodes[owner][i])) weight[owner] += share[i];
   }
   double sum = 0;
   for (double& w : weight) w = std::sqrt(w), sum += w;
@@ -35,7 +35,8 @@ std::vector<double> weightsOf(const InnerPoints& points, const std::vector<doubl
 /// Logarithms of the shares of the volume within kBalls of each point.
 std::vector<std::array<double, 2>> fullnessOf(const InnerPoints& points, const std::vector<double>& share) {
   double volume = 0;
-  for (double s : share) volume += s;
+  for (size_t i = 0; i < share.size(); ++i)
+    if (std::isfinite(points.toNodes[0][i])) volume += share[i];
   std::vector<std::array<double, 2>> fullness(points.node.size());
   tbb::parallel_for(size_t(0), fullness.size(), [&](size_t k) {
     for (size_t ball = 0; ball < 2; ++ball) {

@@ -92,8 +92,11 @@ void refuseUnusable(const Cleaned& c) {
   }
   why << ", " << plural(f.nonManifoldEdges, "edge") << " with more than two faces, "
       << plural(f.twistedEdges, "edge") << " where no winding agrees, " << plural(f.shells, "shell")
-      << "; needed is a closed surface that has an inside: holes up to " << kLargestHole
-      << " of the diagonal are filled, larger ones must be closed first";
+      << "; needed is a closed surface that has an inside: ";
+  if (c.boundary.strays > 0)
+    why << "slits beside edges with more than two faces may be " << kLongestSlit << " of the diagonal long";
+  else
+    why << "holes up to " << kLargestHole << " of the diagonal are filled, larger ones must be closed first";
   throw GeometryError(why.str());
 }
 
@@ -139,9 +142,9 @@ RepairedMesh repairMesh(const PolygonMesh& input) {
   noteCleaning(c, result.notes);
   for (const PointLoop& loop : c.boundary.loops) fillHole(c.mesh, loop);
   if (!c.boundary.loops.empty()) {
-    result.notes.push_back(meshNote(
-        "mesh.holes-filled", Severity::kNote,
-        "filled " + plural(c.boundary.loops.size(), "hole") + " (" + plural(c.boundary.edges, "edge") + ")"));
+    result.notes.push_back(meshNote("mesh.holes-filled", Severity::kNote,
+                                    "filled " + plural(c.boundary.loops.size(), "hole") + " (" +
+                                        plural(c.boundary.edges - c.boundary.strays, "edge") + ")"));
   }
   AgreedWinding winding = agreeOnWinding(std::move(c.mesh.triangles));
   c.mesh.triangles = std::move(winding.triangles);

@@ -22,11 +22,15 @@ using Field = PositionFile::Field;
 
 constexpr int kDigits = 10;  ///< of written numbers: finer than single precision, which maps are computed in
 
-/// A finite number that fills the whole token.
+/// Larger coordinates are no places: squares and differences of theirs would overflow.
+constexpr double kLargestCoordinate = 1e15;
+
+/// A number that fills the whole token and can be a coordinate.
 bool isNumber(std::string_view token, double& value) {
   if (!token.empty() && token.front() == '+') token.remove_prefix(1);
   const auto result = std::from_chars(token.data(), token.data() + token.size(), value);
-  return result.ec == std::errc() && result.ptr == token.data() + token.size() && std::isfinite(value);
+  return result.ec == std::errc() && result.ptr == token.data() + token.size() &&
+         std::abs(value) < kLargestCoordinate;
 }
 
 /// The parts of a line that are separated by any of `marks`; blanks and quotes around parts are left out. Between
@@ -98,19 +102,27 @@ class PositionScanner {
   size_t offsetOf(std::string_view part) const { return size_t(part.data() - file_.bytes_.data()); }
 
   [[noreturn]] void refuseLine(const std::string& why) const {
-    throw InputError(path_ + ":" + std::to_string(line_) + ": " + why);
+    const std::string where =
+        line_ > 0 ? std::to_string(line_) : " point " + std::to_string(file_.positions_.size() + 1);
+    throw InputError(path_ + ":" + where + ": " + why);
   }
 
-  /// Lines end with \n, \r\n or \r.
+  /// Whether a number can be that of the file's points.
+  bool isCount(double value) const {
+    return value >= 0 && value <= double(file_.bytes_.size()) && value == std::floor(value);
+  }
+
+  /// Lines end with \n, \r\n or \r; a byte order mark is passed over. `whole`: with blanks around them.
   template <typename Visit>
-  void eachLine(const Visit& visit) {
+  void eachLine(const Visit& visit, bool whole = false) {
     const std::string_view all = file_.bytes_;
     line_ = 0;
-    for (size_t begin = 0; begin < all.size();) {
+    for (size_t begin = all.substr(0, 3) == "\xEF\xBB\xBF" ? 3 : 0; begin < all.size();) {
       size_t end = all.find_first_of("\r\n", begin);
       if (end == std::string_view::npos) end = all.size();
       ++line_;
-      visit(trimmed(all.substr(begin, end - begin)));
+      const std::string_view line = all.substr(begin, end - begin);
+      visit(whole ? line : trimmed(line));
       begin = end + (all.substr(end, 2) == "\r\n" ? 2 : 1);
     }
   }
@@ -158,8 +170,7 @@ class PositionScanner {
       }
       if (parts.empty() || left == 0) return;
       if (left < 0) {
-        if (!isNumber(parts[0], left) || left < 0 || left != std::floor(left))
-          refuseLine("expected the number of points");
+        if (!isNumber(parts[0], left) || !isCount(left)) refuseLine("expected the number of points");
       } else {
         if (parts.size() < 3) refuseLine("expected x y z");
         add({parts[0], parts[1], parts[2]}), --left;
@@ -171,21 +182,25 @@ class PositionScanner {
   void scanTable() {
     char mark = 0;
     std::array<size_t, 3> column{};
-    eachLine([&](std::string_view line) {
-      if (line.empty() || line[0] == '#') return;
-      const bool first = mark == 0;
-      if (first) {
-        mark = ',';
-        for (char c : {';', '\t'})
-          if (std::count(line.begin(), line.end(), c) > std::count(line.begin(), line.end(), mark)) mark = c;
-      }
-      const std::vector<std::string_view> parts = partsOf(line, {&mark, 1}, false);
-      if (first && namedColumns(parts, column)) return;
-      if (column[2] >= parts.size())
-        refuseLine("has " + std::to_string(parts.size()) + " columns; z is expected in column " +
-                   std::to_string(column[2] + 1));
-      add({parts[column[0]], parts[column[1]], parts[column[2]]});
-    });
+    eachLine(
+        [&](std::string_view line) {
+          if (trimmed(line).empty() || line[0] == '#') return;
+          const bool first = mark == 0;
+          if (first) {
+            mark = ',';
+            for (char c : {';', '\t'})
+              if (std::count(line.begin(), line.end(), c) > std::count(line.begin(), line.end(), mark))
+                mark = c;
+          }
+          const std::vector<std::string_view> parts = partsOf(line, {&mark, 1}, false);
+          if (first && namedColumns(parts, column)) return;
+          const size_t last = *std::max_element(column.begin(), column.end());
+          if (last >= parts.size())
+            refuseLine("has " + std::to_string(parts.size()) + " columns; x, y and z reach to column " +
+                       std::to_string(last + 1));
+          add({parts[column[0]], parts[column[1]], parts[column[2]]});
+        },
+        true);
   }
 
   /// Finds the columns of x, y and z. Returns whether the line is one of headings.
@@ -235,7 +250,9 @@ class PositionScanner {
       if (none && numbers.size() == 1 && stated == 0) {
         double value = 0;
         isNumber(numbers[0], value);
-        stated = size_t(std::max(value, 0.0));
+        if (!isCount(value))
+          refuseLine("expected the number of points, not '" + std::string(numbers[0]) + "'");
+        stated = size_t(value);
       } else if (numbers.size() == 3) {
         add({numbers[0], numbers[1], numbers[2]});
       } else {
@@ -294,7 +311,7 @@ class PositionScanner {
   static std::string_view textValue(Text& text, const PlyProperty& property) {
     std::string_view token = text.token();
     if (!property.isList()) return token;
-    double items = 0;
+    std::uint64_t items = 1;  // as checkPlyBody counts them
     parse(token, items);
     for (; items > 0; --items) text.token();
     return {};
@@ -330,8 +347,8 @@ class PositionScanner {
       } else {
         std::memcpy(&p[d], bytes, 8);
       }
-      if (!std::isfinite(p[d]))
-        throw IoError(path_, "point " + std::to_string(file_.positions_.size() + 1) + " is not finite");
+      if (!(std::abs(p[d]) < kLargestCoordinate))
+        throw IoError(path_, "point " + std::to_string(file_.positions_.size() + 1) + " is no place");
     }
     addPosition(p, parts);
   }

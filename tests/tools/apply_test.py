@@ -127,6 +127,27 @@ def case_csv(d):
     assert np.abs(got[:, :3] - image_of(POINTS)).max() < NEAR * FACTOR and (got[:, 3] == np.arange(4)).all()
 
 
+def case_tables_as_programs_write_them(d):
+    """A byte order mark, an index column without a name and tabs, CR ends."""
+    rows = [[repr(float(n)) for n in p] for p in POINTS]
+    texts = {"bom": "\ufeffx,y,z\n" + "".join(",".join(r) + "\n" for r in rows),
+             "bare": "\ufeff" + "".join(",".join(r + ["7"]) + "\n" for r in rows),
+             "pandas": "\tx\ty\tz\n" + "".join("\t".join([str(i)] + r) + "\n" for i, r in enumerate(rows)),
+             "mac": "x,y,z\r" + "".join(",".join(r) + "\r" for r in rows)}
+    for name, text in texts.items():
+        with open(d + "/%s.csv" % name, "w", encoding="utf-8", newline="") as file:
+            file.write(text)
+        apply(d, d + "/%s.csv" % name, d + "/out.csv")
+        with open(d + "/out.csv", encoding="utf-8", newline="") as file:
+            got = file.read()
+        mark, end = "\t" if name == "pandas" else ",", "\r" if name == "mac" else "\n"
+        lines = [l.split(mark) for l in got.lstrip("\ufeff").split(end)[:-1]]
+        first = 1 if name == "pandas" else 0
+        moved = np.array([[float(n) for n in l[first:first + 3]] for l in lines[0 if name == "bare" else 1:]])
+        assert np.abs(moved - image_of(POINTS)).max() < NEAR * FACTOR, (name, moved)
+        assert got.startswith("\ufeff") == (name in ("bom", "bare")), name
+
+
 def case_ply(d):
     """Text and binary of both byte orders, doubles, other elements before the points; faces and colours are kept."""
     for order, kind in (("<", "binary_little_endian"), (">", "binary_big_endian")):
@@ -240,10 +261,19 @@ def case_wrong(d):
     open(d + "/bad.csv", "w").write("x,y,z\n1,2,3\n1,two,3\n")
     open(d + "/p.txt", "w").write("1 2 3\n")
     open(d + "/far.txt", "w").write("100 2 3\n")
+    open(d + "/short.csv", "w").write("z,y,x\n1,2,3\n1\n")
+    open(d + "/huge.txt", "w").write("1e300 2 3\n")
+    open(d + "/count.off", "w").write("OFF\n1e300 0 0\n0 0 0\n")
+    open(d + "/list.ply", "w").write("ply\nformat ascii 1.0\nelement strip 1\nproperty list int int of\nelement vertex 1\n"
+                                     "property float x\nproperty float y\nproperty float z\nend_header\n1e300 5\n1 nan 3\n")
     for words, code, says in (
             ([a, b, d + "/p.txt", "-o", d + "/o.csv"], 2, ["o.csv", ".txt"]),
             ([a, b, d + "/none.txt", "-o", d + "/o.txt"], 1, ["none.txt", "no such file"]),
             ([a, b, d + "/bad.csv", "-o", d + "/o.csv"], 2, ["bad.csv:3", "'two'", "y"]),
+            ([a, b, d + "/short.csv", "-o", d + "/o.csv"], 2, ["short.csv:3", "1 columns"]),
+            ([a, b, d + "/huge.txt", "-o", d + "/o.txt"], 2, ["huge.txt:1"]),
+            ([a, b, d + "/count.off", "-o", d + "/o.off"], 2, ["count.off:2", "number of points"]),
+            ([a, b, d + "/list.ply", "-o", d + "/o.ply"], 2, ["list.ply", "point 1", "'nan'"]),
             ([a, b, a, "-o", d + "/o.stl"], 2, ["o.stl", ".obj"]),
             ([a, b, "-o", d + "/o.obj"], 2, ["two objects", "what is to be carried"]),
             ([a, b, "-o", d + "/o.obj", "--field"], 2, ["o.obj", ".nii.gz", ".vdb"]),

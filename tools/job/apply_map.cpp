@@ -25,6 +25,8 @@ namespace {
 
 /// Voxels along the longest side of a field where nothing else says how many: the map's own lattice has 30 to 50.
 constexpr int kFieldVoxels = 96;
+/// Of a field: 6 GB. The map's own lattice has a million nodes at most, so finer ones tell nothing more.
+constexpr double kMostFieldVoxels = 5e8;
 /// The map is defined, and a field drawn, this share of the objects' diagonal around them; farther points are told.
 constexpr double kAround = 0.1;
 
@@ -162,6 +164,11 @@ ImageLattice latticeOver(const openvdb::BBoxd& box, double voxelSize) {
   const Vec3d extents = box.extents();
   const double edge =
       voxelSize > 0 ? voxelSize : std::max({extents[0], extents[1], extents[2]}) / kFieldVoxels;
+  double voxels = 1;
+  for (int d = 0; d < 3; ++d) voxels *= std::ceil(extents[d] / edge) + 1;
+  if (voxels > kMostFieldVoxels)
+    throw InputError("--voxel-size " + formatNumber(voxelSize) + ": a field of " + formatNumber(voxels, 2) +
+                     " voxels; it is dense: choose a larger one, or --like an image");
   ImageLattice lattice;
   lattice.origin = box.min();
   for (int d = 0; d < 3; ++d) {

@@ -15,9 +15,15 @@ namespace {
 constexpr double kVoxel = 1.0 / 32;
 const std::vector<double> kRadii{0.7, 1.0, 1.3};
 
+Frames framesOf(const MatchObjects& objects) {
+  Frames frames;
+  frames.charts = objects.charts, frames.halfLength = 1.3;
+  return frames;
+}
+
 /// Balls in one chart, which is the world: chart space does not make them equal.
 Registration matched(const MatchObjects& objects) {
-  const Frames frames{objects.charts, 1.3, {}};
+  const Frames frames = framesOf(objects);
   const MorphOptions options;
   Registration start =
       startRegistration(objects, traceObjects(sliceObjects(objects, options.slices)), options.samples);
@@ -75,8 +81,8 @@ TEST(MatchThroughMean, ACancelledOneThrows) {
   const MatchObjects objects = balls();
   Registration start = startRegistration(objects, traceObjects(sliceObjects(objects, 32)), 64);
   CancelledWork progress;
-  EXPECT_THROW(matchThroughMean(std::move(start), objects, {objects.charts, 1.3, {}}, {"a", "b", "c"},
-                                MorphOptions{}, progress),
+  EXPECT_THROW(matchThroughMean(std::move(start), objects, framesOf(objects), {"a", "b", "c"}, MorphOptions{},
+                                progress),
                Cancelled);
 }
 
