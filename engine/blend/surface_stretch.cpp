@@ -30,13 +30,10 @@ Slope slopeOf(const Vec3d (&before)[2], const Vec3d (&after)[2]) {
   const double a = after[0].lengthSqr(), b = after[0].dot(after[1]), c = after[1].lengthSqr();
   const double middle = 0.5 * (a + c), apart = std::hypot(0.5 * (a - c), b);
   slope.longer = std::sqrt(middle + apart), slope.shorter = std::sqrt(std::max(middle - apart, 1e-12));
-  const auto add = [&](const Vec3d& from, const Vec3d& to) {
-    for (int r = 0; r < 3; ++r)
-      for (int s = 0; s < 3; ++s) slope.outer(r, s) += to[r] * from[s];
-  };
-  add(before[0], after[0]), add(before[1], after[1]);
+  addOuter(slope.outer, 1, after[0], before[0]), addOuter(slope.outer, 1, after[1], before[1]);
   const Vec3d normal = after[0].cross(after[1]);
-  if (normal.length() > 0) add(before[0].cross(before[1]), normal / std::sqrt(normal.length()));
+  if (normal.length() > 0)
+    addOuter(slope.outer, 1, normal / std::sqrt(normal.length()), before[0].cross(before[1]));
   return slope;
 }
 

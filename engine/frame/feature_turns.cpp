@@ -31,9 +31,7 @@ std::vector<Vec3d> normalised(const std::vector<Vec3d>& points) {
 /// Sum of the outer products b a^T.
 Mat3d productOf(const std::vector<Vec3d>& b, const std::vector<Vec3d>& a) {
   Mat3d sum = Mat3d::zero();
-  for (size_t i = 0; i < a.size(); ++i)
-    for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 3; ++c) sum(r, c) += b[i][r] * a[i][c];
+  for (size_t i = 0; i < a.size(); ++i) addOuter(sum, 1, b[i], a[i]);
   return sum;
 }
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <queue>
 
 namespace slicemorph {
 
@@ -46,20 +45,9 @@ BodyGraph::Binding BodyGraph::bind(const Vec3d& point) const {
 }
 
 std::vector<double> BodyGraph::distancesFrom(size_t node) const {
-  std::vector<double> length(position.size(), std::numeric_limits<double>::infinity());
-  using Entry = std::pair<double, size_t>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> queue;
-  length[node] = 0;
-  queue.push({0, node});
-  while (!queue.empty()) {
-    const auto [d, i] = queue.top();
-    queue.pop();
-    if (d > length[i]) continue;
-    for (int n : neighbours[i])
-      if (const double next = d + (position[size_t(n)] - position[i]).length(); next < length[size_t(n)])
-        queue.push({length[size_t(n)] = next, size_t(n)});
-  }
-  return length;
+  return shortestPaths(position.size(), node, [&](size_t i, const auto& visit) {
+    for (int n : neighbours[i]) visit(size_t(n), (position[size_t(n)] - position[i]).length());
+  });
 }
 
 BodyGraph bodyGraph(const DistanceField& field, const Chart& chart) {

@@ -132,6 +132,9 @@ struct ChosenTurn {
   double freely = 1;   ///< distortion of the best turn that leaves upright over that of the best upright one
 };
 
+/// A turn beside which no other was measured.
+ChosenTurn unmeasured(const Turn& turn) { return {turn, {turn.angle * 180 / M_PI, -1, -1}}; }
+
 /// How sure a turn is. `rivals`: the turns that might have been chosen instead, those that distort less first.
 TurnChoice choiceOf(const InnerSamples (&samples)[2], const std::vector<Turn>& turns,
                     const std::vector<size_t>& rivals, const Turn& chosen) {
@@ -151,7 +154,7 @@ TurnChoice choiceOf(const InnerSamples (&samples)[2], const std::vector<Turn>& t
 /// Where no distortion is a number, as of shapes with no inside, the first of `turns`.
 ChosenTurn chooseTurn(const Fields& pair, const std::vector<Turn>& turns, const MorphOptions& options,
                       const Progress& progress) {
-  if (turns.size() == 1) return {turns[0], {turns[0].angle * 180 / M_PI, -1, -1}};
+  if (turns.size() == 1) return unmeasured(turns[0]);
   InnerSamples samples[2];
   tbb::parallel_for(0, 2, [&](int k) { samples[k] = innerSamples(*pair[size_t(k)]); });
   if (progress.cancelled()) throw Cancelled();
@@ -167,7 +170,7 @@ ChosenTurn chooseTurn(const Fields& pair, const std::vector<Turn>& turns, const 
   const auto less = [&](size_t i, size_t j) { return distortion[i] < distortion[j]; };
   std::stable_sort(upright.begin(), upright.end(), less);
   std::stable_sort(other.begin(), other.end(), less);
-  if (upright.empty() && other.empty()) return {turns[0], {turns[0].angle * 180 / M_PI, -1, -1}};
+  if (upright.empty() && other.empty()) return unmeasured(turns[0]);
   const bool leaves =
       upright.empty() || (!other.empty() && distortion[other[0]] < kLeavesUpright * distortion[upright[0]]);
   std::vector<size_t> among = leaves ? other : upright;

@@ -153,8 +153,7 @@ class Coupling {
       Vec3d pulled(0.0);
       for (Eigen::Index j = 0; j < plan.cols(); ++j) pulled += weight(i, j) * (b_.at[size_t(j)] - to);
       const Vec3d x = a_.at[size_t(i)] - from;
-      for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 3; ++c) outer(r, c) += pulled[r] * x[c];
+      addOuter(outer, 1, pulled, x);
     }
     return squaredDistances(nearestRotation(outer), from, to);
   }
@@ -219,11 +218,8 @@ BodyPose poseOf(const BodyGraph& graph, const Side& side, const Side& other, con
     Mat3d spread = Mat3d::zero();
     for (size_t i = 0; i < n; ++i) {
       const Vec3d before = own[i] - from[node], after = image[i] - to[node];
-      for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 3; ++c) {
-          outer[node](r, c) += weight[i] / sum * after[r] * before[c];
-          spread(r, c) += weight[i] / sum * before[r] * before[c];
-        }
+      addOuter(outer[node], weight[i] / sum, after, before);
+      addOuter(spread, weight[i] / sum, before, before);
     }
     // Directions in which the points hardly differ, as across a limb, tell nothing.
     outer[node] *= spread * (1 / std::max(spread(0, 0) + spread(1, 1) + spread(2, 2), 1e-30));

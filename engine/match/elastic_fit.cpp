@@ -42,11 +42,6 @@ constexpr float kHold = 1e-6f;  ///< keeps nodes that nothing else holds where t
 
 using Columns = std::vector<float>;  // three numbers per node
 
-void addOuter(Mat3d& sum, double weight, const Vec3d& a, const Vec3d& b) {
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c) sum(r, c) += weight * a[r] * b[c];
-}
-
 /// Points for a search of the nearest ones.
 struct PointSet {
   const std::vector<Vec3d>& points;

@@ -8,4 +8,10 @@ namespace slicemorph {
 /// b a^T, it is the one that carries the points a onto the points b best.
 Mat3d nearestRotation(const Mat3d& s);
 
+/// Adds the outer product `weight` b a^T to a sum for nearestRotation.
+inline void addOuter(Mat3d& sum, double weight, const Vec3d& b, const Vec3d& a) {
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) sum(r, c) += weight * b[r] * a[c];
+}
+
 }  // namespace slicemorph

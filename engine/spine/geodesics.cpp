@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
-#include <queue>
 
 namespace slicemorph {
 
@@ -57,20 +55,9 @@ Geodesics::Geodesics(const InsideNodes& nodes) : neighbours_(nodes.position.size
 }
 
 Geodesics::Distances Geodesics::from(size_t start) const {
-  Distances distances{std::vector<double>(neighbours_.size(), std::numeric_limits<double>::infinity())};
-  using Entry = std::pair<double, size_t>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> queue;
-  distances.length[start] = 0;
-  queue.push({0, start});
-  while (!queue.empty()) {
-    const auto [d, i] = queue.top();
-    queue.pop();
-    if (d > distances.length[i]) continue;
-    for (const Neighbour& n : neighbours_[i])
-      if (d + n.distance < distances.length[n.node])
-        queue.push({distances.length[n.node] = d + n.distance, n.node});
-  }
-  return distances;
+  return {shortestPaths(neighbours_.size(), start, [&](size_t i, const auto& visit) {
+    for (const Neighbour& n : neighbours_[i]) visit(n.node, n.distance);
+  })};
 }
 
 size_t Geodesics::Distances::farthest() const {

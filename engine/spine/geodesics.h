@@ -2,7 +2,11 @@
 
 #include "engine/volume/distance_field.h"
 
+#include <functional>
 #include <limits>
+#include <queue>
+#include <utility>
+#include <vector>
 
 namespace slicemorph {
 
@@ -23,6 +27,26 @@ struct InsideNodes {
   /// more, else at least 0.05, so that thin limbs hold together.
   double bodyShare(size_t i) const;
 };
+
+/// Lengths of the shortest paths from one of `count` nodes to all (Dijkstra); infinite where there is none.
+/// `eachNeighbour(node, visit)` calls visit(neighbour, length of the step).
+template <typename EachNeighbour>
+std::vector<double> shortestPaths(size_t count, size_t start, const EachNeighbour& eachNeighbour) {
+  std::vector<double> length(count, std::numeric_limits<double>::infinity());
+  using Entry = std::pair<double, size_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> queue;
+  length[start] = 0;
+  queue.push({0, start});
+  while (!queue.empty()) {
+    const auto [d, i] = queue.top();
+    queue.pop();
+    if (d > length[i]) continue;
+    eachNeighbour(i, [&, d = d](size_t next, double step) {
+      if (d + step < length[next]) queue.push({length[next] = d + step, next});
+    });
+  }
+  return length;
+}
 
 /// Shortest paths through the inside, along steps between the 26 neighbours of each node (Dijkstra).
 class Geodesics {

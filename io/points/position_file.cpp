@@ -363,6 +363,12 @@ const std::vector<std::string>& positionExtensions() {
   return extensions;
 }
 
+std::string positionList() {
+  std::string list;
+  for (const std::string& extension : positionExtensions()) list += (list.empty() ? "" : " ") + extension;
+  return list;
+}
+
 PositionFile::PositionFile(const std::string& path) : path_(path), bytes_(readWholeFile(path)) {
   PositionScanner(*this).scan();
 }

@@ -9,6 +9,8 @@ namespace slicemorph {
 
 /// Extensions of files whose positions can be replaced: `.obj .ply .off .csv .txt .pts .fcsv`.
 const std::vector<std::string>& positionExtensions();
+/// The same as a text.
+std::string positionList();
 
 /// A file of positions: the points of a mesh or curve (.obj, .ply, .off), the rows of a table (.csv with columns x, y and
 /// z, or whose first three columns of numbers are these), landmarks (.fcsv of 3D Slicer; anything else: one point per

@@ -27,10 +27,6 @@ struct ConvertSettings {
   bool quiet = false, verbose = false;
 };
 
-bool isLabelMap(const Image& image, ImageKind kind) {
-  return kind == ImageKind::kLabels || (kind == ImageKind::kAuto && looksLikeLabels(image));
-}
-
 /// The image on the lattice that the options ask for; unchanged where they ask for none.
 Image onAskedLattice(Image image, const ConvertSettings& s) {
   if (s.like.empty() && s.load.voxelSize == 0 && s.load.resolution == 0) return image;

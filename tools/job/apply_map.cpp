@@ -1,7 +1,6 @@
 #include "tools/job/apply_map.h"
 
 #include "engine/volume/image_grid.h"
-#include "engine/volume/image_shape.h"
 #include "engine/volume/resample_image.h"
 #include "io/paths.h"
 #include "io/points/position_file.h"
@@ -35,12 +34,6 @@ bool isPositions(const std::string& path) {
   return std::find(known.begin(), known.end(), extensionOf(path)) != known.end();
 }
 
-std::string wordsOf(const std::vector<std::string>& extensions) {
-  std::string text;
-  for (const std::string& each : extensions) text += (text.empty() ? "" : " ") + each;
-  return text;
-}
-
 /// Throws where the output does not fit what is carried.
 void checkApplyOutput(const ApplyJob& job, const OptionSet& options) {
   if (OutputName(job.output).isSequence())
@@ -56,7 +49,7 @@ void checkApplyOutput(const ApplyJob& job, const OptionSet& options) {
                      "-o " + job.output + ": an image is written as " + writableList(Contents::kImage));
   } else if (!isPositions(job.what)) {
     options.refuse("inputs", job.what + ": cannot carry a file with the extension '" + extensionOf(job.what) +
-                                 "'; use points, meshes, curves: " + wordsOf(positionExtensions()) +
+                                 "'; use points, meshes, curves: " + positionList() +
                                  "; or an image: " + readableList(Contents::kImage));
   } else if (extensionOf(job.output) != extensionOf(job.what)) {
     options.refuse("output", "-o " + job.output + ": the result is a copy of " + job.what +
@@ -148,8 +141,7 @@ void carryPositions(const ApplyJob& job, const PositionFile& file, const TimeMap
 void carryImage(const ApplyJob& job, const TimeMap& map, JobEvents& events) {
   const ImageFile file = readImage(job.what, job.load.image);
   events.notes(about(job.what, file.notes));
-  const bool labels = job.load.imageKind == ImageKind::kLabels ||
-                      (job.load.imageKind == ImageKind::kAuto && looksLikeLabels(file.image));
+  const bool labels = isLabelMap(file.image, job.load.imageKind);
   const ImageLattice on = !job.like.empty() ? readImage(job.like, job.load.image).image.lattice
                           : map.imageTo()   ? map.imageTo()->lattice
                                             : file.image.lattice;

@@ -1,6 +1,7 @@
 #include "tools/job/image_lattice.h"
 
 #include "engine/volume/image_grid.h"
+#include "engine/volume/image_shape.h"
 #include "slicemorph/io/image_writer.h"
 #include "slicemorph/io/output.h"
 #include "tools/job/option_values.h"
@@ -15,6 +16,10 @@ namespace {
 constexpr int kMargin = 2;
 
 }  // namespace
+
+bool isLabelMap(const Image& image, ImageKind kind) {
+  return kind == ImageKind::kLabels || (kind == ImageKind::kAuto && looksLikeLabels(image));
+}
 
 ImageLattice cubicLattice(const ImageLattice& lattice, const LoadOptions& options) {
   const Vec3d spacing = lattice.spacing();

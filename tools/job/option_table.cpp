@@ -65,12 +65,6 @@ std::string readableImages() {
 
 std::string writableShapes() { return writableList(Contents::kGrids) + " " + writableList(Contents::kMesh); }
 
-std::string positionFiles() {
-  std::string list;
-  for (const std::string& extension : positionExtensions()) list += (list.empty() ? "" : " ") + extension;
-  return list;
-}
-
 Rows inputRows() {
   const std::string shapes = readableShapes(), images = readableImages();
   return {
@@ -107,7 +101,7 @@ Rows inputRows() {
           "Two or more objects, as for `morph`, and then WHAT is to be carried from the one to the other: "
           "points, "
           "meshes, curves (" +
-              positionFiles() + "; everything but positions is kept) or an image: " + images +
+              positionList() + "; everything but positions is kept) or an image: " + images +
               "; with --field only the objects")
           .positional("INPUT")
           .basic(),
