@@ -42,27 +42,56 @@ constexpr double kSameTurn = 0.35;
 struct Normalised {
   const DistanceField* field;
   Moments moments;
-  double size;                ///< cube root of the volume, world units
-  std::vector<Vec3d> points;  ///< a regular grid's points inside, normalised
-  double self = 1;            ///< mean of inside() over its own points
+  double size;                         ///< cube root of the volume, world units
+  std::vector<openvdb::Vec3s> points;  ///< a regular grid's points inside, normalised
+  double self = 1;                     ///< mean of inside() over its own points
+  Lattice nodes;                ///< normalised: those nodes of the field's coarse grid that `inside` reads
+  std::vector<float> distance;  ///< at the nodes, normalised
 
-  /// 1 inside, 0 outside, with a ramp of a tenth of the size.
-  double inside(const Vec3d& n) const {
-    const double d = field->coarse(moments.centroid + size * n) / size;
-    return std::min(std::max(0.5 - d / 0.1, 0.0), 1.0);
+  /// 1 inside, 0 outside, with a ramp of a tenth of the size. `q`: a point in node units.
+  float inside(const openvdb::Vec3s& q) const {
+    for (int a = 0; a < 3; ++a)
+      if (!(q[a] > 0 && q[a] < float(nodes.size[a] - 1))) return 0;
+    const int x = int(q[0]), y = int(q[1]), z = int(q[2]);
+    const float wx = q[0] - float(x), wy = q[1] - float(y), wz = q[2] - float(z);
+    const float* v = &distance[nodes.index(x, y, z)];
+    const size_t dy = size_t(nodes.size[0]), dz = dy * size_t(nodes.size[1]);
+    const auto row = [&](size_t o) { return v[o] + wx * (v[o + 1] - v[o]); };
+    const float n0 = row(0), f0 = row(dz);
+    const float near = n0 + wy * (row(dy) - n0), far = f0 + wy * (row(dz + dy) - f0);
+    return std::min(std::max(0.5f - (near + wz * (far - near)) / 0.1f, 0.f), 1.f);
   }
 };
 
 /// Mean of b.inside over a's points turned by `rotation`.
 double shareInside(const Normalised& a, const Normalised& b, const Mat3d& rotation) {
+  const openvdb::math::Mat3<float> toNodes(rotation * (1 / b.nodes.spacing));
+  const openvdb::Vec3s first(b.nodes.origin * (-1 / b.nodes.spacing));
   double sum = 0;
-  for (const Vec3d& n : a.points) sum += b.inside(rotation * n);
+  for (const openvdb::Vec3s& n : a.points) sum += b.inside(toNodes * n + first);
   return sum / double(a.points.size());
 }
 
+/// Takes as many nodes of the field as a ramp of `inside` needs: two to its length.
+void takeNodes(const DistanceField& field, Normalised& o) {
+  const int stride = std::max(1, int(0.05 * o.size / field.spacing()));
+  o.nodes.spacing = stride * field.spacing() / o.size;
+  o.nodes.origin = (field.nodePosition(0, 0, 0) - o.moments.centroid) / o.size;
+  const auto& n = field.size();
+  for (int a = 0; a < 3; ++a) o.nodes.size[a] = (n[a] - 1 + stride - 1) / stride + 1;
+  o.distance.resize(o.nodes.count());
+  const auto last = [&](int i, int a) { return std::min(i * stride, n[a] - 1); };
+  for (int z = 0; z < o.nodes.size[2]; ++z)
+    for (int y = 0; y < o.nodes.size[1]; ++y)
+      for (int x = 0; x < o.nodes.size[0]; ++x)
+        o.distance[o.nodes.index(x, y, z)] =
+            float(field.nodeDistance(last(x, 0), last(y, 1), last(z, 2)) / o.size);
+}
+
 Normalised normalise(const DistanceField& field) {
-  Normalised o{&field, insideMoments(field), 1, {}, 1};
+  Normalised o{&field, insideMoments(field), 1, {}, 1, {}, {}};
   o.size = std::cbrt(o.moments.volume);
+  takeNodes(field, o);
   constexpr double kPoints = 3000;
   const double cells = o.moments.volume / std::pow(field.spacing(), 3);
   const int stride = std::max(1, int(std::cbrt(cells / kPoints)));
@@ -71,8 +100,8 @@ Normalised normalise(const DistanceField& field) {
     for (int y = 0; y < n[1]; y += stride)
       for (int x = 0; x < n[0]; x += stride)
         if (field.nodeDistance(x, y, z) < 0)
-          o.points.push_back((field.nodePosition(x, y, z) - o.moments.centroid) / o.size);
-  if (o.points.empty()) o.points.push_back(Vec3d(0.0));
+          o.points.emplace_back((field.nodePosition(x, y, z) - o.moments.centroid) / o.size);
+  if (o.points.empty()) o.points.emplace_back(0.f);
   o.self = std::max(shareInside(o, o, Mat3d::identity()), 1e-3);
   return o;
 }

@@ -124,8 +124,8 @@ class ColumnSystem {
   Column scratch_;
 };
 
-/// Solves four columns from `x`, each to a residual of a thousandth of its right-hand side or 80 iterations.
-Column solve(const NormalOperator& op, const Column& b, Column x) {
+/// Solves four columns from `x`, each to a residual of a thousandth of its right-hand side or `most` steps.
+Column solve(const NormalOperator& op, const Column& b, Column x, int most) {
   ColumnSystem system(op);
   Column residual = op.zero();
   system.apply(x, residual);
@@ -135,14 +135,14 @@ Column solve(const NormalOperator& op, const Column& b, Column x) {
     scale += b[i].cast<double>() * b[i].cast<double>();
   }
   scale = scale.max(1e-30);
-  conjugateGradients(system, {80, 1e-6}, std::move(residual), x, &scale);
+  conjugateGradients(system, {most, 1e-6}, std::move(residual), x, &scale);
   return x;
 }
 
 }  // namespace
 
 Displacements fitFields(const Lattice& lattice, const Sites& sites, double stiffness,
-                        const Displacements& start) {
+                        const Displacements& start, int steps) {
   const size_t objects = sites.value.size();
   const NormalOperator op(lattice, sites, stiffness);
   Displacements result{lattice, start.of};
@@ -185,7 +185,7 @@ Displacements fitFields(const Lattice& lattice, const Sites& sites, double stiff
       });
       return value;
     });
-    const Column x = solve(op, wanted, std::move(first));
+    const Column x = solve(op, wanted, std::move(first), steps);
     forEachColumn([&](int lane, size_t object, int component) {
       VectorField& to = object == objects - 1 ? sum : result.of[object];
       forEachNode([&](size_t node, size_t ringed) { to[node][component] = x[ringed][lane]; });

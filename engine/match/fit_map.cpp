@@ -7,6 +7,10 @@ namespace slicemorph {
 
 namespace {
 
+/// Steps of a fit. To stop early smooths as stiffness does: over eight pairs of meshes 80 steps, or solutions that had
+/// converged, gave overlaps lower by .002 in the mean, and 25 steps lost one pair.
+constexpr int kSteps = 40;
+
 /// The values that fields added to a base must have to meet the correspondences.
 Sites sitesOn(const Displacements& base, const std::vector<Correspondence>& points) {
   const size_t objects = base.of.size();
@@ -31,7 +35,7 @@ Displacements fittedMap(const MatchObjects& objects, const Matching& matching,
   Displacements start = resampled(matching.map, lattice);
   for (size_t k = 0; k < objects.count(); ++k)
     for (size_t i = 0; i < lattice.count(); ++i) start.of[k][i] -= base.of[k][i];
-  Displacements map = fitFields(lattice, sitesOn(matching.base, points), fit.stiffness, start);
+  Displacements map = fitFields(lattice, sitesOn(matching.base, points), fit.stiffness, start, kSteps);
   // A base that is finer than the fields, as after limbs were followed, keeps its own lattice.
   const bool finer = matching.base.lattice.spacing < lattice.spacing;
   if (finer) map = resampled(map, matching.base.lattice);

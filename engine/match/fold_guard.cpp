@@ -13,15 +13,6 @@ namespace {
 
 constexpr int kMaxRounds = 60;
 
-/// Calls visit(x, y, z) for all cells, in slabs of one task each.
-template <typename Visit>
-void forEachCell(const Lattice& lattice, const Visit& visit) {
-  tbb::parallel_for(0, int(lattice.size[2]) - 1, [&](int z) {
-    for (int y = 0; y + 1 < lattice.size[1]; ++y)
-      for (int x = 0; x + 1 < lattice.size[0]; ++x) visit(x, y, z);
-  });
-}
-
 /// A map that must be free of folds: s + own * D_k(s) + all * sum_l D_l(s).
 struct Guarded {
   size_t object;
@@ -42,57 +33,87 @@ std::vector<Guarded> guardedMaps(size_t objects) {
   return result;
 }
 
+/// A number for each node of a box within a lattice; 0 for all others.
+struct Mask {
+  openvdb::CoordBBox box;  ///< of node coordinates
+  openvdb::Coord size;     ///< of the box
+  std::vector<float> share;
+
+  Mask(const openvdb::CoordBBox& nodes, float value)
+      : box(nodes), size(nodes.dim()), share(size_t(nodes.volume()), value) {}
+  size_t index(int x, int y, int z) const {
+    return (size_t(z - box.min()[2]) * size[1] + (y - box.min()[1])) * size[0] + (x - box.min()[0]);
+  }
+  float at(int x, int y, int z) const {
+    return box.isInside(openvdb::Coord(x, y, z)) ? share[index(x, y, z)] : 0;
+  }
+};
+
+openvdb::CoordBBox allNodes(const Lattice& lattice) { return {openvdb::Coord(0), lattice.size.offsetBy(-1)}; }
+
+/// Calls visit(x, y, z) for the nodes of a box, in slabs of one task each.
+template <typename Visit>
+void forEachNode(const openvdb::CoordBBox& box, const Visit& visit) {
+  tbb::parallel_for(box.min()[2], box.max()[2] + 1, [&](int z) {
+    for (int y = box.min()[1]; y <= box.max()[1]; ++y)
+      for (int x = box.min()[0]; x <= box.max()[0]; ++x) visit(x, y, z);
+  });
+}
+
 /// How much of the smoothed field each node takes: 1 within two cells of a fold, falling off over four more.
-std::vector<float> smoothingMask(const Lattice& lattice, const std::vector<char>& folded) {
-  std::vector<float> mask(lattice.count(), 0.f);
-  for (int z = 0; z + 1 < lattice.size[2]; ++z)
-    for (int y = 0; y + 1 < lattice.size[1]; ++y)
-      for (int x = 0; x + 1 < lattice.size[0]; ++x)
-        if (folded[lattice.index(x, y, z)])
-          for (int c = 0; c < 8; ++c) mask[lattice.corner(x, y, z, c)] = 1.f;
-  const int step[3] = {1, lattice.size[0], lattice.size[0] * lattice.size[1]};
-  for (int round = 0; round < 3; ++round)
+/// `folded`: the cells' first nodes; not empty.
+Mask smoothingMask(const Lattice& lattice, const std::vector<openvdb::Coord>& folded) {
+  constexpr int kWider = 3;
+  openvdb::CoordBBox box;
+  for (const openvdb::Coord& cell : folded) box.expand({cell, cell.offsetBy(1)});
+  box.expand(kWider);
+  box.intersect(allNodes(lattice));
+  Mask mask(box, 0);
+  for (const openvdb::Coord& cell : folded)
+    for (int c = 0; c < 8; ++c)
+      mask.share[mask.index(cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2))] = 1;
+  const int step[3] = {1, mask.size[0], mask.size[0] * mask.size[1]};
+  for (int round = 0; round < kWider; ++round)
     for (int axis = 0; axis < 3; ++axis) {
-      std::vector<float> wider = mask;
-      for (int z = 0; z < lattice.size[2]; ++z)
-        for (int y = 0; y < lattice.size[1]; ++y)
-          for (int x = 0; x < lattice.size[0]; ++x) {
-            const openvdb::Coord c(x, y, z);
-            const size_t i = lattice.index(x, y, z);
-            if (c[axis] > 0) wider[i] = std::max(wider[i], 0.8f * mask[i - step[axis]]);
-            if (c[axis] + 1 < lattice.size[axis]) wider[i] = std::max(wider[i], 0.8f * mask[i + step[axis]]);
-          }
-      mask.swap(wider);
+      const std::vector<float> old = mask.share;
+      forEachNode(box, [&](int x, int y, int z) {
+        const int c = openvdb::Coord(x, y, z)[axis];
+        const size_t i = mask.index(x, y, z);
+        if (c > box.min()[axis]) mask.share[i] = std::max(mask.share[i], 0.8f * old[i - step[axis]]);
+        if (c < box.max()[axis]) mask.share[i] = std::max(mask.share[i], 0.8f * old[i + step[axis]]);
+      });
     }
   return mask;
 }
 
 /// One step towards the mean of the six neighbours (zero beyond the lattice), where the mask says so.
-void smooth(const Lattice& lattice, VectorField& field, const std::vector<float>& mask) {
-  const VectorField old = field;
+void smooth(const Lattice& lattice, VectorField& field, const Mask& mask) {
+  VectorField smoothed(mask.share.size());
   const int step[3] = {1, lattice.size[0], lattice.size[0] * lattice.size[1]};
-  tbb::parallel_for(0, int(lattice.size[2]), [&](int z) {
-    for (int y = 0; y < lattice.size[1]; ++y)
-      for (int x = 0; x < lattice.size[0]; ++x) {
-        const size_t i = lattice.index(x, y, z);
-        if (mask[i] == 0) continue;
-        const openvdb::Coord c(x, y, z);
-        openvdb::Vec3s sum(0.f);
-        for (int axis = 0; axis < 3; ++axis) {
-          if (c[axis] > 0) sum += old[i - step[axis]];
-          if (c[axis] + 1 < lattice.size[axis]) sum += old[i + step[axis]];
-        }
-        field[i] = old[i] + (sum / 6.f - old[i]) * mask[i];
-      }
+  forEachNode(mask.box, [&](int x, int y, int z) {
+    const size_t i = lattice.index(x, y, z), own = mask.index(x, y, z);
+    if (mask.share[own] == 0) return;
+    const openvdb::Coord c(x, y, z);
+    openvdb::Vec3s sum(0.f);
+    for (int axis = 0; axis < 3; ++axis) {
+      if (c[axis] > 0) sum += field[i - step[axis]];
+      if (c[axis] + 1 < lattice.size[axis]) sum += field[i + step[axis]];
+    }
+    smoothed[own] = field[i] + (sum / 6.f - field[i]) * mask.share[own];
+  });
+  forEachNode(mask.box, [&](int x, int y, int z) {
+    const size_t own = mask.index(x, y, z);
+    if (mask.share[own] != 0) field[lattice.index(x, y, z)] = smoothed[own];
   });
 }
 
-/// Sum of all objects' displacements at every node.
-VectorField sumOf(const Displacements& map) {
-  VectorField sum = map.of[0];
-  for (size_t k = 1; k < map.of.size(); ++k)
-    for (size_t i = 0; i < sum.size(); ++i) sum[i] += map.of[k][i];
-  return sum;
+/// Brings `sum`, the sum of all objects' displacements at every node, up to date in a box.
+void addUp(const Displacements& map, const openvdb::CoordBBox& box, VectorField& sum) {
+  forEachNode(box, [&](int x, int y, int z) {
+    const size_t i = map.lattice.index(x, y, z);
+    sum[i] = map.of[0][i];
+    for (size_t k = 1; k < map.of.size(); ++k) sum[i] += map.of[k][i];
+  });
 }
 
 /// Smallest volume of a cell's tetrahedra after a map, over their volume before.
@@ -130,29 +151,38 @@ openvdb::Vec3s longestDifferences(const VectorField& field, const size_t (&corne
 /// far less than the thousandth that is kept back.
 double harmlessDifference(double floor) { return 0.999 * (1 - std::cbrt(floor)); }
 
-/// Cells with a suspect corner that some guarded map squeezes below the floor.
-std::vector<char> foldedCells(const Displacements& map, const std::vector<Guarded>& guarded, double floor,
-                              const std::vector<char>& suspect) {
+/// Cells with a suspect corner that some guarded map squeezes below the floor, by their first nodes.
+std::vector<openvdb::Coord> foldedCells(const Displacements& map, const VectorField& sum,
+                                        const std::vector<Guarded>& guarded, double floor,
+                                        const Mask& suspect) {
   const Lattice& lattice = map.lattice;
-  const VectorField sum = sumOf(map);
   const double harmless = harmlessDifference(floor) * lattice.spacing;
-  std::vector<char> folded(lattice.count(), 0);
-  forEachCell(lattice, [&](int x, int y, int z) {
+  openvdb::CoordBBox cells(suspect.box.min().offsetBy(-1), suspect.box.max());
+  cells.intersect({openvdb::Coord(0), lattice.size.offsetBy(-2)});
+  if (cells.empty()) return {};
+  std::vector<std::vector<openvdb::Coord>> slabs(size_t(cells.dim()[2]));
+  forEachNode(cells, [&](int x, int y, int z) {
     size_t corner[8];
     bool any = false;
-    for (int c = 0; c < 8; ++c) corner[c] = lattice.corner(x, y, z, c), any |= suspect[corner[c]] != 0;
+    for (int c = 0; c < 8; ++c) {
+      corner[c] = lattice.corner(x, y, z, c);
+      any |= suspect.at(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2)) > 0;
+    }
     if (!any) return;
-    char& result = folded[corner[0]];
+    bool folds = false;
     const openvdb::Vec3s ofSum = longestDifferences(sum, corner);
     openvdb::Vec3s ofOwn(0.f);
-    for (size_t w = 0; w < guarded.size() && !result; ++w) {
+    for (size_t w = 0; w < guarded.size() && !folds; ++w) {
       const Guarded& g = guarded[w];
       if (w == 0 || g.object != guarded[w - 1].object) ofOwn = longestDifferences(map.of[g.object], corner);
       const Vec3d most = std::abs(g.own) * Vec3d(ofOwn) + std::abs(g.all) * Vec3d(ofSum);
       if (most.lengthSqr() <= harmless * harmless) continue;
-      result = smallestRatio(map, sum, g, x, y, z) < floor;
+      folds = smallestRatio(map, sum, g, x, y, z) < floor;
     }
+    if (folds) slabs[size_t(z - cells.min()[2])].emplace_back(x, y, z);
   });
+  std::vector<openvdb::Coord> folded;
+  for (const auto& slab : slabs) folded.insert(folded.end(), slab.begin(), slab.end());
   return folded;
 }
 
@@ -161,7 +191,7 @@ std::vector<char> foldedCells(const Displacements& map, const std::vector<Guarde
 double leastRatio(const Displacements& map) {
   std::vector<double> least(map.lattice.size[2], 1e30);
   for (size_t k = 0; k < map.of.size(); ++k)
-    forEachCell(map.lattice, [&](int x, int y, int z) {
+    forEachNode({openvdb::Coord(0), map.lattice.size.offsetBy(-2)}, [&](int x, int y, int z) {
       least[z] = std::min(least[z], smallestRatio(map, map.of[k], {k, 1, 0}, x, y, z));
     });
   return *std::min_element(least.begin(), least.end());
@@ -169,15 +199,17 @@ double leastRatio(const Displacements& map) {
 
 int removeFolds(Displacements& map, double floor) {
   const std::vector<Guarded> guarded = guardedMaps(map.of.size());
-  std::vector<char> suspect(map.lattice.count(), 1);
+  Mask suspect(allNodes(map.lattice), 1);
+  VectorField sum(map.lattice.count());
+  addUp(map, suspect.box, sum);
   for (int round = 0; round < kMaxRounds; ++round) {
-    const std::vector<char> folded = foldedCells(map, guarded, floor, suspect);
-    if (std::find(folded.begin(), folded.end(), 1) == folded.end()) return round;
-    const std::vector<float> mask = smoothingMask(map.lattice, folded);
+    const std::vector<openvdb::Coord> folded = foldedCells(map, sum, guarded, floor, suspect);
+    if (folded.empty()) return round;
+    // Only what is moved can fold anew.
+    suspect = smoothingMask(map.lattice, folded);
     for (int i = 0; i < 2 + round / 8; ++i)
-      for (VectorField& field : map.of) smooth(map.lattice, field, mask);
-    // Only what was moved can fold anew.
-    for (size_t i = 0; i < suspect.size(); ++i) suspect[i] = mask[i] > 0;
+      for (VectorField& field : map.of) smooth(map.lattice, field, suspect);
+    addUp(map, suspect.box, sum);
   }
   // What smoothing cannot cure shrinks towards the middle space, which has no folds.
   for (VectorField& field : map.of)
