@@ -116,13 +116,15 @@ LaidFrames laid(const Fields& fields, const std::vector<std::string>& names, con
 }  // namespace
 
 std::optional<LaidFrames> framesAlongSpines(const Fields& fields, const std::vector<std::string>& names) {
-  std::vector<std::optional<FittedSpine>> spines(fields.size());
-  tbb::parallel_for(size_t(0), fields.size(), [&](size_t k) { spines[k] = fitSpine(*fields[k]); });
+  // One after the other: most objects have no spine, and then the others need none. Each fit is parallel.
+  std::vector<std::optional<FittedSpine>> spines;
   double bow = 0, aspect = 0;
-  for (const auto& s : spines) {
-    if (!s) return std::nullopt;
-    bow = std::max(bow, s->bow);
-    aspect += s->chart.scale[0] / s->chart.scale[1] / double(fields.size());
+  for (const auto& field : fields) {
+    spines.push_back(fitSpine(*field));
+    if (!spines.back()) return std::nullopt;
+    const FittedSpine& s = *spines.back();
+    bow = std::max(bow, s.bow);
+    aspect += s.chart.scale[0] / s.chart.scale[1] / double(fields.size());
   }
   Frames frames;
   frames.halfLength = aspect;

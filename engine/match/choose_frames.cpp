@@ -51,8 +51,10 @@ std::vector<Turn> turnsToTry(const Fields& pair, const std::vector<Vec3d>& from,
 
 /// Turns cost this share of their distortion per right angle, so that what looks the same way stays so.
 constexpr double kAngleShare = 0.04;
-/// What the distortion of a turn that does not keep `up` must come down to, against the best that does.
-constexpr double kLeavesUpright = 0.52;
+/// What the distortion of a turn that does not keep `up` must come down to, against the best that does; and where it
+/// shows that shapes are alike. Hands that lie anyhow are at .46 to .57 (at 48 to 200 voxels), a rabbit and an armadillo,
+/// which both stand, at .61 to .66, a shark and a cow at .56 to .58 without being alike.
+constexpr double kLeavesUpright = 0.52, kLeavesUprightAlike = 0.59;
 /// Least cosine between the up direction before and after a turn that keeps it.
 constexpr double kUprightCosine = 0.98;
 
@@ -116,13 +118,17 @@ constexpr double kUndecided = 0.07;
 constexpr double kNothingAlike = 0.21, kNothingAlikeFreely = 0.12;
 constexpr size_t kMostUndecided = 4;
 
+bool leavesUpright(double freely, double upright) {
+  return freely < (freely < kNothingAlikeFreely ? kLeavesUprightAlike : kLeavesUpright) * upright;
+}
+
 /// Turns farther from the chosen one than this, radians, are another way round.
 constexpr double kOtherWay = M_PI / 3;
 /// A shape looks the same when turned if that distorts its own inner distances by less than this share of what the other
 /// way round distorts those of the pair.
 constexpr double kLooksTheSame = 0.5;
 
-/// Below this share of the best upright turn's distortion a free one is told of; hands that lie anyhow are at .45 to .56.
+/// Below this share of the best upright turn's distortion a free one is told of; see kLeavesUprightAlike.
 constexpr double kFreelyBetter = 0.65;
 
 struct ChosenTurn {
@@ -172,7 +178,7 @@ ChosenTurn chooseTurn(const Fields& pair, const std::vector<Turn>& turns, const 
   std::stable_sort(other.begin(), other.end(), less);
   if (upright.empty() && other.empty()) return unmeasured(turns[0]);
   const bool leaves =
-      upright.empty() || (!other.empty() && distortion[other[0]] < kLeavesUpright * distortion[upright[0]]);
+      upright.empty() || (!other.empty() && leavesUpright(distortion[other[0]], distortion[upright[0]]));
   std::vector<size_t> among = leaves ? other : upright;
   const std::vector<size_t> rivals = among;
   const auto chosen = [&](const Turn& turn) {

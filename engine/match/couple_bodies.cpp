@@ -104,7 +104,6 @@ class Coupling {
     const Column ofA = (a.distance.square().matrix() * a.weight.matrix()).array(),
                  ofB = (b.distance.square().matrix() * b.weight.matrix()).array();
     own_ = ofA.replicate(1, m) + ofB.transpose().replicate(n, 1);
-    total_ = (a.weight * ofA).sum() + (b.weight * ofB).sum();
   }
 
   Table byPosition() const {
@@ -123,8 +122,14 @@ class Coupling {
     return plan;
   }
 
+  /// Mean of (d_a(i, k) - d_b(j, l))^2 over what is coupled. With the plan's own sums, as few scalings do not quite reach
+  /// the sides' weights.
   double distortion(const Table& plan) const {
-    return total_ - 2 * (plan * (a_.distance.matrix() * plan.matrix() * b_.distance.matrix()).array()).sum();
+    const Column ofA = plan.rowwise().sum() / plan.sum(), ofB = plan.colwise().sum().transpose() / plan.sum();
+    const double own = (ofA * (a_.distance.square().matrix() * ofA.matrix()).array()).sum() +
+                       (ofB * (b_.distance.square().matrix() * ofB.matrix()).array()).sum();
+    const Table both = (a_.distance.matrix() * plan.matrix() * b_.distance.matrix()).array();
+    return own - 2 * (plan * both).sum() / (plan.sum() * plan.sum());
   }
 
  private:
@@ -160,7 +165,6 @@ class Coupling {
 
   const Side &a_, &b_;
   Table unlike_, still_, own_;
-  double total_ = 0;
 };
 
 /// Per point of the many the nearest of the first few.
