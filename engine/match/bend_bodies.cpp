@@ -166,7 +166,8 @@ std::vector<Vec3d> nodesByLimbs(const MatchObjects& objects, const std::vector<B
 /// The best fit of those started from the bodies' own positions, from their coupling by inner distances and from limbs:
 /// each only where those before leave doubt.
 DirectedFit bestOfStarts(const MatchObjects& objects, const std::vector<Body>& bodies,
-                         const std::function<const std::vector<Matching>&()>& limbCandidates) {
+                         const std::function<const std::vector<Matching>&()>& limbCandidates,
+                         BodyCoupling& coupling) {
   DirectedFit best = bestFit(
       bodies,
       [&](size_t k) {
@@ -177,7 +178,7 @@ DirectedFit bestOfStarts(const MatchObjects& objects, const std::vector<Body>& b
     if (badness(other.fit) < badness(best.fit)) best = std::move(other);
   };
   if (kSure.hold(best.fit)) return best;
-  const BodyCoupling coupling = coupleBodies(bodies[0].graph, bodies[1].graph);
+  coupling = coupleBodies(bodies[0].graph, bodies[1].graph);
   if (coupling.distortion < kOneKind)
     consider(bestFit(
         bodies, [&](size_t k) { return coupling.pose[k]; }, kAnyResidual));
@@ -189,6 +190,27 @@ DirectedFit bestOfStarts(const MatchObjects& objects, const std::vector<Body>& b
     consider(bestFit(bodies, byLimbs, kHopeless));
   }
   return best;
+}
+
+/// The matching that carries coupled points onto each other: of one kind of body in other proportions, as an armadillo
+/// and a man, the hands then meet, which bending without stretching cannot bring together.
+Bending coupled(const MatchObjects& objects, const std::vector<Body>& bodies, const Matching& matching,
+                const BodyCoupling& coupling) {
+  BodyPoints body;
+  for (const auto& pair : coupling.partners) {
+    Correspondence c;
+    for (size_t k = 0; k < 2; ++k)
+      c.at.push_back(objects.charts[k].toChart(bodies[k].chart.toWorld(pair[k])));
+    c.middle = 0.5 * (c.at[0] + c.at[1]);
+    body.points.push_back(c);
+  }
+  Bending bending{false, withRoom(objects, body), {}, false};
+  bending.matching = followLimbs(bending.objects, matching, std::move(body.points), {});
+  char text[160];
+  std::snprintf(text, sizeof text, "coupled by inner distances: distortion %.3f; overlap %.3f",
+                coupling.distortion, bending.matching.overlap);
+  bending.matching.notes.push_back({"match.coupled", Severity::kDetail, "", text});
+  return bending;
 }
 
 }  // namespace
@@ -206,11 +228,15 @@ std::optional<Bending> bentOntoEachOther(
                     [&](size_t k) { bodies[k] = bodyOf(*objects.shape.fields[k], objects.charts[k]); });
   for (const Body& body : bodies)
     if (body.graph.position.empty()) return std::nullopt;
-  const DirectedFit best = bestOfStarts(objects, bodies, limbCandidates);
+  BodyCoupling coupling;
+  const DirectedFit best = bestOfStarts(objects, bodies, limbCandidates, coupling);
   const ElasticFit& fit = best.fit;
-  if (!kMost.hold(fit)) return std::nullopt;
+  if (!kMost.hold(fit)) {
+    if (!(coupling.distortion < kOneKind)) return std::nullopt;
+    return coupled(objects, bodies, matching, coupling);
+  }
   BodyPoints body = pointsOf(objects, bodies, fit, best.from, 1 - best.from);
-  Bending bending{withRoom(objects, body), {}, kSure.hold(fit)};
+  Bending bending{true, withRoom(objects, body), {}, kSure.hold(fit)};
   bending.matching = followBody(bending.objects, matching, std::move(body.points), body.ways);
   bending.matching.bonus = fit.missed < kCrumpled * fit.strain ? kBentBonus : 0;
   char text[160];

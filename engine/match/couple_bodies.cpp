@@ -194,19 +194,25 @@ Table spread(const Table& few, const Side& a, const Side& b) {
   return many;
 }
 
-/// Where the nodes of one body go: each moves rigidly as the points around it do.
-BodyPose poseOf(const BodyGraph& graph, const Side& side, const Side& other, const Table& plan) {
-  const size_t n = side.at.size(), nodes = graph.position.size();
-  std::vector<Vec3d> own(n), image(n, Vec3d(0.0));
-  for (size_t i = 0; i < n; ++i) {
+/// Per point of a side the mean place of what it is coupled to.
+std::vector<Vec3d> imagesOf(const Side& side, const Side& other, const Table& plan) {
+  std::vector<Vec3d> image(side.at.size(), Vec3d(0.0));
+  for (size_t i = 0; i < image.size(); ++i) {
     double sum = 0;
     for (size_t j = 0; j < other.at.size(); ++j) {
       const double w = plan(Eigen::Index(i), Eigen::Index(j));
       image[i] += w * (other.mean + other.radius * other.at[j]), sum += w;
     }
     image[i] /= sum;
-    own[i] = graph.position[side.points.node[i]];
   }
+  return image;
+}
+
+/// Where the nodes of one body go: each moves rigidly as the points around it do. `image`: of the side's points.
+BodyPose poseOf(const BodyGraph& graph, const Side& side, const std::vector<Vec3d>& image) {
+  const size_t n = side.at.size(), nodes = graph.position.size();
+  std::vector<Vec3d> own;
+  for (size_t node : side.points.node) own.push_back(graph.position[node]);
   // The rigid motions that fit, but for their rotations: sums of outer products.
   std::vector<Vec3d> from(nodes, Vec3d(0.0)), to(nodes, Vec3d(0.0));
   std::vector<Mat3d> outer(nodes, Mat3d::zero());
@@ -262,8 +268,15 @@ BodyCoupling coupleBodies(const BodyGraph& a, const BodyGraph& b) {
   const Table found = finding.refined(finding.byPosition(), kFinding);
   const Table plan = refining.refined(spread(found, many[0], many[1]), kRefining);
   result.distortion = refining.distortion(plan);
-  for (size_t k = 0; k < 2; ++k)
-    result.pose[k] = poseOf(*graphs[k], many[k], many[1 - k], k == 0 ? plan : Table(plan.transpose()));
+  for (size_t k = 0; k < 2; ++k) {
+    const std::vector<Vec3d> image = imagesOf(many[k], many[1 - k], k == 0 ? plan : Table(plan.transpose()));
+    result.pose[k] = poseOf(*graphs[k], many[k], image);
+    for (size_t i = 0; i < image.size(); ++i) {
+      std::array<Vec3d, 2> pair;
+      pair[k] = graphs[k]->position[many[k].points.node[i]], pair[1 - k] = image[i];
+      result.partners.push_back(pair);
+    }
+  }
   return result;
 }
 

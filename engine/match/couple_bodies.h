@@ -2,6 +2,7 @@
 
 #include "engine/match/body_graph.h"
 
+#include <array>
 #include <limits>
 
 namespace slicemorph {
@@ -14,6 +15,8 @@ struct BodyCoupling {
   /// Per body (of two): where it is on the other one, in that one's coordinates. Nodes are turned no more than they have
   /// to be against those nearer to the body's middle, as round limbs show no twist.
   BodyPose pose[2];
+  /// Points of both bodies and the mean places of what they are coupled to: per body, in its coordinates.
+  std::vector<std::array<Vec3d, 2>> partners;
 };
 
 /// Couples two bodies by inner distances, which do not change where limbs swing, and a little by position, in which the

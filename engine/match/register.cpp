@@ -98,7 +98,9 @@ Registration registerObjects(const MatchObjects& objects, const TracedObjects& t
   std::vector<Candidate> candidates;
   std::optional<Bending> bent = bentOntoEachOther(objects, start.matching, byLimbs);
   const bool sure = bent && bent->sure;
-  if (bent) candidates.push_back({&bent->objects, std::move(bent->matching), roundsAfterBending(rounds)});
+  if (bent)
+    candidates.push_back(
+        {&bent->objects, std::move(bent->matching), bent->bent ? roundsAfterBending(rounds) : rounds});
   if (!sure)
     for (Matching& matching : byLimbs()) candidates.push_back({&objects, std::move(matching), rounds});
   Candidate best = bestAfterRounds(std::move(candidates), progress);
