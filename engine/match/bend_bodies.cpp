@@ -36,9 +36,6 @@ constexpr double kBentBonus = 0.05, kCrumpled = 0.6;
 constexpr double kHopeless = 0.05;
 /// A limit that no fit exceeds: of bodies that are of one kind by their inner distances.
 constexpr double kAnyResidual = 1e9;
-/// Distortion of inner distances up to which two bodies are coupled to be bent: coupled rightly they have .03 and less,
-/// coupled wrongly .057 and more (the prototype's figures).
-constexpr double kOneKind = 0.045;
 /// Parts that turn by more on the way from the middle to an object are carried round in several steps.
 constexpr double kTurnOfStep = 0.6;
 /// Objects that lie on each other so well already are not bent.

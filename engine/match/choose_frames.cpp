@@ -5,6 +5,7 @@
 #include "engine/frame/inner_samples.h"
 #include "engine/frame/spine_frames.h"
 #include "engine/match/agreement.h"
+#include "engine/match/couple_bodies.h"
 #include "slicemorph/errors.h"
 
 #include <tbb/parallel_for.h>
@@ -101,6 +102,51 @@ size_t bestByAgreement(const Fields& pair, const std::vector<Turn>& turns, const
   return best;
 }
 
+/// Turns that differ by less than this angle, radians, are coupled once; that many, up to this distortion against the
+/// least one.
+constexpr double kSameCoupling = 0.6, kWorthCoupling = 2;
+constexpr size_t kMostCoupled = 6;
+/// From several turns the same coupling may be found, to this share of its distortion: then the first is taken.
+constexpr double kSameDistortion = 0.05;
+
+/// Of turns in order of their distortions the one from which two bodies are coupled with the least distortion of inner
+/// distances, which limbs' swinging does not change; none where no coupling shows one kind of body. Without `up`
+/// there are many turns, and one soft matching may take a running horse's tail for its head.
+std::optional<size_t> bestByCoupling(const Fields& pair, const std::vector<Turn>& turns,
+                                     const std::vector<double>& distortion, const std::vector<size_t>& among,
+                                     const Progress& progress) {
+  std::vector<size_t> few;
+  for (size_t i : among)
+    if (few.size() < kMostCoupled && distortion[i] <= kWorthCoupling * distortion[among[0]] &&
+        std::none_of(few.begin(), few.end(), [&](size_t j) {
+          return rotationVector(turns[i].rotation * turns[j].rotation.transpose()).length() < kSameCoupling;
+        }))
+      few.push_back(i);
+  if (few.size() < 2) return std::nullopt;
+  BodyGraph bodies[2];
+  tbb::parallel_for(0, 2, [&](int k) {
+    Chart chart;
+    const openvdb::BBoxd& box = pair[size_t(k)]->box();
+    const Vec3d e = box.extents();
+    chart.center = box.getCenter(), chart.axes = Mat3d::identity(),
+    chart.scale = Vec3d(std::cbrt(e[0] * e[1] * e[2]));
+    bodies[k] = bodyGraph(*pair[size_t(k)], chart);
+  });
+  std::vector<double> coupled(few.size());
+  tbb::parallel_for(size_t(0), few.size(), [&](size_t n) {
+    if (progress.cancelled()) return;
+    BodyGraph turned = bodies[1];
+    for (Vec3d& p : turned.position) p = turns[few[n]].rotation.transpose() * p;
+    coupled[n] = coupleBodies(bodies[0], turned).distortion;
+  });
+  if (progress.cancelled()) throw Cancelled();
+  const double least = *std::min_element(coupled.begin(), coupled.end());
+  if (!(least < kOneKind)) return std::nullopt;
+  size_t best = 0;
+  while (coupled[best] > (1 + kSameDistortion) * least) ++best;
+  return few[best];
+}
+
 /// Those turns that overlap or the up direction suggest; all where there are none of these.
 std::vector<size_t> likelyOf(const std::vector<Turn>& turns, const std::vector<size_t>& among) {
   std::vector<size_t> likely;
@@ -189,6 +235,9 @@ ChosenTurn chooseTurn(const Fields& pair, const std::vector<Turn>& turns, const 
   };
   if (distortion[among[0]] > (leaves ? kNothingAlikeFreely : kNothingAlike))
     return chosen(turns[bestByAgreement(pair, turns, likelyOf(turns, among), options, progress)]);
+  if (leaves)
+    if (const std::optional<size_t> best = bestByCoupling(pair, turns, distortion, among, progress))
+      return chosen(settled(samples[0], samples[1], turns[*best]));
   const double most = (1 + kUndecided) * distortion[among[0]];
   size_t count = 1;
   while (count < std::min(among.size(), kMostUndecided) && distortion[among[count]] <= most) ++count;

@@ -7,10 +7,13 @@
 
 namespace slicemorph {
 
+/// Distortion of inner distances below which bodies are taken to be of one kind: coupled rightly they have .03 and less,
+/// coupled wrongly .057 and more (the prototype's figures).
+constexpr double kOneKind = 0.045;
+
 /// A soft correspondence of two bodies' insides.
 struct BodyCoupling {
-  /// How much inner distances differ between points that belong together, in their mean squares; below some .04 both are
-  /// one kind of body.
+  /// How much inner distances differ between points that belong together, in their mean squares; see kOneKind.
   double distortion = std::numeric_limits<double>::infinity();
   /// Per body (of two): where it is on the other one, in that one's coordinates. Nodes are turned no more than they have
   /// to be against those nearer to the body's middle, as round limbs show no twist.
