@@ -3,8 +3,6 @@
 #include "engine/frame/roll.h"
 #include "engine/spine/fit_spine.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -117,19 +115,19 @@ LaidFrames laid(const Fields& fields, const std::vector<std::string>& names, con
 
 std::optional<LaidFrames> framesAlongSpines(const Fields& fields, const std::vector<std::string>& names) {
   // One after the other: most objects have no spine, and then the others need none. Each fit is parallel.
-  std::vector<std::optional<FittedSpine>> spines;
+  std::vector<FittedSpine> spines;
   double bow = 0, aspect = 0;
   for (const auto& field : fields) {
-    spines.push_back(fitSpine(*field));
-    if (!spines.back()) return std::nullopt;
-    const FittedSpine& s = *spines.back();
+    const std::optional<FittedSpine> spine = fitSpine(*field);
+    if (!spine) return std::nullopt;
+    const FittedSpine& s = spines.emplace_back(*spine);
     bow = std::max(bow, s.bow);
     aspect += s.chart.scale[0] / s.chart.scale[1] / double(fields.size());
   }
   Frames frames;
   frames.halfLength = aspect;
   for (size_t k = 0; k < fields.size(); ++k) {
-    Chart chart = spines[k]->chart;
+    Chart chart = spines[k].chart;
     chart.scale[0] /= aspect;
     std::vector<Vec3d> rates = chart.bend.rates();
     double turn = 0;

@@ -19,8 +19,8 @@ namespace {
 constexpr int kSamples = 3000;
 /// Limits of a bending: strain, distance left over in sizes, share without a partner. Within `kSure` the objects
 /// are one body in two poses beyond doubt: measured on recorded motions, people and quadrupeds strain is .06 to .17
-/// and .1 to 1.3 % have no partner; two thin legs that were missed make that 2.4 %, a leg that one of them lacks 6 %. Beyond `kMost` they are not: a cow
-/// onto a horse takes .29, a hand the wrong way round .26.
+/// and .1 to 1.3 % have no partner; two thin legs that were missed make that 2.4 %, a leg that one of them lacks
+/// 6 %. Beyond `kMost` they are not: a cow onto a horse takes .29, a hand the wrong way round .26.
 struct Limits {
   double strain, residual, missed;
   bool hold(const ElasticFit& fit) const {
@@ -160,11 +160,16 @@ std::vector<Vec3d> nodesByLimbs(const MatchObjects& objects, const std::vector<B
   return carriedTo;
 }
 
+/// The best fit of several starts, and the coupling that was one of them; infinitely distorted where none was needed.
+struct BestOfStarts {
+  DirectedFit best;
+  BodyCoupling coupling;
+};
+
 /// The best fit of those started from the bodies' own positions, from their coupling by inner distances and from limbs:
 /// each only where those before leave doubt.
-DirectedFit bestOfStarts(const MatchObjects& objects, const std::vector<Body>& bodies,
-                         const std::function<const std::vector<Matching>&()>& limbCandidates,
-                         BodyCoupling& coupling) {
+BestOfStarts bestOfStarts(const MatchObjects& objects, const std::vector<Body>& bodies,
+                          const std::function<const std::vector<Matching>&()>& limbCandidates) {
   DirectedFit best = bestFit(
       bodies,
       [&](size_t k) {
@@ -174,19 +179,19 @@ DirectedFit bestOfStarts(const MatchObjects& objects, const std::vector<Body>& b
   const auto consider = [&](DirectedFit other) {
     if (badness(other.fit) < badness(best.fit)) best = std::move(other);
   };
-  if (kSure.hold(best.fit)) return best;
-  coupling = coupleBodies(bodies[0].graph, bodies[1].graph);
+  if (kSure.hold(best.fit)) return {std::move(best), {}};
+  BodyCoupling coupling = coupleBodies(bodies[0].graph, bodies[1].graph);
   if (coupling.distortion < kOneKind)
     consider(bestFit(
         bodies, [&](size_t k) { return coupling.pose[k]; }, kAnyResidual));
-  if (best.fit.hopeless) return best;
+  if (best.fit.hopeless) return {std::move(best), std::move(coupling)};
   for (const Matching& start : limbCandidates()) {
     if (kSure.hold(best.fit)) break;
     if (start.limbPoints.empty()) continue;
     const auto byLimbs = [&](size_t k) { return BodyPose{nodesByLimbs(objects, bodies, start, k), {}}; };
     consider(bestFit(bodies, byLimbs, kHopeless));
   }
-  return best;
+  return {std::move(best), std::move(coupling)};
 }
 
 /// The matching that carries coupled points onto each other: of one kind of body in other proportions, as an armadillo
@@ -225,8 +230,7 @@ std::optional<Bending> bentOntoEachOther(
                     [&](size_t k) { bodies[k] = bodyOf(*objects.shape.fields[k], objects.charts[k]); });
   for (const Body& body : bodies)
     if (body.graph.position.empty()) return std::nullopt;
-  BodyCoupling coupling;
-  const DirectedFit best = bestOfStarts(objects, bodies, limbCandidates, coupling);
+  const auto [best, coupling] = bestOfStarts(objects, bodies, limbCandidates);
   const ElasticFit& fit = best.fit;
   if (!kMost.hold(fit)) {
     if (!(coupling.distortion < kOneKind)) return std::nullopt;

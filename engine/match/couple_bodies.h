@@ -24,7 +24,8 @@ struct BodyCoupling {
 
 /// Couples two bodies by inner distances, which do not change where limbs swing, and a little by position, in which the
 /// body counts more than the limbs [PCS16], [VCFTC19]: from far apart to near, turning the one onto the other at each
-/// step. The bodies' coordinates must be turned onto each other, roughly. No poses, and infinite distortion, where a body has no points.
+/// step. The bodies' coordinates must be turned onto each other, roughly. No poses, and infinite distortion, where a
+/// body has no points.
 BodyCoupling coupleBodies(const BodyGraph& a, const BodyGraph& b);
 
 }  // namespace slicemorph
