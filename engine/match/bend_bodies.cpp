@@ -208,6 +208,8 @@ Bending coupled(const MatchObjects& objects, const std::vector<Body>& bodies, co
   }
   Bending bending{false, withRoom(objects, body), {}, false};
   bending.matching = followLimbs(bending.objects, matching, std::move(body.points), {});
+  // As of bent bodies: without it a woman's hands miss an armadillo's by a third of its size, for .003 of overlap.
+  bending.matching.bonus = kBentBonus;
   char text[160];
   std::snprintf(text, sizeof text, "coupled by inner distances: distortion %.3f; overlap %.3f",
                 coupling.distortion, bending.matching.overlap);
