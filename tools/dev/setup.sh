@@ -5,6 +5,7 @@ packages=(
   libopenvdb-dev libboost-iostreams-dev libboost-system-dev libtbb-dev libopenexr-dev libimath-dev liblog4cplus-dev
   libeigen3-dev libnanoflann-dev libassimp-dev libtinygltf-dev libpng-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev
   libinsighttoolkit5-dev libgdcm-dev libniftiio-dev libznz-dev zlib1g-dev libopenimageio-dev
+  libjemalloc-dev
 )
 test_packages=(libgtest-dev libbenchmark-dev libopenvdb-tools python3-openvdb python3-numpy
   openimageio-tools python3-openimageio python3-nibabel python3-pydicom python3-scipy mricron-data ffmpeg
