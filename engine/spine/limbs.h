@@ -14,7 +14,8 @@ struct Limb {
 
 /// Finds the branches of an object: parts of the inside with a tip of their own, that is a local maximum of
 /// the geodesic distance from the body's deepest point. A branch counts if it is longer than wide, thinner
-/// than the body and sticks out by more than 12 % of the longest path.
+/// than the body and sticks out by more than 12 % of the longest path. One that is hardly longer than wide and ends in
+/// several thin ones, as a head with horns, ends where these start.
 std::vector<Limb> findLimbs(const DistanceField& field);
 
 }  // namespace slicemorph
