@@ -30,8 +30,8 @@ MeshInfo describeMesh(const InputSpec& input) {
   info.closed = found.shells > 0 && found.boundaryEdges == 0 && found.nonManifoldEdges == 0;
   info.signedVolume = found.signedVolume;
   openvdb::BBoxd box;
-  for (const openvdb::Vec3s& p : stored.mesh.points) box.expand(Vec3d(p));
-  if (!stored.mesh.points.empty()) {
+  for (const std::uint32_t corner : stored.mesh.corners) box.expand(Vec3d(stored.mesh.points[corner]));
+  if (!stored.mesh.corners.empty()) {
     info.boxMin = box.min();
     info.boxMax = box.max();
   }

@@ -86,7 +86,8 @@ std::vector<Format> makeFormats() {
   rows.push_back(mesh(".ply", readPly, writePly, "PLY, colours of points or faces"));
   rows.push_back(mesh(".stl", readStl, writeStl, "STL, text or binary"));
   rows.push_back(mesh(".off", readOff, nullptr, "Object File Format"));
-  rows.push_back(mesh(".glb", readGlb, writeStillGlb, "binary glTF 2.0, colours of points and materials"));
+  rows.push_back(mesh(".glb", readGlb, writeStillGlb, "glTF 2.0, colours of points and materials"));
+  rows.back().reads.push_back(".gltf");
   rows.push_back(image(row("nifti", C::kImage, {".nii", ".nii.gz"}, {".nii", ".nii.gz"}, "NIfTI-1"),
                        readNiftiImage, writeNifti, writeNiftiVectors));
   rows.push_back(image(row("nrrd", C::kImage, {".nrrd", ".nhdr"}, {".nrrd"}, "NRRD, attached or detached"),

@@ -123,7 +123,8 @@ bool fillFromNearest(Vec3SGrid& grid) {
 /// The faces of a mesh as fans of triangles, in index space.
 struct ColoredTriangles {
   Mesh mesh;
-  std::vector<Vec3I> corners;  ///< per triangle: indices of its corners among the polygons' corners
+  std::vector<Vec3I> corners;        ///< per triangle: indices of its corners among the polygons' corners
+  std::vector<std::uint32_t> faces;  ///< per triangle: the polygon that it is of
 };
 
 /// Faces outside the box are left out: repair has dropped them, and they may be arbitrarily large.
@@ -144,6 +145,7 @@ ColoredTriangles trianglesOf(const PolygonMesh& polygons, const openvdb::math::T
       if (!inside[t[0]] || !inside[t[1]] || !inside[t[2]]) continue;
       result.mesh.triangles.push_back(t);
       result.corners.push_back(corners);
+      result.faces.push_back(std::uint32_t(f));
     }
   }
   return result;
@@ -212,14 +214,54 @@ openvdb::Int32Grid::Ptr improved(const openvdb::Int32Grid& triangles, const Mesh
   return result;
 }
 
-Vec3s colorOf(const TrianglePoint& point, const ColoredTriangles& triangles,
-              const std::vector<Vec3s>& colors) {
+/// Mean colour of a picture on a triangle over a square of one voxel around a point, which would hide finer detail.
+/// Samples lie in pairs on either side of the point, as near as the triangle is wide there, so that colours that
+/// change evenly are exact. `uvs`: of the corners.
+Vec3s textureOf(const Texture& texture, const openvdb::Vec2d (&uvs)[3], const Vec3d (&at)[3],
+                const Vec3d& weights) {
+  constexpr int kAlong = 4;  // samples along the square's side; finer detail is looked up in halved pictures
+  const auto uvAt = [&](const Vec3d& w) { return uvs[0] * w[0] + uvs[1] * w[1] + uvs[2] * w[2]; };
+  const Vec3d ab = at[1] - at[0], ac = at[2] - at[0], normal = ab.cross(ac);
+  const openvdb::Vec2d size(texture.width(), texture.height());
+  const openvdb::Vec2d uvAb = (uvs[1] - uvs[0]) * size, uvAc = (uvs[2] - uvs[0]) * size;
+  const double area = normal.length(), texelArea = std::abs(uvAb[0] * uvAc[1] - uvAb[1] * uvAc[0]);
+  if (!(area > 0)) return texture.at(uvAt(weights));
+  const double texels = std::sqrt(texelArea / area);  // per voxel
+  if (texels <= 1) return texture.at(uvAt(weights));
+  const Vec3d along = ab.unit(), across = (normal / area).cross(along);
+  ColorMean mean;
+  for (int j = 0; j < kAlong; ++j)
+    for (int i = 0; i < kAlong; ++i) {
+      const Vec3d d = along * ((i + 0.5) / kAlong - 0.5) + across * ((j + 0.5) / kAlong - 0.5);
+      // The move in weights of the corners.
+      const double b = d.cross(ac).dot(normal) / (area * area), c = ab.cross(d).dot(normal) / (area * area);
+      const Vec3d move(-b - c, b, c);
+      double share = 1;
+      for (int k = 0; k < 3; ++k)
+        if (move[k] != 0) share = std::min(share, weights[k] / std::abs(move[k]));
+      mean.add(texture.at(uvAt(weights + move * std::max(share, 0.0)), texels / kAlong), 1);
+    }
+  return mean.value().value_or(Vec3s(1.f));
+}
+
+Vec3s colorOf(const TrianglePoint& point, const ColoredTriangles& triangles, const PolygonMesh& polygons) {
   if (point.triangle < 0) return kNone;
-  const Vec3I& corners = triangles.corners[size_t(point.triangle)];
+  const size_t triangle = size_t(point.triangle);
+  const Vec3I& corners = triangles.corners[triangle];
   ColorMean mean;
   for (int k = 0; k < 3; ++k)
-    if (point.weights[k] > 0) mean.add(colors[corners[k]], point.weights[k]);
-  return mean.value().value_or(colors[corners[0]]);
+    if (point.weights[k] > 0) mean.add(polygons.colors[corners[k]], point.weights[k]);
+  const Vec3s color = mean.value().value_or(polygons.colors[corners[0]]);
+  if (polygons.textureOfFace.empty()) return color;
+  const int texture = polygons.textureOfFace[triangles.faces[triangle]];
+  if (texture < 0) return color;
+  openvdb::Vec2d uvs[3];
+  Vec3d at[3];
+  for (int k = 0; k < 3; ++k) {
+    uvs[k] = openvdb::Vec2d(polygons.uvs[corners[k]]);
+    at[k] = Vec3d(triangles.mesh.points[triangles.mesh.triangles[triangle][k]]);
+  }
+  return color * textureOf(*polygons.textures[size_t(texture)], uvs, at, point.weights);
 }
 
 }  // namespace
@@ -235,7 +277,7 @@ Vec3SGrid::Ptr colorsAround(const FloatGrid& levelSet, const PolygonMesh& mesh) 
   Leaves(grid->tree()).foreach ([&](VectorLeaf& leaf, size_t) {
     NearestTrianglePoint nearest(triangles.mesh, *near);
     for (auto value = leaf.beginValueOn(); value; ++value)
-      value.setValue(colorOf(nearest.at(value.getCoord()), triangles, mesh.colors));
+      value.setValue(colorOf(nearest.at(value.getCoord()), triangles, mesh));
   });
   return fillFromNearest(*grid) ? grid : nullptr;
 }

@@ -5,7 +5,7 @@
 namespace slicemorph {
 
 /// The colours of a mesh on the active voxels of its level set: at each voxel the colour of the nearest point
-/// of the mesh. Named "Cd". Null if the mesh has no colours.
+/// of the mesh, of pictures on it the mean over a voxel's size. Named "Cd". Null if the mesh has no colours.
 openvdb::Vec3SGrid::Ptr colorsAround(const FloatGrid& levelSet, const PolygonMesh& mesh);
 
 /// The same from a grid of colours on any transform: trilinear between its active voxels; other voxels take

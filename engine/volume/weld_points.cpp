@@ -50,7 +50,6 @@ WeldedPoints weldPoints(const PolygonMesh& mesh) {
     result.newIndex[i] = target;
   }
   result.merged -= std::min(result.merged, mesh.importCopies);
-  result.unused += mesh.importDropped;
   return result;
 }
 

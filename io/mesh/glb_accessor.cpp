@@ -11,6 +11,9 @@ namespace {
 
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "glTF's numbers are read as they lie in memory");
 
+/// Vectors of an accessor without data; as many as points are read of a file (glb_reader.cpp).
+constexpr size_t kMostZeros = size_t(1) << 28;
+
 const tinygltf::Accessor& accessorOf(const tinygltf::Model& model, int index) {
   if (index < 0 || size_t(index) >= model.accessors.size())
     throw GltfDamage("it refers to accessor " + std::to_string(index) + ", it has " +
@@ -130,6 +133,15 @@ void putSparse(const tinygltf::Model& model, const tinygltf::Accessor& accessor,
 
 }  // namespace
 
+std::string_view bytesOfGltfView(const tinygltf::Model& model, int index) {
+  if (index < 0 || size_t(index) >= model.bufferViews.size())
+    throw GltfDamage("it refers to buffer view " + std::to_string(index) + ", it has " +
+                     std::to_string(model.bufferViews.size()));
+  const size_t length = model.bufferViews[size_t(index)].byteLength;
+  const Elements bytes = elementsOf(model, index, 0, 1, 1, length);
+  return {reinterpret_cast<const char*>(bytes.first), length};
+}
+
 size_t countOfGltf(const tinygltf::Model& model, int accessor) { return accessorOf(model, accessor).count; }
 
 GltfVectors readGltfVectors(const tinygltf::Model& model, int index, size_t count, int width,
@@ -142,6 +154,9 @@ GltfVectors readGltfVectors(const tinygltf::Model& model, int index, size_t coun
                      std::to_string(vectors.width) + " numbers where " + std::to_string(count) + " of " +
                      std::to_string(width) + " are needed");
   normalise |= accessor.normalized;
+  // Without a view all numbers are 0 but for sparse ones, so a damaged count has no data that contradicts it.
+  if (accessor.bufferView < 0 && count > kMostZeros)
+    throw GltfDamage("an accessor without data has " + std::to_string(count) + " vectors");
   if (accessor.bufferView >= 0) {
     const std::uint64_t size = sizeOfComponent(accessor.componentType) * std::uint64_t(vectors.width);
     const size_t view = size_t(accessor.bufferView);

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace tinygltf {
@@ -34,6 +35,9 @@ GltfVectors readGltfVectors(const tinygltf::Model& model, int accessor, size_t c
 
 /// Reads an accessor of unsigned integers, for example the corners of faces. Throws GltfDamage.
 std::vector<std::uint32_t> readGltfIndices(const tinygltf::Model& model, int accessor);
+
+/// The bytes of a buffer view. Throws GltfDamage.
+std::string_view bytesOfGltfView(const tinygltf::Model& model, int view);
 
 /// Number of elements of an accessor. Throws GltfDamage where there is no such accessor.
 size_t countOfGltf(const tinygltf::Model& model, int accessor);

@@ -1,15 +1,39 @@
 #include "io/mesh/mesh_reader.h"
 
 #include "io/format.h"
+#include "io/mesh/file_kind.h"
 #include "io/paths.h"
 #include "io/whole_file.h"
 #include "slicemorph/errors.h"
 
+#include <cctype>
+#include <cstring>
+
 namespace slicemorph {
 namespace {
 
-/// Bytes. Assimp takes some ten times a file's size of memory.
+/// Bytes. Reading takes some ten times a file's size of memory.
 constexpr std::uint64_t kLargestMeshFile = std::uint64_t(2) << 30;
+
+/// Whether a binary STL has exactly the size that its count says: then it is one, whatever its header says.
+bool isWholeStl(std::string_view bytes) {
+  if (bytes.size() < 84) return false;
+  std::uint32_t count = 0;
+  std::memcpy(&count, bytes.data() + 80, sizeof count);
+  return bytes.size() == 84 + 50 * std::uint64_t(count);
+}
+
+/// Throws IoError for a file whose content is of another kind than its name says.
+void checkKind(const std::string& path, std::string_view bytes) {
+  const std::string own = extensionOf(path);
+  if (own == ".stl" && isWholeStl(bytes)) return;
+  const FileKind kind = kindOfFile(bytes);
+  if (kind.name.empty() || kind.extension == own) return;
+  std::string known = own.substr(1);
+  for (char& c : known) c = char(std::toupper(c));
+  throw IoError(path, "is no " + known + " mesh: by its content it is " + kind.name +
+                          (kind.extension.empty() ? "" : "; name it " + kind.extension));
+}
 
 }  // namespace
 
@@ -18,6 +42,7 @@ StoredMesh readPolygons(const InputSpec& input) {
   if (sizeOfInput(path) > kLargestMeshFile)
     throw IoError(path, "is larger than 2 GiB, the most that is read of a mesh");
   const std::string bytes = readWholeFile(path);
+  checkKind(path, bytes);
   StoredMesh stored;
   try {
     stored = input.format->readMesh(path, bytes);
@@ -49,8 +74,6 @@ RepairedMesh closeSurface(const std::string& path, const StoredMesh& stored) {
                             " holes; if it is whole, end it with a newline and the holes are filled");
   }
   Notes notes = stored.notes;
-  if (stored.textured)
-    notes.emplace_back("mesh.textures-left-out", Severity::kNote, "", "its textures are not read");
   notes.insert(notes.end(), result.notes.begin(), result.notes.end());
   result.notes = std::move(notes);
   return result;

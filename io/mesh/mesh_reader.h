@@ -13,16 +13,15 @@ struct StoredMesh {
   size_t points = 0, faces = 0;  ///< as the file counts them; `mesh` may have more or fewer points
   size_t skipped = 0;            ///< points and lines, which have no surface
   bool endsInLine = false;       ///< a text file whose last line has no newline: maybe cut short
-  std::string colorsOf;          ///< what has colours: "points", "faces", "materials"; empty: nothing
-  bool textured = false;         ///< with textures, which are not read
-  Notes notes = {};              ///< what else was changed or left out
+  std::string colorsOf;  ///< what has colours: "points", "faces", "materials", "textures"; empty: nothing
+  Notes notes = {};      ///< what else was changed or left out
 };
 
-/// Reads a mesh of any format of the table. Colours: of PLY the points' own, else the faces'; of OBJ the
-/// points' own, else each material's Kd (none without an .mtl); of GLB COLOR_0 times the material's
-/// baseColorFactor. Parts without a colour are white where others have one. Values are the file's, integers
-/// divided by the largest value of their type: PLY and OBJ files tend to hold sRGB, GLB linear values, and
-/// neither is converted.
+/// Reads a mesh of any format of the table. Colours: of PLY and OFF the points' own, else the faces'; of OBJ a
+/// material's map_Kd times its Kd, else the points' own, else Kd (none without an .mtl); of glTF COLOR_0 times the
+/// material's baseColorFactor and baseColorTexture. Parts without a colour are white where others have one. Values
+/// are the file's, integers divided by the largest value of their type: PLY and OBJ files tend to hold sRGB, glTF
+/// linear values, and neither is converted. Pictures are sRGB and are decoded to linear light.
 /// Throws IoError for a file that is missing, empty, truncated or damaged, or whose points or colours
 /// are not finite.
 StoredMesh readPolygons(const InputSpec& input);

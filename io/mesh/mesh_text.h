@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -49,7 +50,7 @@ inline std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// Tokens and lines of a text, front to back.
+/// Tokens and lines of a text, front to back. Lines end with LF, CR LF or CR.
 class Text {
  public:
   explicit Text(std::string_view bytes) : rest_(bytes) {}
@@ -58,11 +59,12 @@ class Text {
   size_t lineNumber() const { return line_; }
   std::string_view rest() const { return rest_; }
 
-  /// The next line without its newline. Lines that a backslash continues are not joined.
+  /// The next line without its end. Lines that a backslash continues are not joined.
   std::string_view line() {
-    const size_t end = rest_.find('\n');
+    const size_t end = rest_.find_first_of("\r\n");
     const std::string_view result = rest_.substr(0, end);
-    rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
+    const bool pair = end != std::string_view::npos && rest_.substr(end, 2) == "\r\n";
+    rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1 + pair);
     ++line_;
     return result;
   }
@@ -82,6 +84,26 @@ class Text {
   size_t line_ = 0;
 };
 
+inline std::string lowerCase(std::string_view text) {
+  std::string result(text);
+  for (char& c : result)
+    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+  return result;
+}
+
+/// The bytes of a text without a byte order mark; UTF-16, which some editors save, becomes UTF-8 in `memory`
+/// (other characters than ASCII become '?': they are only in names and comments).
+inline std::string_view plainText(std::string_view bytes, std::string& memory) {
+  if (bytes.substr(0, 3) == "\xef\xbb\xbf") return bytes.substr(3);
+  const std::string_view mark = bytes.substr(0, 2);
+  if (mark != "\xff\xfe" && mark != "\xfe\xff") return bytes;
+  const size_t low = mark[0] == '\xff' ? 0 : 1;  // place of a character's lower byte
+  memory.clear();
+  for (size_t i = 2; i + 1 < bytes.size(); i += 2)
+    memory += bytes[i + 1 - low] == 0 && std::uint8_t(bytes[i + low]) < 128 ? bytes[i + low] : '?';
+  return memory;
+}
+
 /// False where a token does not begin with a number. A number that is out of range counts as one but leaves
 /// `value` unchanged, so initialise it.
 template <typename Number>
@@ -89,6 +111,19 @@ bool parse(std::string_view token, Number& value) {
   if (!token.empty() && token.front() == '+') token.remove_prefix(1);
   const auto result = std::from_chars(token.data(), token.data() + token.size(), value);
   return result.ec == std::errc() || result.ec == std::errc::result_out_of_range;
+}
+
+/// Parses a token that is a number from end to end; none otherwise. Beyond the range of doubles it is infinite
+/// or 0.
+inline std::optional<double> wholeNumber(std::string_view token) {
+  if (token.size() > 1 && token.front() == '+' && token[1] != '-') token.remove_prefix(1);
+  double value = 0;
+  const auto result = std::from_chars(token.data(), token.data() + token.size(), value);
+  if (result.ptr != token.data() + token.size() || token.empty()) return std::nullopt;
+  if (result.ec == std::errc()) return value;
+  if (result.ec != std::errc::result_out_of_range) return std::nullopt;
+  const bool small = lowerCase(token).find("e-") != std::string::npos;
+  return small ? 0 : token.front() == '-' ? -HUGE_VAL : HUGE_VAL;
 }
 
 /// Parses a count of a header. Throws IoError where it is no number or more than a file of `fileSize`

@@ -2,10 +2,26 @@
 
 #include "io/mesh/mesh_text.h"
 
+#include <algorithm>
+#include <cstring>
+
 namespace slicemorph {
 namespace {
 
-std::uint64_t plyListLength(std::string_view bytes, bool bigEndian) {
+/// Some writers count with floats. What is no count is more than any file holds.
+std::uint64_t plyRealLength(std::string_view bytes, bool bigEndian) {
+  char raw[8] = {};
+  std::memcpy(raw, bytes.data(), bytes.size());
+  if (bigEndian) std::reverse(raw, raw + bytes.size());
+  float single = 0;
+  double length = 0;
+  std::memcpy(&single, raw, sizeof single), std::memcpy(&length, raw, sizeof length);
+  if (bytes.size() == 4) length = double(single);
+  return length >= 0 && length < 1e12 ? std::uint64_t(length) : ~std::uint64_t(0);
+}
+
+std::uint64_t plyListLength(std::string_view bytes, const PlyType& type, bool bigEndian) {
+  if (type.real) return plyRealLength(bytes, bigEndian);
   std::uint64_t value = 0;
   for (size_t i = 0; i < bytes.size(); ++i) {
     value = value << 8 | std::uint8_t(bytes[bigEndian ? i : bytes.size() - 1 - i]);
@@ -20,7 +36,7 @@ bool skipBinary(std::string_view bytes, const PlyElement& element, bool bigEndia
       std::uint64_t items = 1;
       if (property.isList()) {
         if (at + std::uint64_t(property.count.size) > bytes.size()) return false;
-        items = plyListLength(bytes.substr(at, size_t(property.count.size)), bigEndian);
+        items = plyListLength(bytes.substr(at, size_t(property.count.size)), property.count, bigEndian);
         at += std::uint64_t(property.count.size);
         if (items > bytes.size()) return false;
       }

@@ -34,9 +34,12 @@ PlyProperty readProperty(const std::string& path, std::string_view line, Text to
 }  // namespace
 
 PlyHeader readPlyHeader(const std::string& path, std::string_view bytes) {
-  if (bytes.substr(0, 3) != "ply") refuse(path, "is no PLY file: it does not begin with 'ply'");
+  if (bytes.substr(0, 3) != "ply" || (bytes.size() > 3 && !isSpace(bytes[3])))
+    refuse(path, "is no PLY file: it does not begin with 'ply'");
   PlyHeader header;
   std::string format;
+  // After a header whose lines end with CR, a body may begin with the byte of LF.
+  const bool loneCr = bytes.size() > 4 && bytes[3] == '\r' && bytes[4] != '\n';
   Text text(bytes);
   while (!text.done()) {
     const std::string_view line = text.line();
@@ -51,6 +54,7 @@ PlyHeader readPlyHeader(const std::string& path, std::string_view bytes) {
       header.elements.back().properties.push_back(readProperty(path, line, tokens));
     if (kind != "end_header") continue;
     header.size = bytes.size() - text.rest().size();
+    if (loneCr) header.size = size_t(line.data() - bytes.data()) + line.size() + 1;
     header.text = format == "ascii", header.bigEndian = format == "binary_big_endian";
     if (!header.text && !header.bigEndian && format != "binary_little_endian")
       refuse(path, "is damaged: its header gives the format '" + format + "'");

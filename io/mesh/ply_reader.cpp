@@ -137,7 +137,8 @@ class PlyReader {
       const PlyPart& part = parts[i];
       if (property.isList()) {
         // Counts are never negative, so they are read as unsigned even where their type is signed.
-        for (double items = numbers_.next({property.count.size, false, false}); items > 0; --items) {
+        const PlyType count{property.count.size, property.count.real, false};
+        for (double items = std::floor(numbers_.next(count)); items > 0; --items) {
           const double item = numbers_.next(property.type);
           if (part.role == PlyRole::kCorners) corners_.push_back(item);
         }
@@ -204,7 +205,9 @@ class PlyReader {
 /// the points' own, else the faces' (strips have none and are white then); integers are divided by the
 /// largest value of their type. Everything else is ignored. (Assimp reads no colours of faces, and reads
 /// garbage where an element that it does not know comes before the points.)
-StoredMesh readPly(const std::string& path, std::string_view bytes) {
+StoredMesh readPly(const std::string& path, std::string_view file) {
+  std::string memory;
+  const std::string_view bytes = plainText(file, memory);
   const PlyHeader header = readPlyHeader(path, bytes);
   checkPlyBody(path, bytes, header);
   StoredMesh stored = PlyReader(path, bytes, header).read();

@@ -3,7 +3,7 @@
 packages=(
   g++ cmake make
   libopenvdb-dev libboost-iostreams-dev libboost-system-dev libtbb-dev libopenexr-dev libimath-dev liblog4cplus-dev
-  libeigen3-dev libnanoflann-dev libassimp-dev libtinygltf-dev libpng-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev
+  libeigen3-dev libnanoflann-dev libtinygltf-dev libdraco-dev libmeshoptimizer-dev libpng-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev
   libinsighttoolkit5-dev libgdcm-dev libniftiio-dev libznz-dev zlib1g-dev libopenimageio-dev
   libjemalloc-dev
 )
