@@ -8,6 +8,7 @@ import os
 import struct
 import subprocess
 import sys
+import zlib
 
 sys.path.append("/usr/lib/python3/dist-packages")
 import numpy as np
@@ -284,7 +285,7 @@ def case_obj(folder):
     open(folder + "/2.mtl", "w").write("newmtl sky" + kd.split("newmtl sky")[1])
     obj(folder + "/two.obj", materials=names, library="1.mtl 2.mtl")
     check_nearest(*convert(folder + "/two.obj"), of_faces)
-    # Faces whose material has no Kd are white; assimp's own grey 0.6 may be one.
+    # Faces whose material has no Kd are white.
     open(folder + "/some.mtl", "w").write("newmtl none\nNs 3\nnewmtl grey\nKd 0.6\n")
     obj(folder + "/some.obj", materials=["gone", "none", "grey", "none", "grey", "gone"], library="some.mtl")
     check_nearest(*convert(folder + "/some.obj"), lambda f, k: np.full(3, 0.6 if f in (2, 4) else 1.0))
@@ -489,7 +490,74 @@ def case_info(folder):
     assert "of its faces" in run("info", folder + "/f.ply") and "colours" not in run("info", folder + "/n.ply")
     obj(folder + "/m.obj", materials=["red"] * 6)
     open(folder + "/m.mtl", "w").write("newmtl red\nKd 1 0 0\nmap_Kd skin.png\n")
-    assert reported(folder + "/m.obj") == "materials" and "its textures are not read" in run("info", folder + "/m.obj")
+    assert reported(folder + "/m.obj") == "materials" and \
+        "6 faces with a texture have no texture coordinates" in run("info", folder + "/m.obj")
+
+
+def picture(path, size=64):
+    """A PNG whose red changes along u, green along v; bytes are whole at the pixels' centres."""
+    row = lambda y: b"\0" + b"".join(bytes((30 + 3 * x, 40 + 2 * y, 90)) for x in range(size))
+    chunk = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    data = (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">2I5B", size, size, 8, 2, 0, 0, 0)) +
+            chunk(b"IDAT", zlib.compress(b"".join(map(row, range(size))))) + chunk(b"IEND", b""))
+    open(path, "wb").write(data)
+
+
+def in_picture(u, v, size=64):
+    """The colour of the picture, in linear light, at coordinates from its upper left."""
+    x, y = (np.clip(np.asarray(c) * size - 0.5, 0, size - 1) for c in (u, v))
+    s = np.stack([30 + 3 * x, 40 + 2 * y, np.full_like(x, 90)], 1) / 255
+    return np.where(s <= 0.04045, s / 12.92, ((s + 0.055) / 1.055) ** 2.4)
+
+
+def textured_cube(path):
+    """The cube from 0 to 1 as OBJ; the picture lies on it as seen along z, and is drawn out on the sides."""
+    with open(path, "w") as out:
+        out.write("mtllib skin.mtl\n" + "".join("v %g %g %g\nvt %g %g\n" % (*p, 0.1 + 0.8 * p[0], 0.1 + 0.8 * p[1]) for p in POINTS))
+        out.write("usemtl skin\n" + "".join("f %s\n" % " ".join("%d/%d" % (k + 1, k + 1) for k in f) for f in FACES))
+    open(os.path.dirname(path) + "/skin.mtl", "w").write("newmtl skin\nKd 1 1 1\nmap_Kd skin.png\n")
+
+
+def textured_ball(path, rings=24, steps=48):
+    """A ball of radius 0.6 as glTF in text with its data and picture beside it; the picture lies on it the same way."""
+    angles = [(np.pi * i / rings, 2 * np.pi * j / steps) for i in range(rings + 1) for j in range(steps)]
+    points = np.array([(np.sin(a) * np.cos(b), np.sin(a) * np.sin(b), np.cos(a)) for a, b in angles]) * 0.6 + 0.5
+    uvs = np.stack([0.1 + 0.8 * points[:, 0], 1 - (0.1 + 0.8 * points[:, 1])], 1)
+    at = lambda i, j: i * steps + j % steps
+    corners = [k for i in range(rings) for j in range(steps)
+               for k in (at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i, j + 1))]
+    data = [np.asarray(points, "<f4").tobytes(), np.asarray(uvs, "<f4").tobytes(), np.asarray(corners, "<u2").tobytes()]
+    open(os.path.dirname(path) + "/ball.bin", "wb").write(b"".join(data))
+    views = [{"buffer": 0, "byteOffset": sum(map(len, data[:i])), "byteLength": len(d)} for i, d in enumerate(data)]
+    json.dump({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+               "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2, "material": 0}]}],
+               "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+               "textures": [{"source": 0}], "images": [{"uri": "skin.png"}],
+               "buffers": [{"byteLength": sum(map(len, data)), "uri": "ball.bin"}], "bufferViews": views,
+               "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(points), "type": "VEC3"},
+                             {"bufferView": 1, "componentType": 5126, "count": len(points), "type": "VEC2"},
+                             {"bufferView": 2, "componentType": 5123, "count": len(corners), "type": "SCALAR"}]}, open(path, "w"))
+
+
+def case_textures(folder):
+    """A textured cube to a textured ball: colours at the ends are the picture's, within 2/255 at every point; Cd
+    too."""
+    picture(folder + "/skin.png")
+    textured_cube(folder + "/cube.obj")
+    textured_ball(folder + "/ball.gltf")
+    assert "1 texture, decoded from sRGB to linear light" in run("info", folder + "/ball.gltf")
+    words = ["morph", folder + "/cube.obj", folder + "/ball.gltf", "--frames", 3, "--resolution", 64]
+    run(*words, "-o", folder + "/m.####.vdb")
+    for name in (1, 2, 3):
+        frame = folder + "/m.%04d" % name
+        run("convert", frame + ".vdb", "-o", frame + ".ply")
+        points, colors = read_ply(frame + ".ply")
+        assert len(points) > 1000
+        if name != 2:
+            off = np.abs(colors / 255 - in_picture(0.1 + 0.8 * points[:, 0], 1 - (0.1 + 0.8 * points[:, 1]))).max()
+            assert off < 2 / 255, (name, off * 255)
+        positions, values, voxel = read_colors(frame + ".vdb")
+        assert np.isfinite(values).all() and values.min() >= 0 and values.max() <= 1
 
 
 def case_errors(folder):
