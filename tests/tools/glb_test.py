@@ -223,7 +223,7 @@ def case_same_bytes(folder):
 
 
 def case_still(folder):
-    """One mesh per file, from morph and convert, read back by assimp."""
+    """One mesh per file, from morph and convert, read back by our own reader."""
     run("convert", ASSETS + "/amphora.ply", "-o", folder + "/a.glb", "--resolution", 64)
     run("convert", ASSETS + "/amphora.ply", "-o", folder + "/a.ply", "--resolution", 64)
     assert json.loads(run("compare", folder + "/a.glb", folder + "/a.ply", "--json", "--resolution", 64))["dice"] > 0.9999
