@@ -71,6 +71,13 @@ bool looksLikeObj(std::string_view bytes) {
 
 }  // namespace
 
+bool isWholeStl(std::string_view bytes) {
+  if (bytes.size() < 84) return false;
+  std::uint32_t count = 0;
+  std::memcpy(&count, bytes.data() + 80, sizeof count);
+  return bytes.size() == 84 + 50 * std::uint64_t(count);
+}
+
 FileKind kindOfFile(std::string_view bytes) {
   std::string memory;
   const std::string_view text = plainText(bytes, memory);
@@ -91,6 +98,7 @@ FileKind kindOfFile(std::string_view bytes) {
     return {"an STL mesh", ".stl"};
   if (word == "off" || word == "coff" || word == "noff" || word == "stoff" || word == "cnoff")
     return {"an OFF mesh", ".off"};
+  if (isWholeStl(bytes)) return {"an STL mesh", ".stl"};
   if (looksLikeObj(text)) return {"an OBJ mesh", ".obj"};
   return {};
 }

@@ -14,4 +14,7 @@ struct FileKind {
 /// Recognises files by their first bytes: pictures, archives, pages, other 3D formats, and meshes.
 FileKind kindOfFile(std::string_view bytes);
 
+/// Whether a binary STL has exactly the size that its count says: then it is one, whatever its header says.
+bool isWholeStl(std::string_view bytes);
+
 }  // namespace slicemorph

@@ -110,24 +110,24 @@ void copyVector(const unsigned char* from, const tinygltf::Accessor& accessor, b
     to[c] = numberAt(from + size_t(c) * size, accessor.componentType, normalise);
 }
 
-/// Overwrites the elements for which a sparse accessor states other values (glTF 2.0, "Sparse Accessors").
-void putSparse(const tinygltf::Model& model, const tinygltf::Accessor& accessor, bool normalise,
-               GltfVectors& vectors) {
+/// Calls `put(index, bytes)` for each element for which a sparse accessor of `count` elements states another value
+/// (glTF 2.0, "Sparse Accessors"). `size`: of an element, bytes.
+template <typename Put>
+void forEachSparse(const tinygltf::Model& model, const tinygltf::Accessor& accessor, std::uint64_t size,
+                   const Put& put) {
   const auto& sparse = accessor.sparse;
-  if (sparse.count < 0 || size_t(sparse.count) > vectors.count() || sparse.indices.byteOffset < 0 ||
+  if (sparse.count < 0 || size_t(sparse.count) > accessor.count || sparse.indices.byteOffset < 0 ||
       sparse.values.byteOffset < 0)
     throw GltfDamage("an accessor has sparse values that make no sense");
   const std::uint64_t count = std::uint64_t(sparse.count);
-  const std::uint64_t size = sizeOfComponent(accessor.componentType) * std::uint64_t(vectors.width);
   const Elements indices = elementsOf(model, sparse.indices.bufferView, size_t(sparse.indices.byteOffset), 0,
                                       sizeOfComponent(sparse.indices.componentType), count);
   const Elements values =
       elementsOf(model, sparse.values.bufferView, size_t(sparse.values.byteOffset), 0, size, count);
   for (size_t i = 0; i < count; ++i) {
     const std::uint32_t index = indexAt(indices.at(i), sparse.indices.componentType);
-    if (index >= vectors.count()) throw GltfDamage("an accessor has sparse values beyond its end");
-    copyVector(values.at(i), accessor, normalise, &vectors.values[index * size_t(vectors.width)],
-               vectors.width);
+    if (index >= accessor.count) throw GltfDamage("an accessor has sparse values beyond its end");
+    put(index, values.at(i));
   }
 }
 
@@ -170,7 +170,11 @@ GltfVectors readGltfVectors(const tinygltf::Model& model, int index, size_t coun
   } else {
     vectors.values.resize(count * size_t(vectors.width));
   }
-  if (accessor.sparse.isSparse) putSparse(model, accessor, normalise, vectors);
+  if (!accessor.sparse.isSparse) return vectors;
+  const std::uint64_t size = sizeOfComponent(accessor.componentType) * std::uint64_t(vectors.width);
+  forEachSparse(model, accessor, size, [&](size_t i, const unsigned char* from) {
+    copyVector(from, accessor, normalise, &vectors.values[i * size_t(vectors.width)], vectors.width);
+  });
   return vectors;
 }
 
@@ -180,6 +184,10 @@ std::vector<std::uint32_t> readGltfIndices(const tinygltf::Model& model, int ind
                                        sizeOfComponent(accessor.componentType), accessor.count);
   std::vector<std::uint32_t> indices(accessor.count);
   for (size_t i = 0; i < indices.size(); ++i) indices[i] = indexAt(elements.at(i), accessor.componentType);
+  if (accessor.sparse.isSparse)
+    forEachSparse(
+        model, accessor, sizeOfComponent(accessor.componentType),
+        [&](size_t i, const unsigned char* from) { indices[i] = indexAt(from, accessor.componentType); });
   return indices;
 }
 

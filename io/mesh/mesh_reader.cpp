@@ -7,21 +7,12 @@
 #include "slicemorph/errors.h"
 
 #include <cctype>
-#include <cstring>
 
 namespace slicemorph {
 namespace {
 
 /// Bytes. Reading takes some ten times a file's size of memory.
 constexpr std::uint64_t kLargestMeshFile = std::uint64_t(2) << 30;
-
-/// Whether a binary STL has exactly the size that its count says: then it is one, whatever its header says.
-bool isWholeStl(std::string_view bytes) {
-  if (bytes.size() < 84) return false;
-  std::uint32_t count = 0;
-  std::memcpy(&count, bytes.data() + 80, sizeof count);
-  return bytes.size() == 84 + 50 * std::uint64_t(count);
-}
 
 /// Throws IoError for a file whose content is of another kind than its name says.
 void checkKind(const std::string& path, std::string_view bytes) {

@@ -444,6 +444,7 @@ TEST(Dialects, WhatAFileIsIsTold) {
   EXPECT_REFUSED("f.obj", ply, "is no OBJ mesh: by its content it is a PLY mesh; name it .ply")
   EXPECT_REFUSED("f.stl", ply, "a PLY mesh")
   EXPECT_REFUSED("f.stl", obj(), "an OBJ mesh; name it .obj")
+  EXPECT_REFUSED("f.obj", binaryStl(), "an STL mesh; name it .stl")
   EXPECT_REFUSED("f.ply", upper(stl()), "an STL mesh")
   EXPECT_REFUSED("f.obj", "OFF\n8 6 12\n" + offPoints() + offFaces(), "an OFF mesh")
   EXPECT_REFUSED("f.obj", "glTF\2\0\0\0", "binary glTF")

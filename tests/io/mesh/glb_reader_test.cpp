@@ -329,6 +329,21 @@ TEST(GlbReader, InterleavedAndSparseWithoutData) {
   expectPoints(read(file), {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 0);
 }
 
+/// Corners may be sparse too.
+TEST(GlbReader, SparseCorners) {
+  GlbFile file = tetrahedron();
+  const int where = file.add(std::vector<std::uint8_t>{0, 11}, kUnsignedByte, "SCALAR", 2);
+  const int what = file.add(std::vector<std::uint16_t>{3, 1}, kUnsignedShort, "SCALAR", 2);
+  const auto view = [&](int accessor) { return file.gltf["accessors"][accessor]["bufferView"]; };
+  file.gltf["accessors"][1]["sparse"] = {
+      {"count", 2},
+      {"indices", {{"bufferView", view(where)}, {"componentType", kUnsignedByte}}},
+      {"values", {{"bufferView", view(what)}}}};
+  std::vector<std::uint32_t> corners(kFaces.begin(), kFaces.end());
+  corners.front() = 3, corners.back() = 1;
+  EXPECT_EQ(read(file).mesh.corners, corners);
+}
+
 TEST(GlbReader, TextFilesHaveTheirDataBesideThemOrInside) {
   GlbFile file = tetrahedron();
   const fs::path folder = fs::temp_directory_path() / ("slicemorph_gltf_" + std::to_string(getpid()));
