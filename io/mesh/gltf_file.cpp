@@ -41,31 +41,6 @@ std::uint32_t wordAt(std::string_view bytes, size_t at) {
   return value;
 }
 
-struct GltfParts {
-  std::string_view json, binary;
-};
-
-/// Checks the sizes that the header and the chunks state before they are used. Throws IoError.
-GltfParts partsOf(const std::string& path, std::string_view bytes) {
-  if (bytes.substr(0, 4) != "glTF") return {bytes, {}};
-  if (bytes.size() < 20) refuseTruncated(path, "a binary glTF file has at least 20 bytes");
-  if (wordAt(bytes, 4) != 2)
-    refuse(path, "is binary glTF of version " + std::to_string(wordAt(bytes, 4)) + "; export it as glTF 2.0");
-  const std::uint64_t size = wordAt(bytes, 8);
-  if (size > bytes.size())
-    refuseTruncated(path, "the header says " + std::to_string(size) + " bytes, the file has " +
-                              std::to_string(bytes.size()));
-  GltfParts parts;
-  for (std::uint64_t at = 12; at + 8 <= size; at += 8 + std::uint64_t(wordAt(bytes, at))) {
-    const std::uint64_t length = wordAt(bytes, at);
-    if (at + 8 + length > size) refuse(path, "is damaged: a chunk reaches beyond the end");
-    const std::string_view kind = bytes.substr(at + 4, 4), chunk = bytes.substr(at + 8, length);
-    if (kind == "JSON" && parts.json.empty()) parts.json = chunk;
-    if (kind == std::string_view("BIN\0", 4) && !parts.binary.data()) parts.binary = chunk;
-  }
-  return parts;
-}
-
 /// Throws IoError where the file needs what is not read.
 void checkNeeds(const std::string& path, const json& gltf) {
   const auto asset = gltf.find("asset");
@@ -224,17 +199,6 @@ void dropDracoIndices(json& gltf) {
         primitive.erase("indices");
 }
 
-std::string containerOf(const json& gltf, const std::string& binary) {
-  std::string text = gltf.dump(-1, ' ', false, json::error_handler_t::replace);
-  text.resize((text.size() + 3) / 4 * 4, ' ');
-  const auto word = [](size_t value) {
-    const auto number = std::uint32_t(value);
-    return std::string(reinterpret_cast<const char*>(&number), sizeof number);
-  };
-  return "glTF" + word(2) + word(28 + text.size() + binary.size()) + word(text.size()) + "JSON" + text +
-         word(binary.size()) + std::string("BIN\0", 4) + binary;
-}
-
 tinygltf::Model loadModel(const std::string& path, const std::string& container) {
   tinygltf::TinyGLTF loader;
   tinygltf::Model model;
@@ -249,6 +213,37 @@ tinygltf::Model loadModel(const std::string& path, const std::string& container)
 
 }  // namespace
 
+GltfParts gltfPartsOf(const std::string& path, std::string_view bytes) {
+  if (bytes.substr(0, 4) != "glTF") return {bytes, {}};
+  if (bytes.size() < 20) refuseTruncated(path, "a binary glTF file has at least 20 bytes");
+  if (wordAt(bytes, 4) != 2)
+    refuse(path, "is binary glTF of version " + std::to_string(wordAt(bytes, 4)) + "; export it as glTF 2.0");
+  const std::uint64_t size = wordAt(bytes, 8);
+  if (size > bytes.size())
+    refuseTruncated(path, "the header says " + std::to_string(size) + " bytes, the file has " +
+                              std::to_string(bytes.size()));
+  GltfParts parts;
+  for (std::uint64_t at = 12; at + 8 <= size; at += 8 + std::uint64_t(wordAt(bytes, at))) {
+    const std::uint64_t length = wordAt(bytes, at);
+    if (at + 8 + length > size) refuse(path, "is damaged: a chunk reaches beyond the end");
+    const std::string_view kind = bytes.substr(at + 4, 4), chunk = bytes.substr(at + 8, length);
+    if (kind == "JSON" && parts.json.empty()) parts.json = chunk;
+    if (kind == std::string_view("BIN\0", 4) && !parts.binary.data()) parts.binary = chunk;
+  }
+  return parts;
+}
+
+std::string gltfContainer(std::string text, std::string binary) {
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  binary.resize((binary.size() + 3) / 4 * 4, '\0');
+  const auto word = [](size_t value) {
+    const auto number = std::uint32_t(value);
+    return std::string(reinterpret_cast<const char*>(&number), sizeof number);
+  };
+  return "glTF" + word(2) + word(28 + text.size() + binary.size()) + word(text.size()) + "JSON" + text +
+         word(binary.size()) + std::string("BIN\0", 4) + binary;
+}
+
 std::string bytesOfUri(const std::string& path, const std::string& uri) {
   if (uri.rfind("data:", 0) == 0) {
     const size_t comma = uri.find(',');
@@ -259,7 +254,7 @@ std::string bytesOfUri(const std::string& path, const std::string& uri) {
 }
 
 GltfFile readGltfFile(const std::string& path, std::string_view bytes) {
-  const GltfParts parts = partsOf(path, bytes);
+  const GltfParts parts = gltfPartsOf(path, bytes);
   std::string memory;
   const std::string_view text = plainText(parts.json, memory);
   json gltf = json::parse(text.begin(), text.end(), nullptr, false);
@@ -271,7 +266,7 @@ GltfFile readGltfFile(const std::string& path, std::string_view bytes) {
     file.images = takeImages(gltf);
     dropDracoIndices(gltf);
     const std::string joined = BufferJoiner(path, gltf, parts.binary).join();
-    container = containerOf(gltf, joined);
+    container = gltfContainer(gltf.dump(-1, ' ', false, json::error_handler_t::replace), joined);
   } catch (const json::exception& error) {
     refuse(path, std::string("is damaged: its JSON is no glTF (") + error.what() + ")");
   }

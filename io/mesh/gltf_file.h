@@ -25,6 +25,15 @@ struct GltfFile {
 /// Throws IoError where it is cut short or damaged, of another version, or needs an extension that is not read.
 GltfFile readGltfFile(const std::string& path, std::string_view bytes);
 
+/// The text and the binary chunk of a file; of .gltf the whole text. Throws IoError where chunks do not fit the file.
+struct GltfParts {
+  std::string_view json, binary;
+};
+GltfParts gltfPartsOf(const std::string& path, std::string_view bytes);
+
+/// A .glb of a text and a binary chunk.
+std::string gltfContainer(std::string text, std::string binary);
+
 /// The bytes that a URI means: those of a data URI, or those of a file in the folder of `path`, whose name may
 /// have escapes (%20). Throws GltfDamage or IoError.
 std::string bytesOfUri(const std::string& path, const std::string& uri);

@@ -85,6 +85,8 @@ class PositionScanner {
       scanOff();
     else if (extension == ".obj")
       eachLine([&](std::string_view line) { scanObjLine(line); });
+    else if (extension == ".glb")
+      takeGltf();
     else if (extension == ".csv")
       scanTable();
     else if (extension == ".fcsv")
@@ -98,6 +100,12 @@ class PositionScanner {
 
  private:
   using Parts = std::array<std::string_view, 3>;
+
+  void takeGltf() {
+    file_.gltf_ = std::make_shared<const GltfPositions>(path_, file_.bytes_);
+    file_.positions_ = file_.gltf_->positions();
+    file_.normals_ = file_.gltf_->hasNormals();
+  }
 
   size_t offsetOf(std::string_view part) const { return size_t(part.data() - file_.bytes_.data()); }
 
@@ -359,7 +367,8 @@ class PositionScanner {
 };
 
 const std::vector<std::string>& positionExtensions() {
-  static const std::vector<std::string> extensions{".obj", ".ply", ".off", ".csv", ".txt", ".pts", ".fcsv"};
+  static const std::vector<std::string> extensions{".obj", ".ply", ".off", ".glb",
+                                                   ".csv", ".txt", ".pts", ".fcsv"};
   return extensions;
 }
 
@@ -378,6 +387,11 @@ void PositionFile::write(const std::string& path, const std::vector<Vec3d>& posi
     throw InputError(path, "is a copy of " + path_ + " with other positions and keeps its extension '" +
                                extensionOf(path_) + "'");
   AtomicFile out(path);
+  if (gltf_) {
+    out.write(gltf_->with(positions));
+    out.commit();
+    return;
+  }
   size_t written = 0;
   for (size_t i = 0; i < fields_.size(); ++i) {
     const Field& field = fields_[i];

@@ -1,21 +1,23 @@
 #pragma once
 
+#include "io/points/gltf_positions.h"
 #include "slicemorph/conventions.h"
 
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace slicemorph {
 
-/// Extensions of files whose positions can be replaced: `.obj .ply .off .csv .txt .pts .fcsv`.
+/// Extensions of files whose positions can be replaced: `.obj .ply .off .glb .csv .txt .pts .fcsv`.
 const std::vector<std::string>& positionExtensions();
 /// The same as a text.
 std::string positionList();
 
-/// A file of positions: the points of a mesh or curve (.obj, .ply, .off), the rows of a table (.csv with columns x, y and
+/// A file of positions: the points of a mesh or curve (.obj, .ply, .off, .glb), the rows of a table (.csv with columns x, y and
 /// z, or whose first three columns of numbers are these), landmarks (.fcsv of 3D Slicer; anything else: one point per
 /// line, x y z and perhaps a label, headers of elastix point files are known). It can be written again with other
-/// positions and everything else, in the same order, byte by byte as it was.
+/// positions and everything else, in the same order, byte by byte as it was (of .glb: with the same meaning).
 class PositionFile {
  public:
   /// Throws IoError where the file is missing, cut short or damaged, InputError where it holds no positions; both name
@@ -43,7 +45,8 @@ class PositionFile {
   friend class PositionScanner;
   std::string path_, bytes_;
   std::vector<Vec3d> positions_;
-  std::vector<Field> fields_;  ///< three per position, in the order of the file
+  std::shared_ptr<const GltfPositions> gltf_;  ///< of .glb, whose positions are not in `fields_`
+  std::vector<Field> fields_;                  ///< three per position, in the order of the file
   bool binary_ = false, bigEndian_ = false, ras_ = false, normals_ = false;
 };
 

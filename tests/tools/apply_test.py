@@ -7,6 +7,7 @@ The objects are one shape twice, moved by SHIFT and 1.5 times as large: every po
 by nibabel and pyopenvdb, or byte by byte. Tolerance: half a voxel of the objects, 0.03, where nothing else is said.
 """
 import gzip
+import json
 import os
 import struct
 import subprocess
@@ -71,6 +72,62 @@ def image_of(points, t=1.0):
 
 def apply(d, what, out, *more):
     return run("apply", *pair(d), what, "-o", out, *SMALL, *more)
+
+
+def glb_of(nodes, data, views, accessors, primitives, **more):
+    gltf = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": nodes,
+            "meshes": [{"primitives": primitives}], "bufferViews": views, "accessors": accessors,
+            "buffers": [{"byteLength": len(data)}], **more}
+    text = json.dumps(gltf).encode()
+    text += b" " * (-len(text) % 4)
+    data += b"\0" * (-len(data) % 4)
+    return (b"glTF" + struct.pack("<III", 2, 28 + len(text) + len(data), len(text)) + b"JSON" + text +
+            struct.pack("<I", len(data)) + b"BIN\0" + data)
+
+
+def parts_of_glb(path):
+    data = open(path, "rb").read()
+    size = struct.unpack("<I", data[12:16])[0]
+    return json.loads(data[20:20 + size]), data[28 + size:]
+
+
+def case_glb(d):
+    """Points below a node that turns, scales and moves them, interleaved with texture coordinates: these, the
+    faces, the material and its picture stay; what is not plain is refused by name."""
+    turn = np.array([[0, -2, 0], [2, 0, 0], [0, 0, 2.0]])  # a quarter about z, twice as large
+    node = {"mesh": 0, "rotation": [0, 0, 0.5 ** 0.5, 0.5 ** 0.5], "scale": [2, 2, 2], "translation": [0.1, 0, 0]}
+    local = (POINTS - (0.1, 0, 0)) @ np.linalg.inv(turn).T
+    uvs = np.array([[0, 0], [1, 0], [1, 1], [0.25, 0.75]])
+    picture, faces = b"no picture, but kept", struct.pack("<12H", 0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2)
+    rows = np.hstack([local, uvs]).astype("<f4").tobytes()
+    views = [{"buffer": 0, "byteOffset": 0, "byteLength": 80, "byteStride": 20},
+             {"buffer": 0, "byteOffset": 80, "byteLength": 24}, {"buffer": 0, "byteOffset": 104, "byteLength": len(picture)}]
+    accessors = [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [-9] * 3, "max": [9] * 3},
+                 {"bufferView": 0, "byteOffset": 12, "componentType": 5126, "count": 4, "type": "VEC2"},
+                 {"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"}]
+    primitive = {"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2, "material": 0}
+    more = {"materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}], "textures": [{"source": 0}],
+            "images": [{"bufferView": 2, "mimeType": "image/png"}]}
+    whole = glb_of([node], rows + faces + picture, views, accessors, [primitive], **more)
+    open(d + "/p.glb", "wb").write(whole)
+    apply(d, d + "/p.glb", d + "/q.glb")
+    (before, old), (after, new) = parts_of_glb(d + "/p.glb"), parts_of_glb(d + "/q.glb")
+    assert old[80:] == new[80:]
+    got = np.frombuffer(new, "<f4", 20).reshape(4, 5)
+    assert np.array_equal(got[:, 3:], uvs)
+    world = got[:, :3].astype(float) @ turn.T + (0.1, 0, 0)
+    assert np.abs(world - image_of(POINTS)).max() < NEAR, world - image_of(POINTS)
+    assert np.array_equal(after["accessors"][0]["min"], got[:, :3].min(0).tolist())
+    assert np.array_equal(after["accessors"][0]["max"], got[:, :3].max(0).tolist())
+    after["accessors"][0].update(min=[-9] * 3, max=[9] * 3)
+    assert before == after
+
+    def refused(why, nodes=[node], change={}, **also):
+        open(d + "/r.glb", "wb").write(glb_of(nodes, rows + faces + picture, views, accessors, [{**primitive, **change}], **more, **also))
+        assert why in run("apply", *pair(d), d + "/r.glb", "-o", d + "/x.glb", *SMALL, code=2).stderr
+    refused("a mesh is shown several times", [{"children": [1, 2]}, node, node])
+    refused("a skin moves them", [{**node, "skin": 0}], skins=[{"joints": [0]}])
+    refused("morph targets move them", change={"targets": [{"POSITION": 0}]})
 
 
 def case_obj(d):
