@@ -36,7 +36,7 @@ MeshInfo describeMesh(const InputSpec& input) {
     info.boxMax = box.max();
   }
   try {
-    info.notes = closeSurface(input.path, stored).notes;
+    info.notes = checkSolid(input.path, stored, {});
   } catch (const Error& error) {
     info.problem = error.what();
   }

@@ -34,6 +34,8 @@ void checkOptions(const LoadOptions& options) {
   } else if (options.voxelSize > 0 && options.resolution != 0) {
     why << "both a voxel size (" << options.voxelSize << ") and a resolution (" << options.resolution
         << ") are given: use one of them";
+  } else if (!(options.shell >= 0) || !std::isfinite(options.shell)) {
+    why << "--shell " << options.shell << " is no positive thickness in world units";
   } else if (!std::isfinite(options.iso)) {
     why << "the iso value is not finite";
   }
@@ -48,12 +50,13 @@ double voxelSizeFor(const Mesh& mesh, int resolution) {
 
 LoadedObject loadMesh(const InputSpec& input, const LoadOptions& options) {
   const StoredMesh stored = readPolygons(input);
-  RepairedMesh repaired = closeSurface(input.path, stored);
-  const int resolution = options.resolution ? options.resolution : kDefaultResolution;
+  SolidOptions wanted;
+  wanted.voxelSize = options.voxelSize, wanted.shell = options.shell;
+  wanted.resolution = options.resolution ? options.resolution : kDefaultResolution;
+  MeshSolid solid = solidOfFile(input.path, stored, wanted);
   LoadedObject loaded;
-  loaded.object.levelSet = voxelise(
-      repaired.mesh, options.voxelSize > 0 ? options.voxelSize : voxelSizeFor(repaired.mesh, resolution));
-  loaded.notes = std::move(repaired.notes);
+  loaded.object.levelSet = std::move(solid.levelSet);
+  loaded.notes = std::move(solid.notes);
   loaded.colors = colorsAround(*loaded.object.levelSet, stored.mesh);
   return loaded;
 }

@@ -22,9 +22,11 @@ AgreedWinding agreeOnWinding(std::vector<openvdb::Vec3I> triangles) {
   }
   std::vector<ptrdiff_t> against(count, 0);
   result.patch.resize(count);
+  result.shell.resize(count);
   for (Index t = 0; t < count; ++t) {
     result.patch[t] = patches.root(t);
-    result.shells += shells.find(t) == t;
+    result.shell[t] = shells.find(t);
+    result.shells += result.shell[t] == t;
     against[result.patch[t]] += patches.flipped(t) ? 1 : -1;
   }
   for (Index t = 0; t < count; ++t)
@@ -34,6 +36,18 @@ AgreedWinding agreeOnWinding(std::vector<openvdb::Vec3I> triangles) {
     }
   result.triangles = std::move(triangles);
   return result;
+}
+
+std::vector<std::vector<std::uint32_t>> trianglesOfSets(const std::vector<std::uint32_t>& setOf) {
+  constexpr auto kNone = std::uint32_t(-1);
+  std::vector<std::uint32_t> number(setOf.size(), kNone);
+  std::vector<std::vector<std::uint32_t>> sets;
+  for (std::uint32_t t = 0; t < setOf.size(); ++t) {
+    std::uint32_t& n = number[setOf[t]];
+    if (n == kNone) n = std::uint32_t(sets.size()), sets.emplace_back();
+    sets[n].push_back(t);
+  }
+  return sets;
 }
 
 }  // namespace slicemorph

@@ -1,7 +1,6 @@
 #include "engine/volume/repair_mesh.h"
 
 #include "engine/volume/agree_on_winding.h"
-#include "engine/volume/fill_holes.h"
 #include "engine/volume/triangulate_faces.h"
 #include "engine/volume/turn_outwards.h"
 #include "engine/volume/weld_points.h"
@@ -27,84 +26,26 @@ std::string number(double value) {
   return text.str();
 }
 
-/// A mesh ready for hole filling, and what was found on the way.
-struct Cleaned {
-  Mesh mesh;
-  AgreedWinding winding;
-  BoundaryLoops boundary;
-  WeldedPoints welded;
-  TriangulatedFaces faces;
-  MeshTopology found;
-};
-
 double diagonalOf(const std::vector<Vec3s>& points) {
   openvdb::BBoxd box;
   for (const Vec3s& p : points) box.expand(Vec3d(p));
   return points.empty() ? 0 : box.extents().length();
 }
 
-Cleaned clean(const PolygonMesh& input) {
-  Cleaned c;
-  c.welded = weldPoints(input);
-  c.faces = triangulateFaces(input, c.welded);
-  c.mesh.points = std::move(c.welded.points);
-  c.mesh.triangles = std::move(c.faces.triangles);
-  MeshTopology& found = c.found;
-  found.weldedPoints = c.welded.merged;
-  found.unusedPoints = c.welded.unused;
-  found.diagonal = diagonalOf(c.mesh.points);
-  for (const Vec3I& t : c.mesh.triangles) {
-    found.signedVolume += signedVolume(c.mesh.points, t, Vec3d(c.mesh.points[c.mesh.triangles[0][0]]));
-  }
-  c.winding = agreeOnWinding(std::move(c.mesh.triangles));
-  c.mesh.triangles = std::move(c.winding.triangles);
-  c.boundary = findBoundary(c.mesh.triangles, c.mesh.points.size());
-  found.shells = c.winding.shells;
-  found.nonManifoldEdges = c.winding.nonManifold;
-  found.twistedEdges = c.winding.twisted;
-  found.boundaryEdges = c.boundary.edges;
-  std::vector<double> lengths;
-  for (const PointLoop& loop : c.boundary.loops) lengths.push_back(loopLength(c.mesh.points, loop));
-  if (c.boundary.strays > 0) lengths = boundaryParts(c.mesh);
-  found.boundaryLoops = lengths.size();
-  for (double length : lengths) found.longestLoop = std::max(found.longestLoop, length);
-  return c;
-}
-
-/// Boundary edges that form no loop, as beside edges with more than two faces, are slits where they are short: nothing is
-/// filled there, and voxels close them. Length in the bounding box's diagonals; the faces of a scanned animal are .01.
-constexpr double kLongestSlit = 0.05;
-
-bool tooLarge(const Cleaned& c) {
-  return c.found.longestLoop > (c.boundary.strays > 0 ? kLongestSlit : kLargestHole) * c.found.diagonal;
-}
-
-void refuseUnusable(const Cleaned& c) {
-  if (c.mesh.triangles.empty()) throw GeometryError("the mesh has no faces; a closed surface is needed");
-  const MeshTopology& f = c.found;
-  if (f.twistedEdges == 0 && !tooLarge(c)) return;
-  std::ostringstream why;
-  why << (f.twistedEdges > 0 ? "the surface is not orientable" : "the surface is open") << ": "
-      << plural(f.boundaryEdges, "boundary edge") << " in " << plural(f.boundaryLoops, "loop");
-  if (f.boundaryLoops > 0) {
-    why << ", the longest " << number(f.longestLoop) << " long (" << number(f.longestLoop / f.diagonal)
-        << " of the bounding box's diagonal of " << number(f.diagonal) << ")";
-  }
-  why << ", " << plural(f.nonManifoldEdges, "edge") << " with more than two faces, "
-      << plural(f.twistedEdges, "edge") << " where no winding agrees, " << plural(f.shells, "shell")
-      << "; needed is a closed surface that has an inside: ";
-  if (c.boundary.strays > 0)
-    why << "slits beside edges with more than two faces may be " << kLongestSlit << " of the diagonal long";
-  else
-    why << "holes up to " << kLargestHole << " of the diagonal are filled, larger ones must be closed first";
-  throw GeometryError(why.str());
-}
+/// The counts of what cleaning changes, beside the topology.
+struct Changes {
+  const WeldedPoints& welded;
+  const TriangulatedFaces& faces;
+  const AgreedWinding& winding;
+  const BoundaryLoops& boundary;
+};
 
 Note meshNote(const char* code, Severity severity, std::string text) {
   return {code, severity, "", std::move(text)};
 }
 
-void noteCleaning(const Cleaned& c, Notes& notes) {
+Notes notesOf(const Changes& c) {
+  Notes notes;
   const auto say = [&](size_t count, const char* code, const std::string& before, const std::string& noun,
                        const std::string& after = "") {
     if (count > 0) notes.push_back(meshNote(code, Severity::kNote, before + plural(count, noun) + after));
@@ -119,6 +60,47 @@ void noteCleaning(const Cleaned& c, Notes& notes) {
       " with more than two faces: kept, the inside is what cannot be reached from outside");
   say(c.boundary.strays, "mesh.slits", "left ", "open edge",
       " beside those as they are: voxels close such slits");
+  return notes;
+}
+
+CleanedMesh clean(const PolygonMesh& input) {
+  CleanedMesh c;
+  WeldedPoints welded = weldPoints(input);
+  TriangulatedFaces faces = triangulateFaces(input, welded);
+  c.mesh.points = std::move(welded.points);
+  c.mesh.triangles = std::move(faces.triangles);
+  MeshTopology& found = c.found;
+  found.weldedPoints = welded.merged;
+  found.unusedPoints = welded.unused;
+  found.diagonal = diagonalOf(c.mesh.points);
+  for (const Vec3I& t : c.mesh.triangles) {
+    found.signedVolume += signedVolume(c.mesh.points, t, Vec3d(c.mesh.points[c.mesh.triangles[0][0]]));
+  }
+  AgreedWinding winding = agreeOnWinding(std::move(c.mesh.triangles));
+  c.mesh.triangles = std::move(winding.triangles);
+  c.boundary = findBoundary(c.mesh.triangles, c.mesh.points.size());
+  found.shells = winding.shells;
+  found.nonManifoldEdges = winding.nonManifold;
+  found.twistedEdges = winding.twisted;
+  found.boundaryEdges = c.boundary.edges;
+  std::vector<double> lengths;
+  for (const PointLoop& loop : c.boundary.loops) lengths.push_back(loopLength(c.mesh.points, loop));
+  if (c.boundary.strays > 0) lengths = boundaryParts(c.mesh);
+  found.boundaryLoops = lengths.size();
+  for (double length : lengths) found.longestLoop = std::max(found.longestLoop, length);
+  c.notes = notesOf({welded, faces, winding, c.boundary});
+  c.patch = std::move(winding.patch);
+  c.shell = std::move(winding.shell);
+  return c;
+}
+
+/// Boundary edges that form no loop, as beside edges with more than two faces, are slits where they are short: nothing
+/// is filled there, and voxels close them. Length in the bounding box's diagonals; the faces of a scanned animal are
+/// .01.
+constexpr double kLongestSlit = 0.05;
+
+bool tooLarge(const CleanedMesh& c) {
+  return c.found.longestLoop > (c.boundary.strays > 0 ? kLongestSlit : kLargestHole) * c.found.diagonal;
 }
 
 void noteTurned(const TurnedParts& turned, Notes& notes) {
@@ -135,11 +117,30 @@ void noteTurned(const TurnedParts& turned, Notes& notes) {
 
 }  // namespace
 
-RepairedMesh repairMesh(const PolygonMesh& input) {
-  Cleaned c = clean(input);
-  refuseUnusable(c);
+CleanedMesh cleanMesh(const PolygonMesh& input) {
+  CleanedMesh c = clean(input);
+  if (c.mesh.triangles.empty()) throw GeometryError("the mesh has no faces; a closed surface is needed");
+  return c;
+}
+
+std::string whyNotClosed(const CleanedMesh& c) {
+  const MeshTopology& f = c.found;
+  if (f.twistedEdges == 0 && !tooLarge(c)) return "";
+  std::ostringstream why;
+  why << (f.twistedEdges > 0 ? "the surface is not orientable" : "the surface is open") << ": "
+      << plural(f.boundaryEdges, "boundary edge") << " in " << plural(f.boundaryLoops, "loop");
+  if (f.boundaryLoops > 0) {
+    why << ", the longest " << number(f.longestLoop) << " long (" << number(f.longestLoop / f.diagonal)
+        << " of the bounding box's diagonal of " << number(f.diagonal) << ")";
+  }
+  why << ", " << plural(f.nonManifoldEdges, "edge") << " with more than two faces, "
+      << plural(f.twistedEdges, "edge") << " where no winding agrees, " << plural(f.shells, "shell");
+  return why.str();
+}
+
+RepairedMesh closeMesh(CleanedMesh c) {
   RepairedMesh result;
-  noteCleaning(c, result.notes);
+  result.notes = std::move(c.notes);
   for (const PointLoop& loop : c.boundary.loops) fillHole(c.mesh, loop);
   if (!c.boundary.loops.empty()) {
     result.notes.push_back(meshNote("mesh.holes-filled", Severity::kNote,
@@ -148,10 +149,27 @@ RepairedMesh repairMesh(const PolygonMesh& input) {
   }
   AgreedWinding winding = agreeOnWinding(std::move(c.mesh.triangles));
   c.mesh.triangles = std::move(winding.triangles);
-  noteTurned(turnOutwards(c.mesh, winding.patch), result.notes);
+  TurnedParts turned = turnOutwards(c.mesh, winding.patch);
+  noteTurned(turned, result.notes);
+  result.turned = std::move(turned.triangles);
   result.mesh = std::move(c.mesh);
   result.found = c.found;
   return result;
+}
+
+RepairedMesh repairMesh(const PolygonMesh& input) {
+  CleanedMesh c = cleanMesh(input);
+  const std::string why = whyNotClosed(c);
+  if (why.empty()) return closeMesh(std::move(c));
+  std::ostringstream needed;
+  needed << why << "; needed is a closed surface that has an inside: ";
+  if (c.boundary.strays > 0)
+    needed << "slits beside edges with more than two faces may be " << kLongestSlit
+           << " of the diagonal long";
+  else
+    needed << "holes up to " << kLargestHole
+           << " of the diagonal are filled, larger ones must be closed first";
+  throw GeometryError(needed.str());
 }
 
 MeshTopology inspectMesh(const PolygonMesh& mesh) { return clean(mesh).found; }

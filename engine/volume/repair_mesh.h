@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/volume/fill_holes.h"
 #include "engine/volume/polygon_mesh.h"
 #include "slicemorph/mesh.h"
 #include "slicemorph/note.h"
@@ -21,23 +22,39 @@ struct MeshTopology {
   size_t weldedPoints = 0, unusedPoints = 0;
 };
 
-struct RepairedMesh {
-  Mesh mesh;  ///< closed; every shell that is closed by itself is wound outwards
+/// A mesh of triangles with points welded and windings that agree, before anything is closed.
+struct CleanedMesh {
+  Mesh mesh;
+  std::vector<std::uint32_t> patch, shell;  ///< per triangle, from AgreedWinding
+  BoundaryLoops boundary;
   MeshTopology found;
   Notes notes;  ///< what was changed, with counts
 };
 
-/// Longest boundary loop that repairMesh fills, relative to the diagonal of the bounding box. The largest
+struct RepairedMesh {
+  Mesh mesh;  ///< closed; every shell that is closed by itself is wound outwards
+  MeshTopology found;
+  Notes notes;                        ///< what was changed, with counts
+  std::vector<std::uint32_t> turned;  ///< triangles of the shells that were turned outwards
+};
+
+/// Longest boundary loop that is filled, relative to the diagonal of the bounding box. The largest
 /// hole of the Stanford bunny, in its base, measures 0.45; the open end of a tube as long as it is wide, 2.2.
 constexpr double kLargestHole = 0.5;
 
-/// Makes a closed triangle mesh: triangulates faces (concave ones by ear clipping), welds points with equal
-/// coordinates, drops unused points and degenerate and duplicate faces, makes windings agree across edges
-/// with two faces, fills holes of at most kLargestHole with the triangulation of least area [BS95], and turns
-/// inside-out shells. Faces must index `points`. Shells may touch or intersect: voxelise treats whatever
-/// cannot be reached from outside as inside. For the same reason a cavity (a shell inside another) becomes
-/// solid; a note says so. Throws GeometryError, with the numbers, if the surface is open, not orientable, or
-/// has no faces.
+/// Triangulates faces (concave ones by ear clipping), welds points with equal coordinates, drops unused points and
+/// degenerate and duplicate faces, makes windings agree across edges with two faces. Faces must index `points`.
+/// Throws GeometryError if there are no faces.
+CleanedMesh cleanMesh(const PolygonMesh& mesh);
+
+/// Why closeMesh would not make a closed surface of it, with the numbers; empty if it would.
+std::string whyNotClosed(const CleanedMesh& mesh);
+
+/// Fills holes of at most kLargestHole with the triangulation of least area [BS95], and turns inside-out shells.
+/// Shells may touch or intersect. A cavity (a shell inside another) is turned outwards, too; a note says so.
+RepairedMesh closeMesh(CleanedMesh mesh);
+
+/// All of it. Throws GeometryError, with the numbers, if the surface is open, not orientable, or has no faces.
 RepairedMesh repairMesh(const PolygonMesh& mesh);
 
 /// What repairMesh finds, without changing anything. Throws nothing but std::bad_alloc.

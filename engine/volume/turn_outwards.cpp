@@ -89,6 +89,7 @@ TurnedParts turnOutwards(Mesh& mesh, const std::vector<Index>& patch) {
     if (part.volume > 0) continue;
     result.insideOut += !cavity;
     for (Index t : part.triangles) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+    result.triangles.insert(result.triangles.end(), part.triangles.begin(), part.triangles.end());
   }
   return result;
 }

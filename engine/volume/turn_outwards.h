@@ -12,8 +12,9 @@ double signedVolume(const std::vector<openvdb::Vec3s>& points, const openvdb::Ve
                     const Vec3d& origin);
 
 struct TurnedParts {
-  size_t insideOut = 0;  ///< parts that were turned outwards
-  size_t cavities = 0;   ///< parts inside other parts
+  size_t insideOut = 0;                  ///< parts that were turned outwards
+  size_t cavities = 0;                   ///< parts inside other parts
+  std::vector<std::uint32_t> triangles;  ///< those of the parts that were turned
 };
 
 /// Turns closed parts outwards. A part that lies inside one of the opposite orientation is counted as a

@@ -67,15 +67,6 @@ void refuseAbsurdSize(const Mesh& mesh, double voxelSize) {
   throw InputError(why.str());
 }
 
-bool hasInside(const FloatGrid& grid) {
-  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
-    for (auto value = leaf->cbeginValueOn(); value; ++value) {
-      if (*value < 0) return true;
-    }
-  }
-  return false;
-}
-
 /// The quads at each point, grouped by point, with offsets in `starts`.
 struct QuadsByPoint {
   std::vector<Index> starts, items;
@@ -177,6 +168,29 @@ FloatGrid::Ptr voxelise(const Mesh& mesh, double voxelSize) {
     throw GeometryError(why.str());
   }
   return grid;
+}
+
+bool hasInside(const FloatGrid& grid) {
+  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
+    for (auto value = leaf->cbeginValueOn(); value; ++value) {
+      if (*value < 0) return true;
+    }
+  }
+  return false;
+}
+
+FloatGrid::Ptr unsignedDistance(const Mesh& mesh, double voxelSize, double halfWidth) {
+  refuseAbsurdSize(mesh, voxelSize);
+  const auto transform = openvdb::math::Transform::createLinearTransform(voxelSize);
+  std::vector<Vec3s> points(mesh.points.size());
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, points.size(), 4096),
+                    [&](const tbb::blocked_range<size_t>& r) {
+                      for (size_t i = r.begin(); i < r.end(); ++i)
+                        points[i] = Vec3s(transform->worldToIndex(Vec3d(mesh.points[i])));
+                    });
+  return openvdb::tools::meshToVolume<FloatGrid>(
+      openvdb::tools::QuadAndTriangleDataAdapter<Vec3s, Vec3I>(points, mesh.triangles), *transform,
+      float(halfWidth), float(halfWidth), openvdb::tools::UNSIGNED_DISTANCE_FIELD);
 }
 
 openvdb::Int32Grid::Ptr nearestTriangles(const Mesh& mesh, const openvdb::math::Transform& transform,

@@ -4,6 +4,13 @@
 
 namespace slicemorph {
 
+/// Distance to a mesh, open or closed, within `halfWidth` voxels of it on either side: never negative. `voxelSize`:
+/// world units. Throws as voxelise for an absurd size.
+FloatGrid::Ptr unsignedDistance(const Mesh& mesh, double voxelSize, double halfWidth = kHalfWidth);
+
+/// Whether any voxel of a level set is inside.
+bool hasInside(const FloatGrid& grid);
+
 /// For each voxel less than `halfWidth` voxels from the mesh, on either side, the index of its nearest
 /// triangle (or of one hardly further away: see OpenVDB's MeshToVolume.h); below 0 elsewhere. `mesh`: in the
 /// index space of `transform`, open or closed.

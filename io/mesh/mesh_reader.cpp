@@ -51,6 +51,37 @@ StoredMesh readPolygons(const InputSpec& input) {
   return stored;
 }
 
+namespace {
+
+void refuseCut(const std::string& path, const StoredMesh& stored, const MeshTopology& found) {
+  if (!stored.endsInLine || found.boundaryLoops == 0) return;
+  throw IoError(path, "seems truncated: its last line has no end and its surface has " +
+                          std::to_string(found.boundaryLoops) +
+                          " holes; if it is whole, end it with a newline and the holes are filled");
+}
+
+/// The file's notes, then those of repairs.
+Notes allNotes(const StoredMesh& stored, const Notes& repairs) {
+  Notes notes = stored.notes;
+  notes.insert(notes.end(), repairs.begin(), repairs.end());
+  return notes;
+}
+
+/// Calls `make` with the mesh made ready; adds the file's name to what it throws.
+template <typename Make>
+auto withSolid(const std::string& path, const StoredMesh& stored, const Make& make) {
+  const std::string hint = stored.endsInLine ? "; the file's last line has no end: is it cut short?" : "";
+  try {
+    SolidMesh mesh = prepareSolid(stored.mesh);
+    refuseCut(path, stored, mesh.found);
+    return make(std::move(mesh));
+  } catch (const GeometryError& error) {
+    throw GeometryError(path, error.what() + hint);
+  }
+}
+
+}  // namespace
+
 RepairedMesh closeSurface(const std::string& path, const StoredMesh& stored) {
   const std::string hint = stored.endsInLine ? "; the file's last line has no end: is it cut short?" : "";
   RepairedMesh result;
@@ -59,15 +90,24 @@ RepairedMesh closeSurface(const std::string& path, const StoredMesh& stored) {
   } catch (const GeometryError& error) {
     throw GeometryError(path, error.what() + hint);
   }
-  if (stored.endsInLine && result.found.boundaryLoops > 0) {
-    throw IoError(path, "seems truncated: its last line has no end and its surface has " +
-                            std::to_string(result.found.boundaryLoops) +
-                            " holes; if it is whole, end it with a newline and the holes are filled");
-  }
-  Notes notes = stored.notes;
-  notes.insert(notes.end(), result.notes.begin(), result.notes.end());
-  result.notes = std::move(notes);
+  refuseCut(path, stored, result.found);
+  result.notes = allNotes(stored, result.notes);
   return result;
+}
+
+MeshSolid solidOfFile(const std::string& path, const StoredMesh& stored, const SolidOptions& options) {
+  return withSolid(path, stored, [&](SolidMesh mesh) {
+    MeshSolid solid = solidOf(std::move(mesh), options);
+    solid.notes = allNotes(stored, solid.notes);
+    return solid;
+  });
+}
+
+Notes checkSolid(const std::string& path, const StoredMesh& stored, const SolidOptions& options) {
+  return withSolid(path, stored, [&](const SolidMesh& mesh) {
+    refuseSheets(mesh, options);
+    return allNotes(stored, inOneLine(mesh.notes));
+  });
 }
 
 }  // namespace slicemorph

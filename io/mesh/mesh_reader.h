@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/volume/repair_mesh.h"
+#include "engine/volume/solid_of_mesh.h"
 #include "slicemorph/io/input_spec.h"
 
 #include <string>
@@ -29,5 +29,12 @@ StoredMesh readPolygons(const InputSpec& input);
 /// Repairs a mesh to a closed surface. Throws, naming `path`, GeometryError where repairMesh does, and
 /// IoError for a surface with holes in a file that seems cut short (`endsInLine`).
 RepairedMesh closeSurface(const std::string& path, const StoredMesh& stored);
+
+/// The solid that a mesh is, closed or not, with notes on the file before those on repairs. Throws, naming `path`,
+/// what solidOf throws, and IoError for a surface with holes in a file that seems cut short (`endsInLine`).
+MeshSolid solidOfFile(const std::string& path, const StoredMesh& stored, const SolidOptions& options);
+
+/// What solidOfFile would note or throw, without voxelising.
+Notes checkSolid(const std::string& path, const StoredMesh& stored, const SolidOptions& options);
 
 }  // namespace slicemorph

@@ -141,6 +141,11 @@ Rows shapeRows() {
           "Pixels of a picture, as --size; or one number: voxels along the longest side of a mesh, 8 to 4096")
           .fallback("256 voxels for meshes")
           .basic(),
+      Row(kVoxelisers, "shell", at<&J::load, &LoadOptions::shell>, "THICKNESS",
+          "Thickness that sheets of a mesh get, which enclose nothing: a plane, a leaf, hair; two voxels at least")
+          .unit("world units")
+          .above(0)
+          .fallback("they are left out"),
       Row(kVoxelisers, "iso", at<&J::iso>, "V[,V...][/V...]",
           "Value of the surface in a VDB grid or a grey image; further ones of an image help to match; a "
           "slash parts those of one input from the next's")

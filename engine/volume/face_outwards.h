@@ -1,0 +1,13 @@
+#pragma once
+
+#include "engine/volume/winding_number.h"
+
+namespace slicemorph {
+
+/// Turns patches (`patch`: per triangle, from AgreedWinding) whose backs are seen from outside where their fronts are
+/// not: rays leave both sides, and those that get away vote [TJKS14]. Patches of which both sides are seen alike keep
+/// their winding. Those of which nothing is seen, as walls of cavities, turn with those that enclose them. `rays`: of
+/// the mesh as it is; the winding does not matter. Returns how many triangles were turned.
+size_t faceOutwards(Mesh& mesh, const std::vector<std::uint32_t>& patch, const WindingNumber& rays);
+
+}  // namespace slicemorph
