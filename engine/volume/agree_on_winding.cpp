@@ -4,6 +4,22 @@
 #include "engine/numerics/edge_table.h"
 
 namespace slicemorph {
+namespace {
+
+/// The sets of triangles that are connected across edges with two faces and either all turned or all not.
+std::vector<std::uint32_t> piecesOf(const EdgeTable& edges, const std::vector<char>& turned) {
+  DisjointSets pieces(turned.size());
+  for (size_t e = 0; e < edges.count(); ++e) {
+    if (edges.faces(e) != 2) continue;
+    const std::uint32_t a = edges.half(e, 0).triangle(), b = edges.half(e, 1).triangle();
+    if (turned[a] == turned[b]) pieces.join(a, b);
+  }
+  std::vector<std::uint32_t> piece(turned.size());
+  for (std::uint32_t t = 0; t < piece.size(); ++t) piece[t] = pieces.find(t);
+  return piece;
+}
+
+}  // namespace
 
 AgreedWinding agreeOnWinding(std::vector<openvdb::Vec3I> triangles) {
   using Index = std::uint32_t;
@@ -29,11 +45,14 @@ AgreedWinding agreeOnWinding(std::vector<openvdb::Vec3I> triangles) {
     result.shells += result.shell[t] == t;
     against[result.patch[t]] += patches.flipped(t) ? 1 : -1;
   }
+  std::vector<char> turned(count, 0);
   for (Index t = 0; t < count; ++t)
     if (patches.flipped(t) != (against[result.patch[t]] > 0)) {
       std::swap(triangles[t][1], triangles[t][2]);
+      turned[t] = 1;
       ++result.turned;
     }
+  result.piece = result.turned > 0 ? piecesOf(edges, turned) : result.patch;
   result.triangles = std::move(triangles);
   return result;
 }

@@ -44,7 +44,7 @@ Votes votesOf(const Mesh& mesh, const std::vector<Index>& patch, const WindingNu
               double lift) {
   Votes votes;
   size_t k = 0;
-  for (const SurfaceSample& s : sampleSurface(mesh, patch, count)) {
+  for (const SurfacePoint& s : sampleSurface(mesh, patch, count)) {
     const Vec3d forth = directionAbout(s.normal, k++), mirrored = forth - 2 * forth.dot(s.normal) * s.normal;
     const auto front = rays.firstHit(s.point + lift * s.normal, forth);
     const auto back = rays.firstHit(s.point - lift * s.normal, mirrored);
@@ -55,17 +55,29 @@ Votes votesOf(const Mesh& mesh, const std::vector<Index>& patch, const WindingNu
   return votes;
 }
 
+std::vector<Votes> votesOfAll(const Mesh& mesh, const std::vector<std::vector<Index>>& sets,
+                              const WindingNumber& rays) {
+  openvdb::BBoxd box;
+  for (const openvdb::Vec3s& p : mesh.points) box.expand(Vec3d(p));
+  const size_t count = std::clamp(kAllRays / std::max(sets.size(), size_t(1)), kLeastRays, kRays);
+  std::vector<Votes> votes(sets.size());
+  tbb::parallel_for(size_t(0), sets.size(), [&](size_t i) {
+    votes[i] = votesOf(mesh, sets[i], rays, count, kLift * box.extents().length());
+  });
+  return votes;
+}
+
+/// Turns the triangles of a set over; returns how many.
+size_t turnSet(Mesh& mesh, const std::vector<Index>& set) {
+  for (Index t : set) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+  return set.size();
+}
+
 }  // namespace
 
 size_t faceOutwards(Mesh& mesh, const std::vector<Index>& patch, const WindingNumber& rays) {
   const std::vector<std::vector<Index>> patches = trianglesOfSets(patch);
-  openvdb::BBoxd box;
-  for (const openvdb::Vec3s& p : mesh.points) box.expand(Vec3d(p));
-  const size_t count = std::clamp(kAllRays / std::max(patches.size(), size_t(1)), kLeastRays, kRays);
-  std::vector<Votes> votes(patches.size());
-  tbb::parallel_for(size_t(0), patches.size(), [&](size_t i) {
-    votes[i] = votesOf(mesh, patches[i], rays, count, kLift * box.extents().length());
-  });
+  const std::vector<Votes> votes = votesOfAll(mesh, patches, rays);
   std::vector<Index> number(mesh.triangles.size());
   for (Index i = 0; i < patches.size(); ++i)
     for (Index t : patches[i]) number[t] = i;
@@ -79,10 +91,17 @@ size_t faceOutwards(Mesh& mesh, const std::vector<Index>& patch, const WindingNu
           against += other.turned() ? 1 : -1;
       turn = against > 0;
     }
-    if (!turn) continue;
-    for (Index t : patches[i]) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
-    turned += patches[i].size();
+    if (turn) turned += turnSet(mesh, patches[i]);
   }
+  return turned;
+}
+
+size_t facePiecesOutwards(Mesh& mesh, const std::vector<Index>& piece, const WindingNumber& rays) {
+  const std::vector<std::vector<Index>> pieces = trianglesOfSets(piece);
+  const std::vector<Votes> votes = votesOfAll(mesh, pieces, rays);
+  size_t turned = 0;
+  for (size_t i = 0; i < pieces.size(); ++i)
+    if (votes[i].turned()) turned += turnSet(mesh, pieces[i]);
   return turned;
 }
 

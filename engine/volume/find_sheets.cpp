@@ -21,14 +21,14 @@ constexpr double kBeside = 1e-6;
 constexpr double kWall = 0.25;
 
 /// The mean of the winding numbers on both sides.
-double windingOf(const SurfaceSample& s, const WindingNumber& winding, double beside) {
+double windingOf(const SurfacePoint& s, const WindingNumber& winding, double beside) {
   return (winding.at(s.point - beside * s.normal) + winding.at(s.point + beside * s.normal)) / 2;
 }
 
 /// The share of a shell's area that is a wall between inside and outside of what `winding` is of.
-double wallShare(const std::vector<SurfaceSample>& samples, const WindingNumber& winding, double beside) {
+double wallShare(const std::vector<SurfacePoint>& samples, const WindingNumber& winding, double beside) {
   size_t walls = 0;
-  for (const SurfaceSample& s : samples) {
+  for (const SurfacePoint& s : samples) {
     const double both = windingOf(s, winding, beside);
     walls += std::abs(both - std::floor(both) - 0.5) <= kWall;
   }
@@ -42,7 +42,7 @@ std::vector<size_t> findSheets(const Mesh& mesh, const std::vector<std::vector<I
   openvdb::BBoxd box;
   for (const openvdb::Vec3s& p : mesh.points) box.expand(Vec3d(p));
   const double beside = kBeside * box.extents().length();
-  std::vector<std::vector<SurfaceSample>> samples(shells.size());
+  std::vector<std::vector<SurfacePoint>> samples(shells.size());
   std::vector<char> sheet(shells.size()), open(shells.size());
   tbb::parallel_for(size_t(0), shells.size(), [&](size_t i) {
     samples[i] = sampleSurface(mesh, shells[i], kSamples);

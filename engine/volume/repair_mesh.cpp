@@ -90,6 +90,7 @@ CleanedMesh clean(const PolygonMesh& input) {
   for (double length : lengths) found.longestLoop = std::max(found.longestLoop, length);
   c.notes = notesOf({welded, faces, winding, c.boundary});
   c.patch = std::move(winding.patch);
+  c.piece = std::move(winding.piece);
   c.shell = std::move(winding.shell);
   return c;
 }

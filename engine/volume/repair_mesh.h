@@ -25,7 +25,7 @@ struct MeshTopology {
 /// A mesh of triangles with points welded and windings that agree, before anything is closed.
 struct CleanedMesh {
   Mesh mesh;
-  std::vector<std::uint32_t> patch, shell;  ///< per triangle, from AgreedWinding
+  std::vector<std::uint32_t> patch, piece, shell;  ///< per triangle, from AgreedWinding
   BoundaryLoops boundary;
   MeshTopology found;
   Notes notes;  ///< what was changed, with counts

@@ -66,21 +66,20 @@ Note repairNote(const char* code, Severity severity, std::string text) {
 }
 
 /// Faces the patches of a mesh outwards and takes its sheets out.
-void sortOut(SolidMesh& solid, const std::vector<Index>& patch, const std::vector<Index>& shell) {
+void sortOut(SolidMesh& solid, const CleanedMesh& clean) {
   Mesh& mesh = solid.mesh;
-  const std::vector<std::vector<Index>> shells = trianglesOfSets(shell);
-  std::vector<size_t> sheets;
-  {
-    auto winding = std::make_unique<WindingNumber>(mesh);
-    const size_t turned = faceOutwards(mesh, patch, *winding);
-    if (turned > 0) {
-      solid.notes.push_back(
-          repairNote("mesh.patches-turned", Severity::kNote,
-                     "turned " + severalOf(turned, "face") + " of patches seen from their backs"));
-      winding = std::make_unique<WindingNumber>(mesh);
-    }
-    sheets = findSheets(mesh, shells, *winding);
+  const std::vector<std::vector<Index>> shells = trianglesOfSets(clean.shell);
+  auto winding = std::make_unique<WindingNumber>(mesh);
+  size_t turned = faceOutwards(mesh, clean.patch, *winding);
+  if (clean.piece != clean.patch) turned += facePiecesOutwards(mesh, clean.piece, *winding);
+  if (turned > 0) {
+    solid.notes.push_back(
+        repairNote("mesh.patches-turned", Severity::kNote,
+                   "turned " + severalOf(turned, "face") + " of patches seen from their backs"));
+    winding = std::make_unique<WindingNumber>(mesh);
   }
+  const std::vector<size_t> sheets = findSheets(mesh, shells, *winding);
+  winding.reset();
   solid.shells = shells.size();
   solid.sheetShells = sheets.size();
   if (sheets.empty()) return;
@@ -112,7 +111,7 @@ std::vector<Vec3d> doubtfulPoints(const FloatGrid& grid, const Mesh& mesh) {
     return values.getValue(grid.transform().worldToIndexNodeCentered(p));
   };
   std::vector<Vec3d> doubtful;
-  for (const SurfaceSample& s :
+  for (const SurfacePoint& s :
        sampleSurface(mesh, all, size_t(std::clamp(count, 1.0, double(kMostChecks))))) {
     const Vec3d aside = kCheckBeside * h * s.normal;
     const double front = valueAt(s.point + aside), back = valueAt(s.point - aside);
@@ -221,7 +220,7 @@ SolidMesh prepareSolid(const PolygonMesh& polygons) {
   }
   solid.notes = std::move(clean.notes);
   solid.mesh = std::move(clean.mesh);
-  sortOut(solid, clean.patch, clean.shell);
+  sortOut(solid, clean);
   if (!solid.mesh.triangles.empty())
     solid.notes.push_back(repairNote(
         "mesh.by-winding", Severity::kWarning,

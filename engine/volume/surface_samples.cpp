@@ -10,8 +10,8 @@ constexpr double kStrideU = 0.7548776662466927, kStrideV = 0.5698402909980532;
 
 }  // namespace
 
-std::vector<SurfaceSample> sampleSurface(const Mesh& mesh, const std::vector<std::uint32_t>& triangles,
-                                         size_t count) {
+std::vector<SurfacePoint> sampleSurface(const Mesh& mesh, const std::vector<std::uint32_t>& triangles,
+                                        size_t count) {
   std::vector<double> upTo(triangles.size());  // area of the triangles up to and with each
   double area = 0;
   const auto corner = [&](size_t i, int k) { return Vec3d(mesh.points[mesh.triangles[triangles[i]][k]]); };
@@ -19,7 +19,7 @@ std::vector<SurfaceSample> sampleSurface(const Mesh& mesh, const std::vector<std
     const Vec3d a = corner(i, 0);
     upTo[i] = area += (corner(i, 1) - a).cross(corner(i, 2) - a).length() / 2;
   }
-  std::vector<SurfaceSample> samples;
+  std::vector<SurfacePoint> samples;
   if (!(area > 0)) return samples;
   samples.reserve(count);
   for (size_t k = 0; k < count; ++k) {
