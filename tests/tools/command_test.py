@@ -114,6 +114,12 @@ BAD_INPUT = [
     ("truncated vdb", "convert {d}/cut.vdb -o {o}/m.obj", 1, "cut.vdb", ""),
     ("text as vdb", "convert {d}/text.vdb -o {o}/m.obj", 1, "text.vdb", ""),
     ("nan vertices", "convert {d}/nan.obj -o {o}/m.vdb", 1, "nan.obj", ""),
+    ("sheet", "convert {d}/sheet.obj -o {o}/m.vdb --resolution 40", 1, ["sheet.obj", "the surface is open", "encloses nothing", "--shell 0.12"], ""),
+    ("sheet with thickness", "convert {d}/sheet.obj -o {o}/m.vdb --resolution 40 --shell 0.12", 0, "^$", "m.vdb"),
+    ("sheet too thin", "convert {d}/sheet.obj -o {o}/m.vdb --resolution 40 --shell 0.01", 2, ["--shell 0.01", "use at least"], ""),
+    ("thickness 0", "convert {d}/sheet.obj -o {o}/m.vdb --shell 0", 2, "--shell 0", ""),
+    ("open bowl", "convert {d}/bowl.obj -o {o}/m.vdb --resolution 40", 0, ["bowl.obj", "the surface is open", "winding number"], "m.vdb"),
+    ("bowl and sheet", "convert {d}/bowl_and_sheet.obj -o {o}/m.vdb --resolution 40", 0, ["1 of 2 shells is a sheet", "left out; --shell"], "m.vdb"),
     ("index out of range", "convert {d}/index.obj -o {o}/m.vdb", 1, "index.obj", ""),
     ("grid not there", "convert {d}/a.vdb:density -o {o}/m.obj", 2, ["density", "surface"], ""),
     ("iso outside", "convert {d}/a.vdb --iso 1000 -o {o}/m.obj", (1, 2), "a.vdb", ""),
@@ -254,6 +260,12 @@ def make_inputs(d):
     write(d + "/points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n")
     # Cut in the list of faces, within a line: half the surface is missing.
     write(d + "/cut.obj", a[: a.index("f ") + (len(a) - a.index("f ")) // 2])
+    sheet = ([(0, 0, 2), (2, 0, 2), (2, 1, 2), (0, 1, 2)], [(0, 1, 2), (0, 2, 3)])
+    bowl = [f for f in faces if all(points[i][2] < 0.2 for i in f)]
+    write(d + "/sheet.obj", obj_text(*sheet))
+    write(d + "/bowl.obj", obj_text(points, bowl))
+    both = [tuple(i + len(points) for i in f) for f in sheet[1]]
+    write(d + "/bowl_and_sheet.obj", obj_text(points + sheet[0], bowl + both))
     write(d + "/nan.obj", re.sub(r"v \S+", "v nan", a, count=5))
     write(d + "/index.obj", a + "f 1 2 999999\n")
     ply = b"ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % len(points)
