@@ -115,7 +115,7 @@ BAD_INPUT = [
     ("text as vdb", "convert {d}/text.vdb -o {o}/m.obj", 1, "text.vdb", ""),
     ("nan vertices", "convert {d}/nan.obj -o {o}/m.vdb", 1, "nan.obj", ""),
     ("sheet", "convert {d}/sheet.obj -o {o}/m.vdb --resolution 40", 1, ["sheet.obj", "the surface is open", "encloses nothing", "--shell 0.12"], ""),
-    ("sheet with thickness", "convert {d}/sheet.obj -o {o}/m.vdb --resolution 40 --shell 0.12", 0, "^$", "m.vdb"),
+    ("sheet with thickness", "convert {d}/sheet.obj -o {o}/m.vdb --resolution 40 --shell 0.12", 0, "made 0.12 thick", "m.vdb"),
     ("sheet too thin", "convert {d}/sheet.obj -o {o}/m.vdb --resolution 40 --shell 0.01", 2, ["--shell 0.01", "use at least"], ""),
     ("thickness 0", "convert {d}/sheet.obj -o {o}/m.vdb --shell 0", 2, "--shell 0", ""),
     ("open bowl", "convert {d}/bowl.obj -o {o}/m.vdb --resolution 40", 0, ["bowl.obj", "the surface is open", "winding number"], "m.vdb"),

@@ -142,7 +142,8 @@ Rows shapeRows() {
           .fallback("256 voxels for meshes")
           .basic(),
       Row(kVoxelisers, "shell", at<&J::load, &LoadOptions::shell>, "THICKNESS",
-          "Thickness that sheets of a mesh get, which enclose nothing: a plane, a leaf, hair; two voxels at least")
+          "Thickness that sheets of a mesh get, which enclose nothing: a plane, a leaf, hair; two voxels at "
+          "least")
           .unit("world units")
           .above(0)
           .fallback("they are left out"),

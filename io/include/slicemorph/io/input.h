@@ -18,8 +18,8 @@ enum class ImageKind { kAuto, kGrey, kLabels };
 struct LoadOptions {
   double voxelSize = 0;  ///< world units; 0: `resolution` for meshes, their own for VDBs
   int resolution = 0;    ///< voxels along the longest side, 8 to 4096; 0: 256 for meshes, their own for VDBs
-  double shell = 0;      ///< world units: thickness of a mesh's shells that enclose nothing; 0: they are left out
-  double iso = 0;        ///< the surface's value in a VDB grid or grey image; 0: found in fog and images
+  double shell = 0;  ///< world units: thickness of a mesh's shells that enclose nothing; 0: they are left out
+  double iso = 0;    ///< the surface's value in a VDB grid or grey image; 0: found in fog and images
   std::vector<double> furtherIsos;  ///< of an image: surfaces that steer the map beside the one at `iso`
   bool isoGiven = false;            ///< `iso` holds even if it is 0
   /// Per input, if they differ: `iso`, then `furtherIsos`. See optionsOfInput.
