@@ -1,9 +1,11 @@
 #include "engine/measure/matching_grid.h"
 #include "engine/measure/measure.h"
 
+#include <openvdb/tools/Interpolation.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 namespace slicemorph {
@@ -91,30 +93,128 @@ TileCount countInsideTiles(const FloatTree& tree, const FloatTree& other) {
   return count;
 }
 
-}  // namespace
-
-Overlap overlap(const FloatGrid& a, const FloatGrid& b) {
-  FloatGrid::Ptr resampled;
-  const FloatGrid *gridA = &a, *gridB = &b;
-  if (a.transform() != b.transform()) {
-    const bool finerA = a.voxelSize()[0] <= b.voxelSize()[0];
-    resampled = finerA ? sampleOnto(b, a.transform()) : sampleOnto(a, b.transform());
-    (finerA ? gridB : gridA) = resampled.get();
-  }
-  const double h = gridA->voxelSize()[0], voxel = h * h * h;
-  Sums sums = sumBands(gridA->tree(), gridB->tree(), h);
-  const TileCount fromA = countInsideTiles(gridA->tree(), gridB->tree());
-  const TileCount fromB = countInsideTiles(gridB->tree(), gridA->tree());
+/// Overlap of two level sets on voxels of one transform.
+Overlap overlapOnSame(const FloatGrid& a, const FloatGrid& b) {
+  const double h = a.voxelSize()[0], voxel = h * h * h;
+  Sums sums = sumBands(a.tree(), b.tree(), h);
+  const TileCount fromA = countInsideTiles(a.tree(), b.tree());
+  const TileCount fromB = countInsideTiles(b.tree(), a.tree());
   sums.a += double(Leaf::SIZE) * (fromA.both + fromA.only);
   sums.b += double(Leaf::SIZE) * (fromB.both + fromB.only);
   sums.both += double(Leaf::SIZE) * fromA.both;
   sums.difference += double(Leaf::SIZE) * (fromA.only + fromB.only);
+  return {sums.a + sums.b > 0 ? 2 * sums.both / (sums.a + sums.b) : 1, sums.both * voxel,
+          sums.difference * voxel};
+}
 
-  Overlap result;
-  result.intersection = sums.both * voxel;
-  result.symmetricDifference = sums.difference * voxel;
-  result.dice = sums.a + sums.b > 0 ? 2 * sums.both / (sums.a + sums.b) : 1;
-  return result;
+/// Most leaves that the coarser level set may get when it is resampled for a comparison: 64 MiB of values, or
+/// this many times what both have.
+constexpr double kFewLeaves = 32768, kLeavesGrow = 4;
+
+/// Whether resampling to the finer voxels costs little. A leaf that is resampled touches the leaves around it, too.
+bool isCheaplyResampled(const FloatGrid& fine, const FloatGrid& coarse) {
+  const double ratio = coarse.voxelSize()[0] / fine.voxelSize()[0];
+  const double own = double(coarse.tree().leafCount());
+  const double leaves = own * std::pow(ratio + 3.0 / Leaf::DIM, 3);
+  return leaves <= std::max(kFewLeaves, kLeavesGrow * (own + double(fine.tree().leafCount())));
+}
+
+/// A box in which the finer of two level sets has a leaf, or is inside; then `leaf` is null.
+struct FinePart {
+  openvdb::CoordBBox box;
+  const Leaf* leaf = nullptr;
+};
+
+/// The finer level set's leaves and inside tiles within the coarser one's box.
+std::vector<FinePart> fineParts(const FloatGrid& fine, const FloatGrid& coarse) {
+  openvdb::CoordBBox reach;
+  if (!coarse.tree().evalLeafBoundingBox(reach)) return {};
+  const openvdb::BBoxd box = fine.transform().worldToIndex(coarse.transform().indexToWorld(reach));
+  const openvdb::CoordBBox within(Coord::floor(box.min()), Coord::ceil(box.max()));
+  std::vector<FinePart> parts;
+  for (auto leaf = fine.tree().cbeginLeaf(); leaf; ++leaf)
+    if (within.hasOverlap(leaf->getNodeBoundingBox())) parts.push_back({leaf->getNodeBoundingBox(), &*leaf});
+  auto tile = fine.tree().cbeginValueAll();
+  tile.setMaxDepth(decltype(tile)::LEAF_DEPTH - 1);
+  for (; tile; ++tile) {
+    openvdb::CoordBBox part = tile.getBoundingBox();
+    part.intersect(within);
+    if (tile.getValue() < 0 && !part.empty()) parts.push_back({part});
+  }
+  return parts;
+}
+
+/// Sums what is inside two level sets over the voxels of the finer one, without a copy of either.
+class SharedVolume {
+ public:
+  SharedVolume(const FloatGrid& fine, const FloatGrid& coarse)
+      : fine_(fine), coarse_(coarse), voxel_(fine.voxelSize()[0]), accessor_(coarse.getConstAccessor()) {}
+
+  /// In voxels of the finer one.
+  double in(const FinePart& part) {
+    const Vec3d half = part.box.dim().asVec3d() / 2;
+    const double middle = coarseAt(part.box.getCenter());
+    // The coarser one's distances are exact to less than one of its own voxels.
+    if (std::abs(middle) > half.length() * voxel_ + coarse_.voxelSize()[0] / 2)
+      return middle > 0 ? 0 : part.leaf ? ownOf(*part.leaf) : double(part.box.volume());
+    return part.leaf || part.box.dim()[int(part.box.maxExtent())] <= int(Leaf::DIM) ? sampled(part)
+                                                                                    : halves(part);
+  }
+
+ private:
+  double coarseAt(const Vec3d& index) {
+    const Vec3d at = coarse_.transform().worldToIndex(fine_.transform().indexToWorld(index));
+    return double(openvdb::tools::BoxSampler::sample(accessor_, at));
+  }
+  double ownOf(const Leaf& leaf) const {
+    double sum = 0;
+    for (openvdb::Index i = 0; i < Leaf::SIZE; ++i) sum += insideShare(leaf.getValue(i), voxel_);
+    return sum;
+  }
+  double sampled(const FinePart& part) {
+    double sum = 0;
+    for (auto at = part.box.begin(); at; ++at) {
+      const double own = part.leaf ? insideShare(part.leaf->getValue(*at), voxel_) : 1;
+      if (own > 0) sum += std::min(own, insideShare(float(coarseAt((*at).asVec3d())), voxel_));
+    }
+    return sum;
+  }
+  double halves(const FinePart& part) {
+    FinePart low = part, high = part;
+    const int axis = int(part.box.maxExtent()), middle = (part.box.min()[axis] + part.box.max()[axis]) >> 1;
+    low.box.max()[axis] = middle, high.box.min()[axis] = middle + 1;
+    return in(low) + in(high);
+  }
+
+  const FloatGrid &fine_, &coarse_;
+  double voxel_;
+  FloatGrid::ConstAccessor accessor_;
+};
+
+/// Overlap of level sets with voxels of different sizes, each measured on its own.
+Overlap overlapOnOwn(const FloatGrid& fine, const FloatGrid& coarse) {
+  const std::vector<FinePart> parts = fineParts(fine, coarse);
+  std::vector<double> sums(parts.size());
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, parts.size(), 64), [&](const auto& range) {
+    SharedVolume shared(fine, coarse);
+    for (size_t i = range.begin(); i != range.end(); ++i) sums[i] = shared.in(parts[i]);
+  });
+  double both = 0;
+  for (double sum : sums) both += sum;
+  both *= std::pow(fine.voxelSize()[0], 3);
+  const double all = overlapOnSame(fine, fine).intersection + overlapOnSame(coarse, coarse).intersection;
+  return {all > 0 ? std::min(2 * both / all, 1.0) : 1, both, std::max(all - 2 * both, 0.0)};
+}
+
+}  // namespace
+
+Overlap overlap(const FloatGrid& a, const FloatGrid& b) {
+  if (a.transform() == b.transform()) return overlapOnSame(a, b);
+  const bool finerA = a.voxelSize()[0] <= b.voxelSize()[0];
+  const FloatGrid &fine = finerA ? a : b, &coarse = finerA ? b : a;
+  if (!isCheaplyResampled(fine, coarse)) return overlapOnOwn(fine, coarse);
+  const FloatGrid::Ptr resampled = sampleOnto(coarse, fine.transform());
+  return finerA ? overlapOnSame(a, *resampled) : overlapOnSame(*resampled, b);
 }
 
 }  // namespace slicemorph

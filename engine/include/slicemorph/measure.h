@@ -37,8 +37,9 @@ struct Overlap {
   double symmetricDifference = 0;  ///< world units cubed
 };
 
-/// Overlap of the insides of two level sets (voxel sizes may differ; sub-voxel accurate). Measured on the
-/// finer of the two grids. Only the narrow bands are read; what is deeper inside is counted in whole blocks.
+/// Overlap of the insides of two level sets (voxel sizes may differ; sub-voxel accurate). Measured on the finer of
+/// the two grids; where resampling the other to it would take much memory, each volume on its own, and what they
+/// share on the finer one's voxels. Only the narrow bands are read; what is deeper inside is counted in whole blocks.
 Overlap overlap(const FloatGrid& a, const FloatGrid& b);
 
 }  // namespace slicemorph

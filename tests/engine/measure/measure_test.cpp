@@ -227,5 +227,35 @@ TEST(Overlap, SameNestedAndApart) {
   EXPECT_NEAR(overlap(*big, *empty).symmetricDifference, v, e);
 }
 
+/// Where voxels differ much neither grid is resampled to the other: 20 times, some 250,000 leaves.
+TEST(Overlap, OfVoxelsOfVeryDifferentSizes) {
+  const double h = 0.05, coarseH = 1, r = 1, big = 10;
+  const auto small = levelSet(sphere({0, 0, 0}, r), h, 1.3);
+  const auto volume = [](double radius) { return 4 * kPi / 3 * radius * radius * radius; };
+  // Trilinear sampling of the larger one leaves H^2 / 8 R in each of three directions, over the part of its surface
+  // that is within the smaller one; its own volume errs by as much of all its surface.
+  const double off = 3 * coarseH * coarseH / (8 * big), all = 4 * kPi * big * big * off;
+  const auto around = levelSet(sphere({0, 0, 0}, big), coarseH, 15);
+  EXPECT_NEAR(overlap(*small, *around).intersection, volume(r), 0.01);
+  EXPECT_NEAR(overlap(*around, *small).symmetricDifference, volume(big) - volume(r), all);
+  // Two balls whose surfaces cross: pi (R + r - d)^2 (d^2 + 2 d r - 3 r^2 + 2 d R + 6 r R - 3 R^2) / 12 d.
+  const double d = big;
+  const auto across = levelSet(sphere({d, 0, 0}, big), coarseH, 24);
+  const double lens = kPi * std::pow(big + r - d, 2) *
+                      (d * d + 2 * d * r - 3 * r * r + 2 * d * big + 6 * r * big - 3 * big * big) / (12 * d);
+  EXPECT_NEAR(overlap(*small, *across).intersection, lens, kPi * r * r * off);
+  EXPECT_DOUBLE_EQ(overlap(*small, *levelSet(sphere({-30, 0, 0}, big), coarseH, 45)).intersection, 0);
+}
+
+/// Inside tiles of the finer one count, too: it is the larger one here.
+TEST(Overlap, OfAFineShapeAroundACoarseOne) {
+  const double h = 1.0 / 24;
+  const auto fine = levelSet(sphere({0, 0, 0}, 2), h, 2.4);
+  const auto coarse = levelSet(sphere({0, 0, 0}, 1.5), 0.75, 4);
+  const double v = 4 * kPi / 3 * 1.5 * 1.5 * 1.5, off = 3 * 0.75 * 0.75 / (8 * 1.5);
+  EXPECT_NEAR(overlap(*fine, *coarse).intersection, v, 4 * kPi * 1.5 * 1.5 * off);
+  EXPECT_NEAR(overlap(*fine, *coarse).dice, 2 * v / (v + 4 * kPi / 3 * 8), 0.2);
+}
+
 }  // namespace
 }  // namespace slicemorph
