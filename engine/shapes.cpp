@@ -1,15 +1,15 @@
 #include "engine/shapes.h"
 
 #include "engine/frame/typical_order.h"
+#include "engine/numerics/parallel_each.h"
 #include "engine/rebuild/small_components.h"
 #include "engine/volume/same_grid.h"
 #include "slicemorph/errors.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <sstream>
 #include <utility>
 
 namespace slicemorph {
@@ -41,16 +41,42 @@ Shapes distinctShapes(const std::vector<Object>& objects) {
   return shapes;
 }
 
+/// What is smaller, voxels along its longest side, has no inside to be matched: balls of 1.33 voxels fail, of 1.67 do
+/// not.
+constexpr double kLeastVoxels = 1.5;
+
+/// Throws GeometryError for what is too small. Its size is that of the box of the voxels inside it, and twice the
+/// depth of the deepest of them beyond that, which for a ball in one voxel is its diameter.
+void checkSize(const FloatGrid& levelSet, const std::string& name) {
+  openvdb::CoordBBox inside;
+  double deepest = 0;
+  for (auto value = levelSet.cbeginValueOn(); value; ++value) {
+    if (!(*value < 0)) continue;
+    inside.expand(value.getCoord());
+    deepest = std::max(deepest, -double(*value));
+  }
+  if (inside.empty()) return;
+  const double voxel = levelSet.voxelSize()[0];
+  const double longest = (inside.dim()[int(inside.maxExtent())] - 1) * voxel + 2 * deepest;
+  if (longest >= kLeastVoxels * voxel) return;
+  std::ostringstream why;
+  why << "is smaller than a voxel: " << longest << " along its longest side, at a voxel size of " << voxel
+      << "; it needs a voxel size of at most " << longest / kLeastVoxels
+      << ", or a --resolution, which holds for each object";
+  throw GeometryError(name, why.str());
+}
+
 Shapes withFields(Shapes shapes, const Shapes* before) {
   shapes.fields.resize(shapes.levelSets.size());
   shapes.pieces.resize(shapes.levelSets.size());
-  tbb::parallel_for(size_t(0), shapes.fields.size(), [&](size_t k) {
+  parallelEach(shapes.fields.size(), [&](size_t k) {
     FloatGrid::ConstPtr& levelSet = shapes.levelSets[k];
     if (before && k < before->levelSets.size() && isSame(*before->levelSets[k], *levelSet)) {
       levelSet = before->levelSets[k];
       shapes.fields[k] = before->fields[k], shapes.pieces[k] = before->pieces[k];
       return;
     }
+    checkSize(*levelSet, shapes.names[k]);
     shapes.fields[k] = std::make_shared<DistanceField>(levelSet);
     shapes.pieces[k] = countPieces(*levelSet);
   });
@@ -69,7 +95,7 @@ std::vector<Fields> innerFields(const std::vector<Object>& objects, const Shapes
         grids[shapes.shapeOf[k]] = objects[k].inner[n];
     if (grids.size() - size_t(std::count(grids.begin(), grids.end(), nullptr)) < 2) continue;
     Fields surface(grids.size());
-    tbb::parallel_for(size_t(0), surface.size(), [&](size_t k) {
+    parallelEach(surface.size(), [&](size_t k) {
       if (grids[k]) surface[k] = std::make_shared<DistanceField>(grids[k]);
     });
     inner.push_back(std::move(surface));
