@@ -47,7 +47,7 @@ class Tracker {
     const Moments a = insideMoments(earlier), b = insideMoments(now);
     size_ = std::cbrt(b.volume);
     motion_.from = a.centroid, motion_.to = b.centroid;
-    if (align == Align::kAuto) motion_.scale = std::cbrt(b.volume / a.volume);
+    if (align != Align::kNone) motion_.scale = std::cbrt(b.volume / a.volume);
   }
 
   Motion run() {
@@ -69,7 +69,7 @@ class Tracker {
     Term term;
     const Vec3d turn = ((at - motion_.to) / size_).cross(normal);
     for (int a = 0; a < 3; ++a)
-      term.row[a] = align_ == Align::kNone ? 0 : turn[a], term.row[3 + a] = normal[a];
+      term.row[a] = align_ == Align::kAuto ? turn[a] : 0, term.row[3 + a] = normal[a];
     term.residual = distance / size_;
     const double off = term.residual / reach, trust = 1 / (1 + off * off);
     term.weight = std::max(facing, 0.0) * trust * trust;

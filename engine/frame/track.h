@@ -17,7 +17,7 @@ struct Motion {
 /// The motion that scales by the cube root of the volumes' ratio and best aligns the two surfaces, by robust
 /// point-to-plane ICP in both directions [CM92] in which parts that deform count less. It turns only as far
 /// as the surfaces determine: not about an axis of symmetry, nor where one shape becomes another. With
-/// Align::kNone directions and size are kept.
+/// Align::kNone directions and size are kept, with Align::kDirections directions.
 Motion trackMotion(const DistanceField& earlier, const DistanceField& now, Align align);
 
 /// The charts, moved along with their objects from the earlier fields to the present ones; charts of objects

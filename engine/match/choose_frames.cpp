@@ -293,7 +293,7 @@ Frames straightFrames(const Fields& fields, const std::vector<std::string>& name
   std::vector<Mat3d> rotations(fields.size(), Mat3d::identity());
   Notes notes;
   std::vector<TurnChoice> choices;
-  for (size_t k = 1; k < fields.size() && options.align != Align::kNone; ++k) {
+  for (size_t k = 1; k < fields.size() && options.align == Align::kAuto; ++k) {
     // The features refer to all objects, but only two are compared here.
     MorphOptions pairOptions = options;
     pairOptions.features.clear();
@@ -335,6 +335,23 @@ FrameTrials afterTrial(FrameTrials trials, const Frames& frames, const Fields& f
   return trials;
 }
 
+/// Frames that keep all directions: those of the world, or, where that gains more overlap than its price, of objects
+/// that move and grow towards each other.
+Frames framesInOneWorld(const Fields& fields, const MorphOptions& options) {
+  const std::vector<Mat3d> none(fields.size(), Mat3d::identity());
+  MorphOptions still = options;
+  still.align = Align::kNone;
+  Frames world = frameObjects(fields, none, still), moved = frameObjects(fields, none, options);
+  const double staying = quickAgreement(fields, world, options).after,
+               moving = quickAgreement(fields, moved, options).after;
+  char text[96];
+  std::snprintf(text, sizeof text, "overlap %.3f where they are, %.3f moved, after a quick matching", staying,
+                moving);
+  Frames& best = moving > staying + kPrice ? moved : world;
+  best.notes.push_back({"frame.trial", Severity::kDetail, "", text});
+  return best;
+}
+
 /// Whether a trial can still win, as no overlap is above 1 and no price below 0.
 bool mayBeBeaten(const FrameTrials& trials, const Vec3d& up) {
   return 0.5 * (2 - trials.reached.before - trials.reached.after) + turnPrice(trials.best, up) > kPrice;
@@ -346,6 +363,7 @@ Frames chooseFrames(const Fields& fields, const std::vector<std::string>& names,
                     const Progress& progress) {
   MorphOptions quick = options;
   quick.slices = kQuickSlices;
+  if (options.align == Align::kDirections) return framesInOneWorld(fields, quick);
   FrameTrials trials{straightFrames(fields, names, quick, progress), {}};
   const std::vector<TurnChoice> choices = trials.best.choices;
   if (options.align == Align::kNone) return trials.best;

@@ -25,13 +25,15 @@ struct Object {
 };
 
 enum class SpineKind { kAuto, kStraight, kCurved };
-enum class Align { kAuto, kNone };
+enum class Align { kAuto, kNone, kDirections };
 
 struct MorphOptions {
   int slices = 96;                     ///< slices per object, 8 to 1024
   int samples = 128;                   ///< points per contour, 16 to 4096
   SpineKind spine = SpineKind::kAuto;  ///< kAuto: curved or twisted if that gives more overlap
-  Align align = Align::kAuto;          ///< kNone: world positions and directions are kept
+  /// kNone: world positions and directions are kept. kDirections: objects stand in one world, as frames of a simulation
+  /// do: they do not turn, and move only where that matches them better.
+  Align align = Align::kAuto;
   Vec3d axis{0, 0, 0};   ///< slicing direction of the first object, world; zero: chosen automatically
   double voxelSize = 0;  ///< of every frame, world units; 0: interpolated from the objects' own
   std::vector<Feature> features = {};  ///< positions that the map shall carry onto each other
