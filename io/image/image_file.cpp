@@ -7,6 +7,7 @@
 #include "io/image/stack_reader.h"
 #include "io/paths.h"
 #include "slicemorph/errors.h"
+#include "slicemorph/io/placing.h"
 
 #include <algorithm>
 #include <cctype>
@@ -93,6 +94,7 @@ ImageFile readImage(const InputSpec& input, const ImageOptions& options) {
   if (!input.format || !input.format->readImage)
     throw InputError(input.text, "is no image; use " + readableList(Contents::kImage));
   ImageFile file = input.format->readImage(input, options);
+  place(file.image.lattice, placingOf(input.placing, options.up));
   if (file.volumes > 1 && input.selection.empty())
     file.notes.emplace_back(
         "image.volume-chosen", Severity::kNote, "",

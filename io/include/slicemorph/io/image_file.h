@@ -2,6 +2,7 @@
 
 #include "slicemorph/image.h"
 #include "slicemorph/io/input_spec.h"
+#include "slicemorph/io/memory.h"
 #include "slicemorph/note.h"
 
 #include <string>
@@ -23,6 +24,8 @@ struct ImageOptions {
   Vec3d spacing{
       0, 0,
       0};  ///< millimetres between voxels along i, j, k, for image stacks, which hold none; zero: none given
+  char up = 'y';       ///< the axis that points up in the job, to which one in braces behind a name is turned
+  MemoryLimit memory;  ///< for stacks, whose pictures tell their size before they are read
 };
 
 /// Reads one image: .nii .nii.gz .nrrd .nhdr .mha .mhd .dcm, a folder of DICOM slices, an image stack, a .tif
