@@ -1,6 +1,7 @@
 #include "io/exr/exr_slice_reader.h"
 
 #include "engine/sections/object_boxes.h"
+#include "io/exr/exr_check.h"
 #include "io/exr/exr_slice.h"
 #include "io/paths.h"
 #include "io/sequence.h"
@@ -219,7 +220,7 @@ FileSlices readFile(const std::string& path, const Chosen& chosen) {
 std::vector<std::string> pathsOf(const InputSpec& input) {
   if (!input.isSequence) return {input.path};
   std::vector<std::string> paths;
-  for (const SequenceFile& file : findSequence(input.path)) paths.push_back(file.path);
+  for (const SequenceFile& file : findSequence(input.path, input.range)) paths.push_back(file.path);
   return paths;
 }
 
@@ -229,6 +230,7 @@ ExrSlices readSliceExrs(const InputSpec& input, const std::vector<std::string>& 
   initialiseVdb();
   const std::vector<std::string> paths = pathsOf(input);
   sizeOfInput(paths[0]);
+  for (const std::string& path : paths) checkExrHeader(path);
   const Chosen chosen = guarded(paths[0], [&] {
     Imf::MultiPartInputFile file(paths[0].c_str(), 0);
     const Part part(paths[0], 0, file.header(0));

@@ -1,5 +1,6 @@
 #include "io/image/stack_reader.h"
 
+#include "io/exr/exr_check.h"
 #include "io/image/load_library.h"
 #include "io/image/picture_plugin.h"
 #include "io/image/raw_values.h"
@@ -21,6 +22,9 @@ SlicemorphReadPicture loadPlugin() {
       functionOfPlugin("libslicemorph_pictures.so", "slicemorphReadPicture", "pictures"));
   return function;
 }
+
+/// Pages that are in memory at once, beside the stack, at most: one a thread; of the usual number of these.
+constexpr int kReadAtOnce = 8;
 
 struct FreeValues {
   void operator()(void* values) const { std::free(values); }
@@ -118,8 +122,10 @@ ImageFile readStack(const InputSpec& input, const ImageOptions& options, bool va
     throw InputError(input.text, "a stack of pictures is one volume; nothing can be chosen of it");
   const SlicemorphReadPicture read = loadPlugin();
   const std::vector<SequenceFile> files =
-      input.isSequence ? findSequence(input.path) : std::vector<SequenceFile>();
+      input.isSequence ? findSequence(input.path, input.range) : std::vector<SequenceFile>();
   checkNumbers(input.path, files);
+  for (const SequenceFile& file : files)
+    if (extensionOf(file.path) == ".exr") checkExrHeader(file.path);
   const std::vector<Page> pages = pagesOf(input, files, read);
   const Vec3d& s = options.spacing;
   if (values && !(s[0] > 0 && s[1] > 0 && s[2] > 0))
@@ -138,6 +144,16 @@ ImageFile readStack(const InputSpec& input, const ImageOptions& options, bool va
   if (first.channels > 2)
     file.notes.emplace_back("image.colours-as-luminance", Severity::kNote, "",
                             "colours are taken as luminance");
+  if (values) {
+    // One page more for each thread that reads.
+    const double page = double(first.width) * first.height * first.bytes,
+                 all = page * (double(pages.size()) +
+                               double(first.channels) * std::min(double(pages.size()), double(kReadAtOnce)));
+    options.memory.require(all, input.text,
+                           std::to_string(pages.size()) + " pictures of " + std::to_string(first.width) +
+                               " x " + std::to_string(first.height),
+                           "take fewer or smaller ones");
+  }
   if (values) file.image.values = valuesOf(pages, read, first);
   return file;
 }
