@@ -3,6 +3,7 @@
 #include "engine/volume/level_set.h"
 #include "io/vdb/grid_choice.h"
 #include "slicemorph/errors.h"
+#include "slicemorph/io/placing.h"
 #include "slicemorph/io/vdb_reader.h"
 
 #include <algorithm>
@@ -53,14 +54,18 @@ std::optional<Fog> readFog(const InputSpec& input) {
   if (!input.isGrids()) return std::nullopt;
   const VdbFile file(input.path);
   const size_t index = input.selection.empty() ? gridsToTry(file, input.path).front() : findGrid(file, input);
-  const FloatGrid::ConstPtr density = readDensity(file, index, input.path);
-  if (!density) return std::nullopt;
-  return withDrawn(density, [&](const std::string& wanted) -> openvdb::GridBase::Ptr {
-    const auto& entries = file.entries();
-    for (size_t i = 0; i < entries.size(); ++i)
-      if (i != index && (entries[i].name == wanted || entries[i].name == wanted + "[0]")) return file.read(i);
-    return nullptr;
-  });
+  const FloatGrid::ConstPtr stored = readDensity(file, index, input.path);
+  if (!stored) return std::nullopt;
+  const Placing placing = placingOf(input.placing, 'y');
+  const openvdb::GridBase::Ptr density = placed(openvdb::ConstPtrCast<FloatGrid>(stored), placing);
+  return withDrawn(openvdb::GridBase::grid<FloatGrid>(density),
+                   [&](const std::string& wanted) -> openvdb::GridBase::Ptr {
+                     const auto& entries = file.entries();
+                     for (size_t i = 0; i < entries.size(); ++i)
+                       if (i != index && (entries[i].name == wanted || entries[i].name == wanted + "[0]"))
+                         return placed(file.read(i), placing);
+                     return nullptr;
+                   });
 }
 
 Fog fogOf(const openvdb::GridBase::ConstPtr& density, const openvdb::GridCPtrVec& grids) {

@@ -1,7 +1,13 @@
 #include "io/vdb/grid_choice.h"
 
+#include "engine/volume/same_grid.h"
 #include "engine/volume/surface_colors.h"
 #include "slicemorph/errors.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <set>
 
 namespace slicemorph {
 namespace {
@@ -23,6 +29,97 @@ bool isDense(const openvdb::GridBase& grid) {
   if (!count || !low || !high) return false;
   const openvdb::CoordBBox box{openvdb::Coord(low->value()), openvdb::Coord(high->value())};
   return double(count->value()) > 0.9 * double(box.volume());
+}
+
+/// The words of a name, lower case: `phi_obstacle`, `phiObstacle` and `phi.Obstacle2` are phi and obstacle.
+std::vector<std::string> wordsOf(const std::string& name) {
+  std::vector<std::string> words(1);
+  char before = 0;
+  for (char c : name) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (std::islower(static_cast<unsigned char>(before)) && std::isupper(byte)) words.emplace_back();
+    if (std::isalpha(byte))
+      words.back() += char(std::tolower(byte));
+    else if (!words.back().empty())
+      words.emplace_back();
+    before = c;
+  }
+  if (words.back().empty()) words.pop_back();
+  return words;
+}
+
+/// Names as Mantaflow (Blender), FLIP solvers of Houdini, RealFlow and Bifrost have them.
+const std::set<std::string> kLiquidWords{"phi", "liquid", "fluid", "water"};
+const std::set<std::string> kStaticWords{
+    "obstacle", "obstacles",  "obs",       "collision", "collisions", "collider", "colliders", "static",
+    "boundary", "boundaries", "container", "tank",      "guide",      "guiding",  "in",        "out",
+    "inflow",   "outflow",    "inlet",     "outlet",    "emitter",    "emission", "domain"};
+
+bool holdsAny(const std::vector<std::string>& words, const std::set<std::string>& of) {
+  return std::any_of(words.begin(), words.end(), [&](const std::string& word) { return of.count(word) > 0; });
+}
+
+/// The kinds of grids in the order in which they are tried.
+enum Kind { kLiquid, kLiquidPart, kLevelSet, kDensity, kDense, kUnknown, kFog, kKinds };
+const std::array<const char*, kKinds> kWhy{"a level set that is named as the surface of a liquid",
+                                           "a level set that is named as a part of a liquid",
+                                           "a level set",
+                                           "the density",
+                                           "a level set with values all over its box",
+                                           "values of no class",
+                                           "a fog volume"};
+
+Kind kindOf(const openvdb::GridBase& grid) {
+  const openvdb::GridClass gridClass = grid.getGridClass();
+  if (gridClass == openvdb::GRID_LEVEL_SET) {
+    const std::vector<std::string> words = wordsOf(grid.getName());
+    const bool liquid = isLiquidName(grid.getName());
+    if (!words.empty() && (words.back() == "surface" || (liquid && words.size() == 1))) return kLiquid;
+    return liquid ? kLiquidPart : isDense(grid) ? kDense : kLevelSet;
+  }
+  if (grid.getName() == "density") return kDensity;
+  return gridClass == openvdb::GRID_FOG_VOLUME ? kFog : kUnknown;
+}
+
+/// The statistics by which two files' grids can be told apart without reading them.
+bool haveOtherStatistics(const openvdb::GridBase& a, const openvdb::GridBase& b) {
+  for (const char* name : {openvdb::GridBase::META_FILE_VOXEL_COUNT, openvdb::GridBase::META_FILE_BBOX_MIN,
+                           openvdb::GridBase::META_FILE_BBOX_MAX}) {
+    const openvdb::Metadata::ConstPtr x = a[name], y = b[name];
+    if (x && y && x->str() != y->str()) return true;
+  }
+  return false;
+}
+
+/// Whether a grid is the same in another file.
+bool isSameIn(const VdbFile& file, size_t index, const VdbFile& other) {
+  const openvdb::GridBase::Ptr header = headerOrNull(file, index);
+  for (size_t i = 0; header && i < other.entries().size(); ++i) {
+    if (other.entries()[i].name != file.entries()[index].name) continue;
+    const openvdb::GridBase::Ptr there = headerOrNull(other, i);
+    if (!there || !isScalar(*there) || haveOtherStatistics(*header, *there)) return false;
+    const FloatGrid::ConstPtr a = asFloatGrid(file.read(index)), b = asFloatGrid(other.read(i));
+    return isSame(*a, *b);
+  }
+  return false;
+}
+
+/// Marks the level sets that are the same in all other files, unless all are.
+void markUnchanged(const VdbFile& file, const std::vector<std::string>& besides,
+                   std::vector<GridCandidate>& candidates) {
+  std::vector<GridCandidate*> levelSets;
+  for (GridCandidate& c : candidates)
+    if (const auto header = headerOrNull(file, c.index);
+        !c.isStatic && header->getGridClass() == openvdb::GRID_LEVEL_SET)
+      levelSets.push_back(&c);
+  if (levelSets.size() < 2 || besides.empty()) return;
+  std::vector<GridCandidate*> unchanged;
+  for (GridCandidate* c : levelSets)
+    if (std::all_of(besides.begin(), besides.end(),
+                    [&](const std::string& path) { return isSameIn(file, c->index, VdbFile(path)); }))
+      unchanged.push_back(c);
+  if (unchanged.size() == levelSets.size()) return;
+  for (GridCandidate* c : unchanged) c->isStatic = true, c->why += " that does not change";
 }
 
 std::string listOf(const VdbFile& file) {
@@ -57,24 +154,44 @@ size_t findGrid(const VdbFile& file, const InputSpec& input) {
   throw InputError(input.path, "there is no grid '" + name + "'; " + listOf(file));
 }
 
-std::vector<size_t> gridsToTry(const VdbFile& file, const std::string& path) {
-  std::vector<size_t> levelSets, density, dense, others, fogs;
+std::string plainName(const VdbEntry& entry) {
+  const size_t bracket = entry.name.rfind('[');
+  const bool numbered = bracket != std::string::npos && bracket > 0 && entry.name.back() == ']' &&
+                        entry.name.find_first_not_of("0123456789", bracket + 1) == entry.name.size() - 1;
+  return numbered ? entry.name.substr(0, bracket) : entry.name;
+}
+
+bool isLiquidName(const std::string& name) {
+  return holdsAny(wordsOf(name), kLiquidWords) && !isStaticName(name);
+}
+
+bool isStaticName(const std::string& name) { return holdsAny(wordsOf(name), kStaticWords); }
+
+std::vector<GridCandidate> gridCandidates(const VdbFile& file, const std::string& path,
+                                          const std::vector<std::string>& besides) {
+  std::vector<GridCandidate> candidates;
+  std::vector<Kind> kinds(file.entries().size(), kKinds);
   for (size_t i = 0; i < file.entries().size(); ++i) {
     const openvdb::GridBase::Ptr grid = headerOrNull(file, i);
     if (!grid || !isScalar(*grid)) continue;
-    const openvdb::GridClass gridClass = grid->getGridClass();
-    if (gridClass == openvdb::GRID_LEVEL_SET)
-      (isDense(*grid) ? dense : levelSets).push_back(i);
-    else if (grid->getName() == "density")
-      density.push_back(i);
-    else
-      (gridClass == openvdb::GRID_FOG_VOLUME ? fogs : others).push_back(i);
+    kinds[i] = kindOf(*grid);
+    const bool still = isStaticName(grid->getName());
+    candidates.push_back(
+        {i, still, kWhy[kinds[i]] + std::string(still ? " that is named as what stands still" : "")});
   }
-  for (const auto* more : {&density, &dense, &others, &fogs})
-    levelSets.insert(levelSets.end(), more->begin(), more->end());
-  if (levelSets.empty())
+  if (candidates.empty())
     throw InputError(path, "no grid of scalar values to take a surface from; " + listOf(file));
-  return levelSets;
+  markUnchanged(file, besides, candidates);
+  std::stable_sort(candidates.begin(), candidates.end(), [&](const GridCandidate& a, const GridCandidate& b) {
+    return std::pair(a.isStatic, kinds[a.index]) < std::pair(b.isStatic, kinds[b.index]);
+  });
+  return candidates;
+}
+
+std::vector<size_t> gridsToTry(const VdbFile& file, const std::string& path) {
+  std::vector<size_t> indices;
+  for (const GridCandidate& candidate : gridCandidates(file, path)) indices.push_back(candidate.index);
+  return indices;
 }
 
 std::optional<size_t> findColors(const VdbFile& file) {

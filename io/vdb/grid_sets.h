@@ -3,6 +3,7 @@
 #include "slicemorph/io/input.h"
 #include "slicemorph/note.h"
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,10 @@ namespace slicemorph {
 struct GridSet {
   std::string name;
   std::vector<std::optional<size_t>> index;  ///< per input: index in its file; none where it has no such grid
+  /// Of a vector field that files hold as three grids of numbers, as `vel.x vel.y vel.z`, whose common name is `name`:
+  /// the names of these, and per input the indices of the second and the third; else empty.
+  std::vector<std::string> parts = {};
+  std::vector<std::array<size_t, 2>> others = {};
 };
 
 /// The grids of several inputs' files, paired.
@@ -31,8 +36,8 @@ GridSets pairGrids(const std::vector<LoadedObject>& inputs, bool onlyNamed = fal
 /// is named after the first of them.
 GridSet shapeSet(const std::vector<LoadedObject>& inputs);
 
-/// A set's grids, one per input, null where it has none. Voxels are loaded when they are first
-/// accessed. Throws IoError.
+/// A set's grids, one per input, null where it has none; three parts of a vector field are joined to one grid, and
+/// splitParts() makes them three again. Voxels are loaded when they are first accessed. Throws IoError.
 std::vector<openvdb::GridBase::ConstPtr> readGrids(const GridSet& set,
                                                    const std::vector<LoadedObject>& inputs);
 

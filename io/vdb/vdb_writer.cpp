@@ -7,11 +7,14 @@
 #include <openvdb/io/Archive.h>
 
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
 #include <ostream>
+#include <set>
 #include <string_view>
+#include <vector>
 
 namespace slicemorph {
 namespace {
@@ -52,13 +55,36 @@ class Hash {
   std::array<std::uint64_t, 2> halves_{0xcbf29ce484222325ULL, 0x84222325cbf29ce4ULL};
 };
 
-/// A grid that shares the tree of `grid`, with our creator and without the statistics that
-/// OpenVDB writes anew.
+/// Whether metadata of this name tells of where the values of an input were, which no longer holds: statistics of its
+/// file, boxes, and regions of interest that programs mark.
+bool isStale(const std::string& name) {
+  if (name.compare(0, 5, "file_") == 0) return true;
+  static const std::set<std::string> words{"roi",    "bbox",    "bounds",   "extent", "extents",
+                                           "region", "regions", "checksum", "hash"};
+  std::string word;
+  for (char c : name + "/") {
+    if (std::isalnum(static_cast<unsigned char>(c))) {
+      word += char(std::tolower(static_cast<unsigned char>(c)));
+    } else {
+      if (words.count(word)) return true;
+      word.clear();
+    }
+  }
+  return false;
+}
+
+void removeStale(openvdb::MetaMap& metadata) {
+  std::vector<std::string> stale;
+  for (auto item = metadata.beginMeta(); item != metadata.endMeta(); ++item)
+    if (isStale(item->first)) stale.push_back(item->first);
+  for (const std::string& name : stale) metadata.removeMeta(name);
+}
+
+/// A grid that shares the tree of `grid`, with our creator and without what no longer holds; statistics OpenVDB writes
+/// anew.
 openvdb::GridBase::Ptr stamped(const openvdb::GridBase& grid) {
   const openvdb::GridBase::Ptr copy = openvdb::ConstPtrCast<openvdb::GridBase>(grid.copyGrid());
-  for (const char* name :
-       {"file_bbox_min", "file_bbox_max", "file_mem_bytes", "file_voxel_count", "file_compression"})
-    copy->removeMeta(name);
+  removeStale(*copy);
   copy->setCreator(kCreator);
   return copy;
 }
@@ -69,6 +95,7 @@ void writeVdb(const std::string& path, const openvdb::GridCPtrVec& grids, const 
   initialiseVdb();
   AtomicFile file(path);
   openvdb::MetaMap metadata = options.metadata;
+  removeStale(metadata);
   metadata.insertMeta("creator", openvdb::StringMetadata(kCreator));
   metadata.insertMeta("fps", openvdb::FloatMetadata(float(options.framesPerSecond)));
   metadata.insertMeta("frame", openvdb::Int32Metadata(options.frame));

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "slicemorph/io/vdb_reader.h"
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace slicemorph {
+
+/// Three grids of numbers that are the components of one vector field: `vel.x vel.y vel.z`, `v_x v_y v_z`, `velX velY
+/// velZ`.
+struct VectorParts {
+  std::string name;               ///< what they have in common: `vel`
+  std::array<size_t, 3> index{};  ///< in the file
+};
+
+/// Those of a file: of one type, on voxels of one transform, each name there once.
+std::vector<VectorParts> findVectorParts(const VdbFile& file);
+
+/// One grid of vectors, active where any of the parts is; with the metadata of the first part.
+openvdb::GridBase::Ptr joinParts(const std::array<openvdb::GridBase::ConstPtr, 3>& parts,
+                                 const std::string& name);
+
+/// The components of a vector grid as three grids of these names, active where it is.
+openvdb::GridPtrVec splitParts(const openvdb::GridBase& vectors, const std::vector<std::string>& names);
+
+}  // namespace slicemorph
