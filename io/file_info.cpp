@@ -121,15 +121,19 @@ GridInfo describeGrid(const VdbFile& file, size_t index) {
   return info;
 }
 
-/// The grid that loadObject would take; empty where it would find none.
-std::string chosenGrid(const VdbFile& file, const std::string& path, const std::vector<GridInfo>& grids) {
+/// Sets the grid that loadObject would take, where it would find one.
+void chooseGridOf(const VdbFile& file, const std::string& path, VdbInfo& info) {
   try {
-    for (size_t index : gridsToTry(file, path)) {
-      if (grids[index].problem.empty()) return grids[index].name;
+    const std::vector<GridCandidate> candidates = gridCandidates(file, path);
+    for (const GridCandidate& candidate : candidates) {
+      if (candidate.isStatic && !candidates[0].isStatic) return;
+      if (!info.grids[candidate.index].problem.empty()) continue;
+      info.chosen = info.grids[candidate.index].name;
+      if (candidates.size() > 1) info.why = candidate.why;
+      return;
     }
   } catch (const InputError&) {
   }
-  return "";
 }
 
 VdbInfo describeVdb(const InputSpec& input) {
@@ -143,7 +147,7 @@ VdbInfo describeVdb(const InputSpec& input) {
     return info;
   }
   for (size_t i = 0; i < file.entries().size(); ++i) info.grids.push_back(describeGrid(file, i));
-  info.chosen = chosenGrid(file, input.path, info.grids);
+  chooseGridOf(file, input.path, info);
   return info;
 }
 

@@ -2,6 +2,8 @@
 
 #include "engine/volume/image_shape.h"
 #include "engine/volume/level_set.h"
+#include "engine/volume/seed.h"
+#include "engine/volume/strays.h"
 #include "engine/volume/surface_colors.h"
 #include "engine/volume/voxelise.h"
 #include "io/format.h"
@@ -42,18 +44,39 @@ void checkOptions(const LoadOptions& options) {
   if (!why.str().empty()) throw InputError(why.str());
 }
 
-double voxelSizeFor(const Mesh& mesh, int resolution) {
-  openvdb::BBoxd box;
-  for (const openvdb::Vec3s& p : mesh.points) box.expand(Vec3d(p));
-  return box.extents()[int(box.maxExtent())] / resolution;
+Placing placingFor(const InputSpec& input, const LoadOptions& options) {
+  return options.placing.after(placingOf(input.placing, options.image.up));
+}
+
+/// Bytes that voxelising takes for each voxel of the narrow band: 37 to 40 were measured on balls at 512 and 1024
+/// voxels.
+constexpr double kBandVoxelBytes = 30;
+
+/// Throws MemoryError where the narrow band around a mesh would not fit.
+void requireForBand(const SolidMesh& solid, double voxelSize, const MemoryLimit& limit) {
+  double area = 0;
+  for (const Mesh* mesh : {&solid.mesh, &solid.sheets})
+    for (const openvdb::Vec3I& t : mesh->triangles) {
+      const Vec3d a(mesh->points[t[0]]);
+      area += (Vec3d(mesh->points[t[1]]) - a).cross(Vec3d(mesh->points[t[2]]) - a).length() / 2;
+    }
+  const double voxels = area / (voxelSize * voxelSize) * 2 * kHalfWidth, bytes = voxels * kBandVoxelBytes;
+  if (!(bytes > limit.left())) return;
+  std::ostringstream what, advice;
+  what << "a grid with voxels of " << voxelSize << " and " << voxels << " of these around the surface";
+  advice << "use a --voxel-size of at least " << voxelSize * std::sqrt(bytes / std::max(limit.left(), 1.0));
+  limit.require(bytes, "", what.str(), advice.str());
 }
 
 LoadedObject loadMesh(const InputSpec& input, const LoadOptions& options) {
-  const StoredMesh stored = readPolygons(input);
+  StoredMesh stored = readPolygons(input);
+  place(stored.mesh.points, placingFor(input, options));
   SolidOptions wanted;
   wanted.voxelSize = options.voxelSize, wanted.shell = options.shell;
   wanted.resolution = options.resolution ? options.resolution : kDefaultResolution;
-  MeshSolid solid = solidOfFile(input.path, stored, wanted);
+  MeshSolid solid = solidOfFile(input.path, stored, wanted, [&](const SolidMesh& mesh) {
+    requireForBand(mesh, voxelSizeOf(mesh, wanted), options.memory);
+  });
   LoadedObject loaded;
   loaded.object.levelSet = std::move(solid.levelSet);
   loaded.notes = std::move(solid.notes);
@@ -68,7 +91,7 @@ double voxelSizeFor(const FloatGrid& grid, const LoadOptions& options) {
   if (!options.resolution && !limited) return options.voxelSize;
   if (!reading.problem.empty()) throw GeometryError(reading.problem);
   if (options.resolution) return voxelSizeFor(surfaceAsRead(grid, reading), options.resolution);
-  const openvdb::BBoxd box = grid.transform().indexToWorld(grid.evalActiveVoxelBoundingBox());
+  const openvdb::BBoxd box = grid.transform().indexToWorld(findStrays(grid).body);
   return std::max(box.extents()[int(box.maxExtent())] / options.fogResolution, grid.voxelSize()[0]);
 }
 
@@ -82,40 +105,113 @@ LoadedObject loadGrid(const FloatGrid::ConstPtr& grid, const LoadOptions& option
   return loaded;
 }
 
+/// Takes out of a shape what lies so far away that the rest would be too small for the matching.
+void leaveOutStrays(LoadedObject& loaded) {
+  const Strays strays = findStrays(*loaded.object.levelSet);
+  if (strays.leaves.empty()) return;
+  loaded.object.levelSet = withoutStrays(*loaded.object.levelSet, strays);
+  std::ostringstream note;
+  note << strays.pieces << (strays.pieces == 1 ? " piece, " : " pieces, ") << 100 * strays.share
+       << " % of it, " << (strays.pieces == 1 ? "lies" : "lie") << " many times its size away and "
+       << (strays.pieces == 1 ? "takes" : "take") << " no part in the matching"
+       << (loaded.fog ? "" : ": left out");
+  loaded.notes.emplace_back("volume.strays", loaded.fog ? Severity::kNote : Severity::kWarning, "",
+                            note.str());
+}
+
+/// Whether a grid has no active voxels, or none within its surface.
+bool holdsNothing(const FloatGrid& grid, const LoadOptions& options) {
+  if (grid.activeVoxelCount() == 0) return true;
+  const LevelSetReading reading = readingOf(grid, 0, options.iso);
+  if (reading.problem.empty() || !std::isfinite(reading.minimum) || !std::isfinite(reading.maximum))
+    return false;
+  return reading.fog ? reading.maximum <= reading.iso : reading.minimum >= reading.iso;
+}
+
 /// Colours around the level set from a colour grid of the file; null where it has none.
-openvdb::Vec3SGrid::ConstPtr colorsBeside(const VdbFile& file, const FloatGrid& levelSet) {
+openvdb::Vec3SGrid::ConstPtr colorsBeside(const VdbFile& file, const FloatGrid& levelSet,
+                                          const Placing& placing) {
   const std::optional<size_t> index = findColors(file);
   if (!index) return nullptr;
-  const openvdb::Vec3SGrid::ConstPtr colors = asColorGrid(file.read(*index));
+  const openvdb::Vec3SGrid::ConstPtr colors = asColorGrid(placed(file.read(*index), placing));
   return colors ? colorsAround(levelSet, *colors) : nullptr;
 }
 
-LoadedObject loadVdb(const InputSpec& input, const LoadOptions& options) {
-  const auto opened = std::make_shared<const VdbFile>(input.path);
-  const VdbFile& file = *opened;
-  const bool named = !input.selection.empty();
+/// Throws MemoryError where a grid that states its size in memory would not fit.
+void requireForGrid(const VdbFile& file, size_t index, const MemoryLimit& limit) {
+  const openvdb::GridBase::ConstPtr header = file.readHeader(index);
+  const auto bytes = header->getMetadata<openvdb::Int64Metadata>(openvdb::GridBase::META_FILE_MEM_BYTES);
+  if (bytes)
+    limit.require(double(bytes->value()), "", "grid '" + file.entries()[index].name + "'",
+                  "write it with larger voxels, or let the program take more");
+}
+
+LoadedObject loadCandidate(const std::shared_ptr<const VdbFile>& file, size_t index, const Placing& placing,
+                           const LoadOptions& options) {
+  requireForGrid(*file, index, options.memory);
+  const openvdb::GridBase::Ptr stored = placed(file->read(index), placing);
+  const FloatGrid::ConstPtr grid = asFloatGrid(stored);
+  LoadedObject loaded;
+  try {
+    loaded = loadGrid(grid, options);
+  } catch (const GeometryError& error) {
+    if (holdsNothing(*grid, options)) throw NothingError(error.what());
+    throw;
+  }
+  loaded.file = file;
+  loaded.grid = index;
+  loaded.gridName = plainName(file->entries()[index]);
+  loaded.doubles = stored->isType<openvdb::DoubleGrid>();
+  if (!loaded.fog) loaded.colors = colorsBeside(*file, *loaded.object.levelSet, placing);
+  return loaded;
+}
+
+Note noteOnChoice(const VdbFile& file, const GridCandidate& taken, const std::string& passedOver) {
+  return {"vdb.grid-chosen", Severity::kNote, "",
+          "took grid '" + file.entries()[taken.index].name + "' of " + std::to_string(file.entries().size()) +
+              ", " + taken.why + passedOver};
+}
+
+/// Tries the candidates; what is static only where there is nothing else.
+LoadedObject loadUnnamed(const std::shared_ptr<const VdbFile>& file, const InputSpec& input,
+                         const LoadOptions& options) {
   std::string passedOver;
-  for (size_t index : named ? std::vector<size_t>{findGrid(file, input)} : gridsToTry(file, input.path)) {
-    const std::string grid = file.entries()[index].name;
+  bool onlyNothing = true;
+  const std::vector<GridCandidate> candidates = gridCandidates(*file, input.path, options.besides);
+  for (const GridCandidate& candidate : candidates) {
+    if (candidate.isStatic && (options.movingOnly || !candidates[0].isStatic)) break;
+    const std::string grid = file->entries()[candidate.index].name;
     try {
-      LoadedObject loaded = loadGrid(asFloatGrid(file.read(index)), options);
-      loaded.file = opened;
-      loaded.grid = index;
-      loaded.named = named;
-      if (!loaded.fog) loaded.colors = colorsBeside(file, *loaded.object.levelSet);
-      if (!named && file.entries().size() > 1) {
-        loaded.notes.insert(
-            loaded.notes.begin(),
-            Note("vdb.grid-chosen", Severity::kNote, "",
-                 "took grid '" + grid + "' of " + std::to_string(file.entries().size()) + passedOver));
-      }
+      LoadedObject loaded = loadCandidate(file, candidate.index, placingFor(input, options), options);
+      if (file->entries().size() > 1)
+        loaded.notes.insert(loaded.notes.begin(), noteOnChoice(*file, candidate, passedOver));
       return loaded;
     } catch (const GeometryError& error) {
-      if (named) throw GeometryError(input.path + ": grid '" + grid + "'", error.what());
+      onlyNothing = onlyNothing && dynamic_cast<const NothingError*>(&error);
       passedOver += "; '" + grid + std::string("' is no shape: ") + error.what();
     }
   }
+  if (candidates.back().isStatic && !candidates[0].isStatic)
+    passedOver += "; what stands still is taken where it is named, " + input.path + ":" +
+                  file->entries()[candidates.back().index].name;
+  if (onlyNothing) throw NothingError("no grid is a shape" + passedOver);
   throw GeometryError("no grid is a shape" + passedOver);
+}
+
+LoadedObject loadVdb(const InputSpec& input, const LoadOptions& options) {
+  const auto file = std::make_shared<const VdbFile>(input.path);
+  if (input.selection.empty()) return loadUnnamed(file, input, options);
+  const size_t index = findGrid(*file, input);
+  const std::string about = input.path + ": grid '" + file->entries()[index].name + "'";
+  try {
+    LoadedObject loaded = loadCandidate(file, index, placingFor(input, options), options);
+    loaded.named = true;
+    return loaded;
+  } catch (const NothingError& error) {
+    throw NothingError(about, error.what());
+  } catch (const GeometryError& error) {
+    throw GeometryError(about, error.what());
+  }
 }
 
 /// Voxel size of the level set of an image's shape, world units.
@@ -150,6 +246,7 @@ LoadedObject loadImage(const InputSpec& input, const LoadOptions& options) {
   ImageFile file = readImage(input, options.image);
   LoadedObject loaded;
   loaded.notes = std::move(file.notes);
+  place(file.image.lattice, options.placing);
   loaded.image = std::make_shared<const Image>(std::move(file.image));
   const Image& image = *loaded.image;
   const bool isoGiven = options.isoGiven || options.iso != 0;
@@ -215,6 +312,7 @@ LoadedObject load(const InputSpec& input, const LoadOptions& options) {
     case Contents::kImage:
       loaded = loadImage(input, options);
       loaded.object.name = input.text;
+      loaded.placing = placingFor(input, options);
       return loaded;
     case Contents::kGrids:
       loaded = loadVdb(input, options);
@@ -226,6 +324,8 @@ LoadedObject load(const InputSpec& input, const LoadOptions& options) {
       refuseAsShape(input);
   }
   loaded.object.name = std::filesystem::path(input.path).stem().string();
+  loaded.placing = placingFor(input, options);
+  if (options.matching) leaveOutStrays(loaded);
   return loaded;
 }
 
@@ -242,17 +342,44 @@ LoadedObject loadObject(const InputSpec& input, const LoadOptions& options) {
   initialiseVdb();
   try {
     return load(input, options);
+  } catch (const NothingError& error) {
+    rethrow(input.path, error);
   } catch (const GeometryError& error) {
     rethrow(input.path, error);
   } catch (const InputError& error) {
     rethrow(input.path, error);
+  } catch (const MemoryError& error) {
+    rethrow(input.path, error);
   } catch (const std::bad_alloc&) {
-    throw IoError(input.path, "cannot be read: there is not enough memory; use a larger voxel size");
+    throw MemoryError(input.path, "cannot be read: there is not enough memory; use a larger --voxel-size");
   }
 }
 
 LoadedObject loadObject(const std::string& text, const LoadOptions& options) {
   return loadObject(parseInput(text), options);
+}
+
+std::string surfaceNameOf(const std::vector<LoadedObject>& inputs) {
+  for (const LoadedObject& input : inputs)
+    if (input.file && !input.fog && !input.gridName.empty()) return input.gridName;
+  return "surface";
+}
+
+LoadedObject asNothing(const LoadedObject& piece, const InputSpec& file) {
+  LoadedObject nothing = piece;
+  nothing.nothing = true;
+  nothing.notes.clear();
+  nothing.colors = nullptr;
+  if (!piece.fog) nothing.object.levelSet = seedIn(*piece.object.levelSet);
+  nothing.object.inner.clear();
+  if (!piece.file) return nothing;
+  nothing.object.name = std::filesystem::path(file.path).stem().string();
+  nothing.file = std::make_shared<const VdbFile>(file.path);
+  nothing.grid = LoadedObject::kNoGrid;
+  for (size_t i = 0; i < nothing.file->entries().size(); ++i)
+    if (nothing.grid == LoadedObject::kNoGrid && plainName(nothing.file->entries()[i]) == piece.gridName)
+      nothing.grid = i;
+  return nothing;
 }
 
 LoadOptions optionsOfInput(const LoadOptions& options, size_t input) {

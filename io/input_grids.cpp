@@ -36,7 +36,7 @@ void addVdb(const InputSpec& input, const std::vector<std::string>& wanted, bool
                                     file.entries()[i].type + " cannot be sliced");
       continue;
     }
-    const openvdb::GridBase::Ptr grid = file.readDelayed(i);
+    const openvdb::GridBase::Ptr grid = placed(file.readDelayed(i), placingOf(input.placing, 'y'));
     if (objectBoxes(*grid).empty()) {
       result.notes.emplace_back("vdb.grid-left-out", Severity::kNote, "",
                                 "grid '" + own + "' is left out: it is empty");

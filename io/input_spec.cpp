@@ -6,7 +6,10 @@
 #include "slicemorph/errors.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <filesystem>
+#include <sstream>
 
 namespace slicemorph {
 namespace {
@@ -36,15 +39,71 @@ size_t colonBehindImage(const std::string& text) {
   return fits ? colon : std::string::npos;
 }
 
-/// Splits the text into path and selection.
+[[noreturn]] void refusePlacing(const InputSpec& spec, const std::string& what) {
+  throw InputError(spec.text,
+                   what +
+                       "; in braces stand scale=FACTOR, upright=x|y|z and fit=none|size|box, with commas "
+                       "between them, as {scale=0.001,upright=z}");
+}
+
+double scaleOf(const InputSpec& spec, const std::string& value) {
+  char* end = nullptr;
+  const double scale = std::strtod(value.c_str(), &end);
+  if (value.empty() || *end || !(scale > 0) || !std::isfinite(scale))
+    refusePlacing(spec, "scale=" + value + " is no number above 0");
+  return scale;
+}
+
+/// Takes what stands in braces off the end of the path.
+void splitPlacing(InputSpec& spec) {
+  const size_t open = spec.path.rfind('{');
+  if (spec.path.empty() || spec.path.back() != '}' || open == std::string::npos) return;
+  std::istringstream items(spec.path.substr(open + 1, spec.path.size() - open - 2));
+  for (std::string item; std::getline(items, item, ',');) {
+    item.erase(std::remove(item.begin(), item.end(), ' '), item.end());
+    const size_t equals = item.find('=');
+    const std::string key = item.substr(0, equals),
+                      value = equals == std::string::npos ? "" : item.substr(equals + 1);
+    if (key == "scale")
+      spec.placing.scale = scaleOf(spec, value);
+    else if (key == "upright" && (value == "x" || value == "y" || value == "z"))
+      spec.placing.upright = value[0];
+    else if (key == "fit" && (value == "none" || value == "size" || value == "box"))
+      spec.placing.fit = value;
+    else
+      refusePlacing(spec, "'" + item + "' is not understood");
+  }
+  if (!spec.placing.given()) refusePlacing(spec, "nothing stands in the braces");
+  spec.placing.text = spec.path.substr(open);
+  spec.path.resize(open);
+}
+
+/// Takes `@10-40x2` out of the path of a sequence; it may stand before or behind the name of a grid.
+void splitRange(InputSpec& spec) {
+  const size_t at = spec.path.rfind('@'), hash = spec.path.rfind('#');
+  if (at == std::string::npos || hash == std::string::npos || at < hash) return;
+  const size_t end = std::min(spec.path.find(':', at), spec.path.size());
+  const std::string before = spec.path.substr(0, at), range = spec.path.substr(at + 1, end - at - 1);
+  // Names of files may hold this mark, too.
+  if (range.find_first_of("./") != std::string::npos) return;
+  if (numbersOfRange(range).empty())
+    throw InputError(spec.text, "'@" + range +
+                                    "' is no range of frames; for example @10-40, each second of these "
+                                    "@10-40x2, or @1,5,10-20");
+  spec.path = before + spec.path.substr(end);
+  spec.range = range;
+}
+
+/// Splits the path into path and selection.
 void splitSelection(InputSpec& spec) {
-  if (isThere(spec.text)) return;
-  size_t colon = colonBehindImage(spec.text);
+  const std::string text = spec.path;
+  if (isThere(text)) return;
+  size_t colon = colonBehindImage(text);
   const bool grid = colon == std::string::npos;
-  if (grid) colon = colonBehindVdb(spec.text);
+  if (grid) colon = colonBehindVdb(text);
   if (colon == std::string::npos) return;
-  spec.path = spec.text.substr(0, colon);
-  spec.selection = spec.text.substr(colon + 1);
+  spec.path = text.substr(0, colon);
+  spec.selection = text.substr(colon + 1);
   if (spec.selection.empty())
     throw InputError(spec.text,
                      grid ? "no grid is named after the colon" : "nothing is named after the colon");
@@ -55,6 +114,8 @@ void splitSelection(InputSpec& spec) {
 InputSpec parseInput(const std::string& text) {
   InputSpec spec;
   spec.text = spec.path = text;
+  if (!isThere(text)) splitPlacing(spec);
+  if (!isThere(spec.path)) splitRange(spec);
   splitSelection(spec);
   spec.isSequence = isNumbered(spec.path);
   spec.format = formatToRead(spec.path);
@@ -64,10 +125,12 @@ InputSpec parseInput(const std::string& text) {
 
 std::vector<InputFrame> framesOf(const InputSpec& input) {
   std::vector<InputFrame> frames;
-  for (const SequenceFile& file : findSequence(input.path)) {
+  for (const SequenceFile& file : findSequence(input.path, input.range)) {
     InputSpec one = input;
     one.path = file.path;
     one.text = input.selection.empty() ? file.path : file.path + ":" + input.selection;
+    one.text += input.placing.text;
+    one.range.clear();
     one.isSequence = false;
     frames.push_back({file.number, std::move(one)});
   }
@@ -79,7 +142,7 @@ std::vector<std::string> filesOfInput(const InputSpec& input) {
   std::vector<std::string> files;
   std::error_code error;
   if (input.isSequence) {
-    for (const SequenceFile& file : findSequence(input.path)) files.push_back(file.path);
+    for (const SequenceFile& file : findSequence(input.path, input.range)) files.push_back(file.path);
   } else if (input.isImage() && fs::is_directory(input.path, error)) {
     for (const auto& entry : fs::directory_iterator(input.path, error))
       if (entry.is_regular_file()) files.push_back(entry.path().string());

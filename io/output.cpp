@@ -57,11 +57,14 @@ void checkSurfaceOutput(const std::string& path) {
   if (std::filesystem::is_directory(path, ignored)) throw IoError(path, "is a folder, not a file");
 }
 
-FloatGrid::Ptr surfaceGrid(const FloatGrid& levelSet, const SurfaceOutput& options) {
-  FloatGrid::Ptr grid = FloatGrid::create(openvdb::ConstPtrCast<openvdb::FloatTree>(levelSet.treePtr()));
-  grid->insertMeta(levelSet);
-  grid->setTransform(levelSet.transform().copy());
-  grid->setName("surface");
+openvdb::GridBase::Ptr surfaceGrid(const FloatGrid& levelSet, const SurfaceOutput& options) {
+  const FloatGrid::Ptr floats =
+      FloatGrid::create(openvdb::ConstPtrCast<openvdb::FloatTree>(levelSet.treePtr()));
+  floats->insertMeta(levelSet);
+  floats->setTransform(levelSet.transform().copy());
+  const openvdb::GridBase::Ptr grid =
+      options.doubles ? openvdb::GridBase::Ptr(new openvdb::DoubleGrid(*floats)) : floats;
+  grid->setName(options.name);
   grid->setGridClass(openvdb::GRID_LEVEL_SET);
   grid->setSaveFloatAsHalf(options.halfFloat);
   grid->insertMeta("fps", openvdb::FloatMetadata(float(options.vdb.framesPerSecond)));

@@ -4,11 +4,95 @@
 #include "slicemorph/io/output.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
+#include <numeric>
+#include <set>
+#include <sstream>
 
 namespace slicemorph {
+namespace {
 
-std::vector<SequenceFile> findSequence(const std::string& pattern) {
+constexpr size_t kMostNumbers = 1000000;
+
+/// Reads a whole number of at most nine digits from `at` on, and moves behind it; below 0: there is none.
+int readNumber(const std::string& text, size_t& at) {
+  const size_t end = std::min(text.find_first_not_of("0123456789", at), text.size());
+  const size_t begin = at;
+  at = end;
+  return end == begin || end - begin > 9 ? -1 : std::atoi(text.substr(begin, end - begin).c_str());
+}
+
+/// Adds the numbers of `10`, `10-40` or `10-40x2`; false where the text is none of these.
+bool addRun(const std::string& text, std::set<int>& numbers) {
+  size_t at = 0;
+  const int first = readNumber(text, at);
+  int last = first, step = 1;
+  if (at < text.size() && text[at] == '-') last = readNumber(text, ++at);
+  if (at < text.size() && text[at] == 'x') step = readNumber(text, ++at);
+  if (first < 0 || last < first || step < 1 || at != text.size()) return false;
+  if (size_t(last - first) / size_t(step) >= kMostNumbers) return false;
+  for (long n = first; n <= last; n += step) numbers.insert(int(n));
+  return numbers.size() <= kMostNumbers;
+}
+
+std::vector<SequenceFile> onlyOf(const std::vector<SequenceFile>& files, const std::string& pattern,
+                                 const std::string& range) {
+  std::vector<SequenceFile> kept;
+  std::vector<int> missing;
+  for (int number : numbersOfRange(range)) {
+    const auto found = std::lower_bound(files.begin(), files.end(), number,
+                                        [](const SequenceFile& file, int n) { return file.number < n; });
+    if (found != files.end() && found->number == number)
+      kept.push_back(*found);
+    else
+      missing.push_back(number);
+  }
+  if (!missing.empty())
+    throw IoError(pattern + "@" + range, (missing.size() == 1 ? "frame " : "frames ") +
+                                             listOfNumbers(missing) + (missing.size() == 1 ? " is" : " are") +
+                                             " missing; there are " + std::to_string(files.front().number) +
+                                             " to " + std::to_string(files.back().number));
+  return kept;
+}
+
+}  // namespace
+
+std::vector<int> numbersOfRange(const std::string& text) {
+  std::set<int> numbers;
+  std::istringstream runs(text);
+  for (std::string run; std::getline(runs, run, ',');)
+    if (!addRun(run, numbers)) return {};
+  if (!text.empty() && text.back() == ',') return {};
+  return {numbers.begin(), numbers.end()};
+}
+
+std::string listOfNumbers(const std::vector<int>& numbers) {
+  constexpr int kMostRuns = 8;
+  std::string list;
+  int runs = 0;
+  for (size_t i = 0; i < numbers.size(); ++runs) {
+    size_t end = i;
+    while (end + 1 < numbers.size() && numbers[end + 1] == numbers[end] + 1) ++end;
+    if (runs == kMostRuns) return list + " ...";
+    list +=
+        (i ? ", " : "") + std::to_string(numbers[i]) + (end > i ? "-" + std::to_string(numbers[end]) : "");
+    i = end + 1;
+  }
+  return list;
+}
+
+std::vector<int> missingNumbers(const std::vector<SequenceFile>& files) {
+  int step = 0;
+  for (size_t i = 1; i < files.size(); ++i) step = std::gcd(step, files[i].number - files[i - 1].number);
+  std::vector<int> missing;
+  for (size_t i = 1; i < files.size(); ++i)
+    for (int n = files[i - 1].number + step; n < files[i].number && missing.size() < kMostNumbers; n += step)
+      missing.push_back(n);
+  return missing;
+}
+
+std::vector<SequenceFile> findSequence(const std::string& pattern, const std::string& range) {
   namespace fs = std::filesystem;
   const fs::path parent = fs::path(pattern).parent_path();
   const std::string name = fs::path(pattern).filename().string();
@@ -31,6 +115,7 @@ std::vector<SequenceFile> findSequence(const std::string& pattern) {
   }
   if (files.empty()) throw IoError(pattern, "no such files");
   std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) { return a.number < b.number; });
+  if (!range.empty()) return onlyOf(files, pattern, range);
   return files;
 }
 

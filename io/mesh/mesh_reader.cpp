@@ -95,8 +95,11 @@ RepairedMesh closeSurface(const std::string& path, const StoredMesh& stored) {
   return result;
 }
 
-MeshSolid solidOfFile(const std::string& path, const StoredMesh& stored, const SolidOptions& options) {
+MeshSolid solidOfFile(const std::string& path, const StoredMesh& stored, const SolidOptions& options,
+                      const std::function<void(const SolidMesh&)>& check) {
   return withSolid(path, stored, [&](SolidMesh mesh) {
+    refuseSheets(mesh, options);
+    check(mesh);
     MeshSolid solid = solidOf(std::move(mesh), options);
     solid.notes = allNotes(stored, solid.notes);
     return solid;

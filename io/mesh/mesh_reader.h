@@ -3,6 +3,7 @@
 #include "engine/volume/solid_of_mesh.h"
 #include "slicemorph/io/input_spec.h"
 
+#include <functional>
 #include <string>
 
 namespace slicemorph {
@@ -31,8 +32,10 @@ StoredMesh readPolygons(const InputSpec& input);
 RepairedMesh closeSurface(const std::string& path, const StoredMesh& stored);
 
 /// The solid that a mesh is, closed or not, with notes on the file before those on repairs. Throws, naming `path`,
-/// what solidOf throws, and IoError for a surface with holes in a file that seems cut short (`endsInLine`).
-MeshSolid solidOfFile(const std::string& path, const StoredMesh& stored, const SolidOptions& options);
+/// what solidOf throws, and IoError for a surface with holes in a file that seems cut short (`endsInLine`). `check` is
+/// called before anything is voxelised, and may throw.
+MeshSolid solidOfFile(const std::string& path, const StoredMesh& stored, const SolidOptions& options,
+                      const std::function<void(const SolidMesh&)>& check);
 
 /// What solidOfFile would note or throw, without voxelising.
 Notes checkSolid(const std::string& path, const StoredMesh& stored, const SolidOptions& options);

@@ -112,6 +112,49 @@ TEST_F(Formats, FramesOfASequenceKeepTheSelection) {
   EXPECT_THROW(framesOf(parseInput(file("t.####.vdb"))), IoError);
 }
 
+TEST_F(Formats, RangesTakeSomeFramesOfASequence) {
+  for (int n : {1, 2, 3, 4, 7, 8}) write("s.000" + std::to_string(n) + ".vdb");
+  const auto numbersOf = [&](const std::string& text) {
+    std::vector<int> numbers;
+    for (const InputFrame& frame : framesOf(parseInput(file(text)))) numbers.push_back(frame.number);
+    return numbers;
+  };
+  EXPECT_EQ(numbersOf("s.####.vdb@1-4x2"), (std::vector<int>{1, 3}));
+  EXPECT_EQ(numbersOf("s.####.vdb@8,2-3"), (std::vector<int>{2, 3, 8}));
+  EXPECT_EQ(numbersOf("s.####.vdb@2:fog"), (std::vector<int>{2}));
+  EXPECT_EQ(parseInput(file("s.####.vdb@2:fog")).selection, "fog");
+  EXPECT_EQ(parseInput(file("s.####.vdb:fog@2")).range, "2");
+  EXPECT_EQ(filesOfInput(parseInput(file("s.####.vdb@3-4"))).size(), 2u);
+  try {
+    numbersOf("s.####.vdb@3-8");
+    ADD_FAILURE() << "frames are missing";
+  } catch (const IoError& error) {
+    EXPECT_NE(std::string(error.what()).find("frames 5-6 are missing"), std::string::npos) << error.what();
+  }
+  for (const char* wrong : {"@", "@4-1", "@1-", "@-3", "@x", "@1-3x0", "@1,,2", "@1-2000000"})
+    EXPECT_THROW(parseInput(file("s.####.vdb") + wrong), InputError) << wrong;
+  // The mark may be in a name, and means nothing where there is no sequence.
+  EXPECT_TRUE(parseInput(file("a.####@home.vdb")).range.empty());
+  EXPECT_EQ(parseInput(file("a@3.vdb")).path, file("a@3.vdb"));
+}
+
+TEST_F(Formats, BracesPlaceAnInput) {
+  const InputSpec spec = parseInput(file("a.vdb:fog{scale=0.5, upright=z}"));
+  EXPECT_EQ(spec.path, file("a.vdb"));
+  EXPECT_EQ(spec.selection, "fog");
+  EXPECT_EQ(spec.placing.scale, 0.5);
+  EXPECT_EQ(spec.placing.upright, 'z');
+  EXPECT_TRUE(spec.isGrids());
+  const std::string named = write("b{1}.obj");
+  EXPECT_EQ(parseInput(named).path, named);
+  for (const char* wrong : {"{}", "{scale=-1}", "{scale=1e999}", "{upright=q}", "{fit=tight}", "{turn=3}"})
+    EXPECT_THROW(parseInput(file("a.obj") + wrong), InputError) << wrong;
+  write("s.0001.vdb");
+  // Frames are parsed again by their texts.
+  const InputSpec frame = framesOf(parseInput(file("s.####.vdb{scale=2}")))[0].input;
+  EXPECT_EQ(parseInput(frame.text).placing.scale, 2);
+}
+
 // ---------------------------------------------------------------- the table
 
 TEST_F(Formats, EveryRowIsComplete) {

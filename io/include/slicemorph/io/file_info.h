@@ -44,6 +44,7 @@ struct VdbInfo {
   std::string libraryVersion;   ///< of the OpenVDB that wrote it, for example "10.0"
   std::vector<GridInfo> grids;  ///< in the order of the file
   std::string chosen;           ///< the grid read when none is named; empty: none can be
+  std::string why;              ///< what made it the chosen one of several, part of a sentence
 };
 
 /// One image of a file or a folder.

@@ -7,6 +7,16 @@
 
 namespace slicemorph {
 
+/// How one input is to be placed, by what stands in braces behind its name.
+struct InputPlacing {
+  double scale = 0;  ///< factor of its lengths; 0: not given
+  char upright = 0;  ///< its axis that points up: 'x', 'y', 'z'; 0: not given
+  std::string fit;   ///< "none", "size", "box": of this input alone; empty: not given
+  std::string text;  ///< as it was typed, with the braces
+
+  bool given() const { return scale > 0 || upright || !fit.empty(); }
+};
+
 /// An input of the command line, parsed once; readers take this instead of the text.
 ///
 ///     file.vdb          a file
@@ -14,10 +24,14 @@ namespace slicemorph {
 /// (from 1, or
 ///                       its UID), of contours a structure (its name or number)
 ///     name.####.vdb     a numbered sequence: one file a frame, or one a slice of an image stack
+///     name.####.vdb@10-40x2   of a sequence only these numbers, each second from 10 to 40
+///     file.obj{scale=0.001,upright=z}   brought to another size and upright axis as it is read
 struct InputSpec {
   std::string text;       ///< as it was typed
   std::string path;       ///< the file or folder; of a sequence with its run of #
   std::string selection;  ///< the text after the colon; empty: nothing is selected
+  std::string range;      ///< the text after the @ of a sequence; empty: all files
+  InputPlacing placing;
   bool isSequence = false;
   Contents contents = Contents::kUnknown;
   const Format* format = nullptr;  ///< null: of no known format
@@ -30,7 +44,7 @@ struct InputSpec {
 
 /// Parses the text of an input. If a file of exactly that name exists, colons and # in it mean nothing. Files
 /// need not exist; those that do decide what is a folder and which colons belong to a name. Throws InputError
-/// where nothing follows the colon.
+/// where nothing follows the colon, and for ranges and braces that cannot be.
 InputSpec parseInput(const std::string& text);
 
 /// One file of a sequence as an input of its own.
@@ -39,7 +53,8 @@ struct InputFrame {
   InputSpec input;
 };
 
-/// The files of a moving input by number, each with the same selection. Throws IoError where there is none.
+/// The files of a moving input by number, each with the same selection and placing. Throws IoError where there is none,
+/// naming those of a range that are missing.
 std::vector<InputFrame> framesOf(const InputSpec& input);
 
 /// The files of an input: of a sequence, of a folder, or the one file. Throws IoError where one is missing,

@@ -33,7 +33,9 @@ struct VdbOutput {
 };
 
 struct SurfaceOutput {
+  std::string name = "surface";  ///< of the grid
   bool halfFloat = false;
+  bool doubles = false;  ///< the grid holds doubles
   VdbOutput vdb;
   openvdb::Vec3SGrid::ConstPtr colors = nullptr;  ///< around the surface, named "Cd"; null: none
 };
@@ -42,10 +44,10 @@ struct SurfaceOutput {
 /// exist or cannot be written to: to be called before any work is done.
 void checkSurfaceOutput(const std::string& path);
 
-/// The level set as the grid `surface` of an output; shares its tree.
-FloatGrid::Ptr surfaceGrid(const FloatGrid& levelSet, const SurfaceOutput& options = {});
+/// The level set as a grid of an output; of floats it shares its tree.
+openvdb::GridBase::Ptr surfaceGrid(const FloatGrid& levelSet, const SurfaceOutput& options = {});
 
-/// Writes a level set by extension: `.vdb` as a grid named `surface`, followed by its colours; `.obj .ply
+/// Writes a level set by extension: `.vdb` as a grid, followed by its colours; `.obj .ply
 /// .stl .glb` as its surface mesh, whose points get the colours at them (STL: none). The file appears whole
 /// or not at all (see AtomicFile). Throws as checkSurfaceOutput does, and IoError.
 void writeSurface(const std::string& path, const FloatGrid& levelSet, const SurfaceOutput& options = {});

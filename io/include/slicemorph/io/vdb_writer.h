@@ -7,7 +7,8 @@
 namespace slicemorph {
 
 /// Writes grids, in their order, into a VDB file that OpenVDB 7 and later can read, each with its metadata,
-/// class, half flag and statistics. The same grids and options give the same bytes: OpenVDB's random file
+/// class, half flag and statistics. Metadata of grids and of the file that tell of an input's boxes, statistics and
+/// regions of interest are left out. The same grids and options give the same bytes: OpenVDB's random file
 /// identifier is replaced by a hash of the content. The grids passed in are not changed. The file appears
 /// whole or not at all. Throws IoError.
 void writeVdb(const std::string& path, const openvdb::GridCPtrVec& grids, const VdbOutput& options);
