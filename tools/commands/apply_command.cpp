@@ -12,6 +12,7 @@ void runApply(const OptionSet& options) {
   const JobOptions& given = options.values();
   const ApplyJob job = applyJob(options);
   const auto limit = limitThreads(given.threads);
+  job.load.memory.enforce();
   TerminalEvents events(given.quiet, given.verbose);
   applyMap(job, events);
 }

@@ -5,6 +5,7 @@
 #include "tools/commands/command_options.h"
 #include "tools/commands/common_options.h"
 #include "tools/job/load_settings.h"
+#include "tools/job/memory_need.h"
 #include "tools/job/option_values.h"
 
 #include <nlohmann/json.hpp>
@@ -35,6 +36,9 @@ Comparison compare(const CompareSettings& s) {
     const LoadedObject loaded = loadObject(s.inputs[i], s.load);
     printNotes(s.inputs[i] + ": ", loaded.notes, s.quiet, s.verbose);
     grids[i] = loaded.object.levelSet;
+  }
+  require(s.load.memory, s.inputs[0] + " and " + s.inputs[1], needOfComparison(*grids[0], *grids[1]));
+  for (int i = 0; i < 2; ++i) {
     meshes[i] = surfaceOf(*grids[i]);
     result.shapes[i] = measureMesh(meshes[i]);
     result.voxelSizes[i] = grids[i]->voxelSize()[0];
@@ -85,6 +89,7 @@ void runCompare(const OptionSet& options) {
       {given.input, given.other}, loadSettings(options), given.json, given.quiet, given.verbose};
   for (const std::string& input : s.inputs) checkInputExists(input);
   const auto limit = limitThreads(given.threads);
+  s.load.memory.enforce();
   const Comparison result = compare(s);
   if (s.json)
     printJson(s, result);

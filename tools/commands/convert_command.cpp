@@ -14,6 +14,7 @@
 #include "tools/commands/common_options.h"
 #include "tools/job/image_lattice.h"
 #include "tools/job/load_settings.h"
+#include "tools/job/memory_need.h"
 #include "tools/job/option_values.h"
 
 #include <cstdio>
@@ -32,6 +33,7 @@ Image onAskedLattice(Image image, const ConvertSettings& s) {
   if (s.like.empty() && s.load.voxelSize == 0 && s.load.resolution == 0) return image;
   const ImageLattice on =
       s.like.empty() ? cubicLattice(image.lattice, s.load) : readImage(s.like, s.load.image).image.lattice;
+  require(s.load.memory, s.output, needOfImage(on, 1));
   return isLabelMap(image, s.load.imageKind) ? nearestTo(image, on) : resampledTo(image, on);
 }
 
@@ -49,14 +51,20 @@ void writeGrids(const ConvertSettings& s, const Image& image) {
 
 /// The grid that is named, else the first that was made from an image, else the one that loadObject
 /// would try first.
+size_t gridForImage(const VdbFile& file, const InputSpec& name) {
+  if (!name.selection.empty()) return findGrid(file, name);
+  for (size_t i = 0; i < file.entries().size(); ++i)
+    if (const auto header = file.readHeader(i); header && (*header)["image_size"]) return i;
+  return gridsToTry(file, name.path).at(0);
+}
+
 Image imageOfGrid(const ConvertSettings& s) {
   const InputSpec name = parseInput(s.input);
   const VdbFile file(name.path);
-  if (!name.selection.empty()) return imageOf(*file.read(findGrid(file, name)));
-  for (size_t i = 0; i < file.entries().size(); ++i)
-    if (const auto header = file.readHeader(i); header && (*header)["image_size"])
-      return imageOf(*file.read(i));
-  return imageOf(*file.read(gridsToTry(file, name.path).at(0)));
+  const openvdb::GridBase::Ptr grid =
+      placed(file.read(gridForImage(file, name)), placingOf(name.placing, 'y'));
+  require(s.load.memory, s.input, needOfDenseGrid(*grid));
+  return imageOf(*grid);
 }
 
 /// A mask of a level set: 1 inside, 0 outside.
@@ -78,6 +86,7 @@ void convertToImage(const ConvertSettings& s) {
   } else {
     const LoadedObject loaded = loadObject(s.input, s.load);
     printNotes(s.input + ": ", loaded.notes, s.quiet, s.verbose);
+    require(s.load.memory, s.input, needOfDenseGrid(*loaded.object.levelSet));
     Image mask = maskOf(*loaded.object.levelSet);
     writeImage(s.output,
                s.like.empty() ? mask : nearestTo(mask, readImage(s.like, s.load.image).image.lattice));
@@ -94,6 +103,7 @@ void runConvert(const OptionSet& options) {
   checkOutput(s.output);
   checkInputExists(s.input);
   const auto limit = limitThreads(given.threads);
+  s.load.memory.enforce();
   if (isImageOutput(s.output)) {
     convertToImage(s);
   } else if (isImageInput(s.input) && extensionOf(s.output) == ".vdb") {
@@ -105,7 +115,8 @@ void runConvert(const OptionSet& options) {
     const LoadedObject loaded = loadObject(s.input, s.load);
     printNotes(s.input + ": ", loaded.notes, s.quiet, s.verbose);
     SurfaceOutput options;
-    options.halfFloat = loaded.halfFloat;
+    options.halfFloat = loaded.halfFloat, options.doubles = loaded.doubles && !loaded.fog;
+    options.name = surfaceNameOf({loaded});
     options.colors = loaded.colors;
     writeSurface(s.output, *loaded.object.levelSet, options);
   }

@@ -83,6 +83,7 @@ void printJson(const FileInfo& info) {
     json["fileVersion"] = info.vdb.fileVersion;
     json["libraryVersion"] = info.vdb.libraryVersion;
     json["chosen"] = info.vdb.chosen;
+    json["why"] = info.vdb.why;
     json["grids"] = Json::array();
     for (const GridInfo& grid : info.vdb.grids) json["grids"].push_back(describeGrid(grid));
   }
@@ -108,7 +109,7 @@ void printMesh(const MeshInfo& m) {
   if (!m.problem.empty()) printLine("problem", m.problem);
 }
 
-void printGrid(const GridInfo& g, bool chosen) {
+void printGrid(const GridInfo& g, bool chosen, const std::string& why) {
   std::printf("grid %s%s\n", g.name.c_str(), chosen ? " (read when none is named)" : "");
   printLine("type", g.type + ", " + g.gridClass + (g.halfFloat ? ", half float" : ""));
   printLine("active voxels", std::to_string(g.activeVoxels));
@@ -119,6 +120,7 @@ void printGrid(const GridInfo& g, bool chosen) {
     printLine("values", formatNumber(g.minimum) + " .. " + formatNumber(g.maximum) + ", background " +
                             formatNumber(g.background));
   if (!g.reading.empty()) printLine("read as", g.reading);
+  if (chosen && !why.empty()) printLine("chosen as", why);
   if (!g.problem.empty()) printLine("problem", g.problem);
 }
 
@@ -150,7 +152,7 @@ void printText(const FileInfo& info) {
   }
   std::printf(", file version %u, written by OpenVDB %s\n", info.vdb.fileVersion,
               info.vdb.libraryVersion.c_str());
-  for (const GridInfo& grid : info.vdb.grids) printGrid(grid, grid.name == info.vdb.chosen);
+  for (const GridInfo& grid : info.vdb.grids) printGrid(grid, grid.name == info.vdb.chosen, info.vdb.why);
 }
 
 }  // namespace
@@ -160,7 +162,9 @@ void addInfoCommand(CLI::App& program) {
   const auto options = addOptions(*command, kInfo);
   command->callback([options] {
     const JobOptions& given = options->values();
-    const FileInfo info = describeFile(parseInput(given.input), loadSettings(*options).image);
+    const LoadOptions load = loadSettings(*options);
+    load.memory.enforce();
+    const FileInfo info = describeFile(parseInput(given.input), load.image);
     if (given.json)
       printJson(info);
     else

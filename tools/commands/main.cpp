@@ -11,15 +11,32 @@
 #include <openvdb/openvdb.h>
 
 #include <cstdio>
+#include <cstdlib>
+#include <exception>
 #include <new>
 
 namespace {
 
 constexpr int kDone = 0, kFailed = 1, kWrongUsage = 2;
 
+constexpr const char* kOutOfMemory =
+    "out of memory: choose a larger --voxel-size or a smaller --resolution, or let it take more (--memory)";
+
 int fail(int code, const std::string& message) {
   std::fprintf(stderr, "slicemorph: %s\n", message.c_str());
   return code;
+}
+
+/// Where memory ends in a place that no exception may leave, there is a message, too, and no abort.
+[[noreturn]] void endProgram() {
+  try {
+    if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);
+  } catch (const std::bad_alloc&) {
+    fail(kFailed, kOutOfMemory);
+    std::_Exit(kFailed);
+  } catch (...) {
+  }
+  std::abort();
 }
 
 /// Reports an error of the command line and names the command whose help lists the options.
@@ -56,13 +73,14 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::set_terminate(endProgram);
   try {
     openvdb::initialize();
     return run(argc, argv);
   } catch (const slicemorph::InputError& error) {
     return fail(kWrongUsage, error.what());
   } catch (const std::bad_alloc&) {
-    return fail(kFailed, "out of memory; choose a larger --voxel-size or a smaller --resolution");
+    return fail(kFailed, kOutOfMemory);
   } catch (const std::exception& error) {
     return fail(kFailed, error.what());
   }

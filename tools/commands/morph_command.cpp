@@ -28,6 +28,7 @@ void runMorphCommand(OptionSet& options) {
   }
   checkMorphFiles(job.settings, options);
   const auto limit = limitThreads(given.threads);
+  job.settings.load.memory.enforce();
   TerminalEvents events(given.quiet, given.verbose);
   runMorph(job.settings, events);
 }

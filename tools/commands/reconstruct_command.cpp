@@ -20,6 +20,7 @@ ReconstructJob reconstructJob(const OptionSet& options) {
   if (given.axis != "auto") job.axis = int(std::string("ijk").find(given.axis));
   job.every = given.every, job.between = given.between, job.voxelSize = given.load.voxelSize;
   job.like = given.like, job.reports = given.reports, job.image = loadSettings(options).image;
+  job.memory = memorySettings(options);
   if (options.given("grids")) job.grids = parseNames("--grids", given.grids);
   checkOutput(OutputName(job.output).path(1));
   for (const std::string& report : job.reports) {
@@ -33,6 +34,7 @@ void runReconstruct(const OptionSet& options) {
   const JobOptions& given = options.values();
   const ReconstructJob job = reconstructJob(options);
   const auto limit = limitThreads(given.threads);
+  job.memory.enforce();
   TerminalEvents events(given.quiet, given.verbose);
   reconstruct(job, events);
 }

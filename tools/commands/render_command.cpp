@@ -67,6 +67,7 @@ void runRender(const OptionSet& options) {
   const JobOptions& given = options.values();
   const RenderJob job = renderJob(options);
   const auto limit = limitThreads(given.threads);
+  job.load.memory.enforce();
   TerminalEvents events(given.quiet, given.verbose);
   renderPictures(job, events);
 }

@@ -28,6 +28,7 @@ void runSlice(const OptionSet& options) {
   const JobOptions& given = options.values();
   const CutJob job = cutJob(options);
   const auto limit = limitThreads(given.threads);
+  job.load.memory.enforce();
   TerminalEvents events(given.quiet, given.verbose);
   cutSlices(job, events);
 }

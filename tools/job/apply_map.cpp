@@ -11,6 +11,8 @@
 #include "tools/job/image_lattice.h"
 #include "tools/job/key_times.h"
 #include "tools/job/load_settings.h"
+#include "tools/job/memory_need.h"
+#include "tools/job/one_world.h"
 #include "tools/job/option_values.h"
 #include "tools/job/plan_settings.h"
 
@@ -72,7 +74,13 @@ class TimeMap {
     std::vector<Object> objects;
     for (const LoadedObject& input : inputs_) objects.push_back(input.object);
     PartProgress part(events, 0.2, 0.8);
-    plan_ = std::make_unique<MorphPlan>(objects, job.plan, &part);
+    require(job.load.memory, "", needOfMorph(inputs_));
+    MorphOptions options = job.plan;
+    if (const auto why = whyOneWorld(inputs_, job.inputs); why && !job.alignGiven) {
+      options.align = Align::kDirections;
+      events.note(oneWorldNote(*why));
+    }
+    plan_ = std::make_unique<MorphPlan>(objects, options, &part);
     events.notes(plan_->notes());
     const WeightCourse course = courseOf(evenKeys(job.inputs.size()), Timing::kLinear, {});
     from_ = weightsAt(course, job.from), to_ = weightsAt(course, job.to);
@@ -145,6 +153,7 @@ void carryImage(const ApplyJob& job, const TimeMap& map, JobEvents& events) {
   const ImageLattice on = !job.like.empty() ? readImage(job.like, job.load.image).image.lattice
                           : map.imageTo()   ? map.imageTo()->lattice
                                             : file.image.lattice;
+  require(job.load.memory, job.output, needOfImage(on, 1));
   const auto positions = [&](const SliceRange& slices) {
     reportSlices(events, slices, on);
     return map.carriedBack(voxelsOf(on, slices));
@@ -194,6 +203,7 @@ void writeField(const ApplyJob& job, const TimeMap& map, JobEvents& events) {
   field.meaning = "displacement from t=" + formatNumber(job.from) + " to t=" + formatNumber(job.to) +
                   (vdb ? ", world units" : ", LPS mm");
   const ImageLattice& on = field.lattice;
+  require(job.load.memory, job.output, needOfImage(on, sizeof(openvdb::Vec3s)));
   field.vectors.reserve(on.count());
   for (const SliceRange& slices : sliceRanges(on)) {
     reportSlices(events, slices, on);
@@ -225,6 +235,11 @@ ApplyJob applyJob(const OptionSet& options) {
                                  : "apply needs two objects or more and, last, what is to be carried");
   if (!given.field) job.what = job.inputs.back(), job.inputs.pop_back();
   for (const std::string& input : job.inputs) {
+    if (parseInput(input).placing.given())
+      options.refuse("inputs",
+                     input +
+                         ": apply carries points in the inputs' own coordinates; braces are for morph, "
+                         "convert, compare and render");
     if (isMovingInput(input))
       options.refuse("inputs",
                      input + " is a sequence; apply takes still objects, one of its files for example");
@@ -234,9 +249,11 @@ ApplyJob applyJob(const OptionSet& options) {
   if (!job.like.empty()) checkInputExists(job.like);
   checkApplyOutput(job, options);
   job.load = loadSettings(options);
+  job.load.matching = true;
   checkIsos(job.load, options, job.inputs.size());
   if (std::none_of(job.inputs.begin(), job.inputs.end(), isImageInput))
     job.load.fogResolution = kFogResolution;
+  job.alignGiven = options.given("align");
   job.plan = planSettings(options, std::all_of(job.inputs.begin(), job.inputs.end(), isImageInput));
   job.plan.features = featuresOf(landmarksOf(options, "landmarks", given.landmarks, job.inputs.size()));
   return job;

@@ -19,6 +19,7 @@ struct ApplyJob {
   std::string like;         ///< image whose voxels an image or field gets; empty: none
   LoadOptions load;
   MorphOptions plan;
+  bool alignGiven = false;
 
   bool field() const { return what.empty(); }
 };

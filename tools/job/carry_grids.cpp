@@ -3,18 +3,15 @@
 #include "engine/rebuild/add_vectors.h"
 #include "engine/volume/fog.h"
 #include "io/vdb/grid_choice.h"
+#include "io/vdb/vector_parts.h"
 #include "slicemorph/errors.h"
 
 #include <algorithm>
-#include <set>
 
 namespace slicemorph {
 namespace {
 
 using openvdb::GridBase;
-
-/// Names that Houdini, Blender and other programs give to velocity grids.
-const std::set<std::string> kVelocityNames{"vel", "v", "velocity"};
 
 /// The voxel size that the options ask for, world units; 0: grids keep their own.
 double voxelSizeOf(const FrameTask& task) {
@@ -27,6 +24,24 @@ double voxelSizeOf(const FrameTask& task) {
   return size;
 }
 
+/// Fog of which nothing is there yet, or any more.
+FloatGrid::Ptr noFog(const FloatGrid& levelSet) {
+  const FloatGrid::Ptr fog = FloatGrid::create(0.f);
+  fog->setTransform(levelSet.transform().copy());
+  fog->setGridClass(openvdb::GRID_FOG_VOLUME);
+  return fog;
+}
+
+/// The grid with values of the prototype's type, float or double.
+GridBase::ConstPtr asTypeOf(const GridBase& prototype, const GridBase::ConstPtr& grid) {
+  if (prototype.type() == grid->type()) return grid;
+  const FloatGrid::ConstPtr floats = asFloatGrid(openvdb::ConstPtrCast<GridBase>(grid));
+  if (!prototype.isType<openvdb::DoubleGrid>()) return floats;
+  const openvdb::DoubleGrid::Ptr doubles(new openvdb::DoubleGrid(*floats));
+  doubles->setSaveFloatAsHalf(grid->saveFloatAsHalf());
+  return doubles;
+}
+
 /// The in-between of the fog that the shapes were found in; inputs that are solids become fog with
 /// a soft rim.
 GridBase::ConstPtr densityOf(const FrameTask& task, Pullback& pullback, double voxelSize) {
@@ -36,34 +51,40 @@ GridBase::ConstPtr densityOf(const FrameTask& task, Pullback& pullback, double v
   const GridBase::ConstPtr prototype = first == grids.end() ? nullptr : *first;
   for (size_t k = 0; k < grids.size(); ++k) {
     if (!grids[k]) {
-      const FloatGrid::Ptr fog = fogOf(*task.inputs[k].object.levelSet);
+      const FloatGrid& levelSet = *task.inputs[k].object.levelSet;
+      const FloatGrid::Ptr fog = task.inputs[k].nothing ? noFog(levelSet) : fogOf(levelSet);
       fog->setName(set.name);
       fog->setSaveFloatAsHalf(!prototype || prototype->saveFloatAsHalf());
       grids[k] = fog;
     }
-    if (prototype && grids[k]->type() != prototype->type())
-      grids[k] = asFloatGrid(openvdb::ConstPtrCast<GridBase>(grids[k]));
+    if (prototype) grids[k] = asTypeOf(*prototype, grids[k]);
   }
   return pullback.carry(grids, {task.settings.conserve, voxelSize});
 }
 
+/// The inputs' own velocities at a frame.
+struct OwnVelocity {
+  GridBase::ConstPtr grid;         ///< null: there are none
+  std::vector<std::string> parts;  ///< names of their components, where these are grids of their own
+};
+
+bool isNameTaken(const FrameContent& content, const std::string& name) {
+  return std::any_of(content.sets.begin(), content.sets.end(),
+                     [&](const GridSet& set) { return set.name == name; });
+}
+
 /// The morph's velocities on the voxels of `where`, named as the options say, or NAME_morph where the inputs'
 /// own velocities have that name and are not added.
-GridBase::Ptr velocityOf(const FrameTask& task, const Pullback& pullback, const GridBase& where,
-                         const openvdb::GridCPtrVec& grids) {
+openvdb::Vec3SGrid::Ptr velocityOf(const FrameTask& task, const Pullback& pullback, const GridBase& where,
+                                   const OwnVelocity& own) {
   const VelocitySettings& v = task.settings.velocity;
   const double framesPerSecond = task.settings.framesPerSecond;
-  const openvdb::Vec3SGrid::Ptr velocity =
-      pullback.velocity(where, task.job.rate, kShutter / framesPerSecond);
+  openvdb::Vec3SGrid::Ptr velocity = pullback.velocity(where, task.job.rate, kShutter / framesPerSecond);
   velocity->setName(v.name);
-  for (const GridBase::ConstPtr& grid : grids) {
-    const bool isOwn = kVelocityNames.count(grid->getName()) || grid->getName() == v.name;
-    if (v.add && isOwn) {
-      addVectors(*velocity, *grid, 1);
-      break;
-    }
-    if (grid->getName() == v.name) velocity->setName(v.name + "_morph");
-  }
+  if (own.grid && v.add)
+    addVectors(*velocity, *own.grid, 1);
+  else if (isNameTaken(task.plan.content, v.name))
+    velocity->setName(v.name + "_morph");
   const double unit = v.perFrame ? 1 / framesPerSecond : 1;
   if (unit != 1)
     for (auto value = velocity->beginValueOn(); value; ++value) value.setValue(*value * float(unit));
@@ -80,6 +101,12 @@ void addOrReplace(openvdb::GridCPtrVec& grids, const GridBase::ConstPtr& grid) {
   grids.push_back(grid);
 }
 
+/// Whether a set holds velocities that are the inputs' own: a grid of vectors, or one that was joined of three.
+bool isVelocity(const GridSet& set, const GridBase& grid, const VelocitySettings& v) {
+  const bool vectors = grid.isType<openvdb::Vec3SGrid>() || grid.isType<openvdb::Vec3DGrid>();
+  return (isVelocityName(set.name) && (vectors || !v.add)) || set.name == v.name;
+}
+
 }  // namespace
 
 CarriedGrids carryGrids(const FrameTask& task, GridBase::ConstPtr where, openvdb::GridCPtrVec grids,
@@ -88,6 +115,7 @@ CarriedGrids carryGrids(const FrameTask& task, GridBase::ConstPtr where, openvdb
   CarriedGrids carried{std::move(grids), nullptr};
   Pullback pullback = task.plan.method.pullback(task.job.weights);
   const double voxelSize = voxelSizeOf(task);
+  OwnVelocity own;
   for (size_t s = 0; s < content.sets.size(); ++s) {
     if (cancel.cancelled()) throw Cancelled();
     const bool fog = content.shapeSet == s;
@@ -96,12 +124,22 @@ CarriedGrids carryGrids(const FrameTask& task, GridBase::ConstPtr where, openvdb
             : pullback.carry(readGrids(content.sets[s], task.inputs), {false, voxelSize});
     if (fog || !where) where = grid;
     if (fog) carried.density = grid;
-    carried.grids.push_back(grid);
+    const GridSet& set = content.sets[s];
+    if (!fog && !own.grid && isVelocity(set, *grid, task.settings.velocity)) own = {grid, set.parts};
+    if (set.parts.empty()) {
+      carried.grids.push_back(grid);
+    } else {
+      for (const GridBase::Ptr& part : splitParts(*grid, set.parts)) carried.grids.push_back(part);
+    }
   }
-  if (!task.settings.velocity.wanted() || task.job.rate.empty() || !where) return carried;
-  const GridBase::Ptr velocity = velocityOf(task, pullback, *where, carried.grids);
+  const VelocitySettings& v = task.settings.velocity;
+  if (!v.wanted() || task.job.rate.empty() || !where) return carried;
+  const openvdb::Vec3SGrid::Ptr velocity = velocityOf(task, pullback, *where, own);
   velocity->setSaveFloatAsHalf(half);
   addOrReplace(carried.grids, velocity);
+  // Where programs look the components up they find the same as in the vectors.
+  if (v.add && !own.parts.empty())
+    for (const GridBase::Ptr& part : splitParts(*velocity, own.parts)) addOrReplace(carried.grids, part);
   return carried;
 }
 

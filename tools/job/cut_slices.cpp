@@ -3,6 +3,7 @@
 #include "io/input_grids.h"
 #include "slicemorph/errors.h"
 #include "slicemorph/io/output.h"
+#include "tools/job/memory_need.h"
 #include "tools/job/option_values.h"
 
 namespace slicemorph {
@@ -45,6 +46,7 @@ void cutSlices(const CutJob& job, JobEvents& events) {
   Notes notes;
   const std::vector<SectionPlane> planes = placeSlices(job.slices, baresOf(input.grids), input.shape, notes);
   events.notes(about(job.input, notes));
+  require(job.load.memory, job.output, needOfSlices(planes, input.grids.size()));
   const OutputName name(job.output);
   if (name.isSequence())
     writeSliceFiles([&](size_t n) { return name.path(int(n) + 1); }, input.grids, planes, exr, events);

@@ -83,26 +83,41 @@ void addSets(FrameContent& content, std::vector<GridSet> found, const MorphSetti
   if (fog && !content.shapeSet) content.shapeSet = 0, content.sets.insert(content.sets.begin(), shape);
 }
 
+/// The names by which --grids may ask for a set: its own, and of a vector field those of its components.
+std::vector<std::string> setNames(const GridSet& set) {
+  std::vector<std::string> names = set.parts;
+  if (names.empty()) names.push_back(set.name);
+  return names;
+}
+
+bool isAsked(const GridSet& set, const std::vector<std::string>& asked) {
+  const std::vector<std::string> names = setNames(set);
+  return contains(asked, set.name) || std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+           return contains(asked, name);
+         });
+}
+
 /// Keeps only what --grids names.
 void keepAsked(FrameContent& content, const MorphSettings& settings, bool first) {
   const std::vector<std::string>& asked = settings.grids;
-  std::string known = "surface";
+  std::string known = content.surfaceName;
   if (!content.colorName.empty()) known += ", " + content.colorName;
-  for (const GridSet& set : content.sets) known += ", " + set.name;
+  for (const GridSet& set : content.sets)
+    for (const std::string& name : setNames(set)) known += ", " + name;
   std::vector<GridSet> kept;
   std::optional<size_t> shapeSet;
   for (size_t s = 0; s < content.sets.size(); ++s) {
-    if (!contains(asked, content.sets[s].name)) continue;
+    if (!isAsked(content.sets[s], asked)) continue;
     if (content.shapeSet == s) shapeSet = kept.size();
     kept.push_back(content.sets[s]);
   }
   for (const std::string& name : asked) {
     const bool there =
-        std::any_of(kept.begin(), kept.end(), [&](const GridSet& set) { return set.name == name; });
-    if (first && !there && name != "surface" && name != content.colorName)
+        std::any_of(kept.begin(), kept.end(), [&](const GridSet& set) { return isAsked(set, {name}); });
+    if (first && !there && name != "surface" && name != content.surfaceName && name != content.colorName)
       throw InputError("--grids: no input has a grid '" + name + "'; there are " + known);
   }
-  content.surface = contains(asked, "surface");
+  content.surface = contains(asked, "surface") || contains(asked, content.surfaceName);
   if (!contains(asked, content.colorName)) content.colorName.clear();
   if (content.surface && !settings.can().surface) refuseSurface(settings);
   content.sets = std::move(kept);
@@ -110,6 +125,8 @@ void keepAsked(FrameContent& content, const MorphSettings& settings, bool first)
 }
 
 }  // namespace
+
+bool isVelocityName(const std::string& name) { return name == "vel" || name == "v" || name == "velocity"; }
 
 FrameContent contentOf(const MorphSettings& settings, const Inputs& inputs, bool first) {
   const MethodTraits& can = settings.can();
@@ -122,6 +139,7 @@ FrameContent contentOf(const MorphSettings& settings, const Inputs& inputs, bool
   const bool fog = settings.holdsGrids() && can.grids &&
                    (!can.surface || any([](const LoadedObject& input) { return input.fog; }));
   content.surface = !fog;
+  content.surfaceName = surfaceNameOf(inputs);
   if (first && !can.colors && any([](const LoadedObject& input) { return bool(input.colors); }))
     content.notes.emplace_back(
         "colors.left-out", Severity::kNote, "",
@@ -133,6 +151,13 @@ FrameContent contentOf(const MorphSettings& settings, const Inputs& inputs, bool
   if (!settings.holdsGrids()) return content;
   if (first) content.notes.insert(content.notes.end(), found.notes.begin(), found.notes.end());
   addSets(content, std::move(found.sets), settings, inputs, fog);
+  if (first && settings.velocity.add && !settings.toPictures() &&
+      std::none_of(content.sets.begin(), content.sets.end(), [&](const GridSet& set) {
+        return isVelocityName(set.name) || set.name == settings.velocity.name;
+      }))
+    content.notes.emplace_back(
+        "velocity.none-to-add", Severity::kWarning, "--add-velocity",
+        "no input has a velocity grid (vel, v, velocity, or their components as vel.x)");
   if (!settings.grids.empty()) keepAsked(content, settings, first);
   return content;
 }

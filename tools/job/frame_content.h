@@ -12,13 +12,17 @@ namespace slicemorph {
 
 /// What the frames of a job hold: the surface, or the fog that the shapes were found in, and the other grids.
 struct FrameContent {
-  bool surface = true;             ///< as a grid of the output, a mesh or a picture
-  bool images = false;             ///< all inputs are images, and the result shows their values
-  std::vector<GridSet> sets;       ///< the other grids, and the shapes' own where these are fog
-  std::optional<size_t> shapeSet;  ///< index in `sets` of the shapes' fog; none: no fog
-  std::string colorName;           ///< name of the grid of the surface's colours; empty: no input has any
-  Notes notes;                     ///< what is left out and why
+  bool surface = true;                  ///< as a grid of the output, a mesh or a picture
+  std::string surfaceName = "surface";  ///< of its grid
+  bool images = false;                  ///< all inputs are images, and the result shows their values
+  std::vector<GridSet> sets;            ///< the other grids, and the shapes' own where these are fog
+  std::optional<size_t> shapeSet;       ///< index in `sets` of the shapes' fog; none: no fog
+  std::string colorName;  ///< name of the grid of the surface's colours; empty: no input has any
+  Notes notes;            ///< what is left out and why
 };
+
+/// Whether a grid has a name that Houdini, Blender and other programs give to velocities.
+bool isVelocityName(const std::string& name);
 
 /// Chooses by output, method and --grids. `first`: these are the inputs of the first frame, which must have
 /// all grids that are asked for; in later frames of a sequence grids may be missing. Throws InputError.

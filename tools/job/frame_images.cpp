@@ -4,6 +4,7 @@
 #include "io/vdb/fog_reader.h"
 #include "slicemorph/errors.h"
 #include "tools/job/frame_survey.h"
+#include "tools/job/memory_need.h"
 #include "tools/job/option_values.h"
 
 #include <algorithm>
@@ -27,6 +28,27 @@ openvdb::MaskGrid::Ptr boxGrid(const openvdb::BBoxd& box) {
   grid->setTransform(openvdb::math::Transform::createLinearTransform(matrix));
   grid->fill(openvdb::CoordBBox({0, 0, 0}, openvdb::Coord(kTile - 1)), true);
   return grid;
+}
+
+/// Pixels along the longest side of slices whose pixels' size nobody asked for: this many, or so many times the
+/// voxels along any of the inputs, so that only inputs of very different sizes get coarser pixels than the finest
+/// voxels.
+constexpr double kUsualPixels = 2048, kPixelsPerVoxel = 4;
+
+/// The size of pixels that --pixel-size leaves open: that of the finest voxels, unless these are dust in the whole.
+double slicePixelOf(const FrameMaker& maker, double finest, const openvdb::BBoxd& all, Notes& notes) {
+  double most = kUsualPixels;
+  for (const LoadedObject& input : maker.inputs()) {
+    const openvdb::CoordBBox box = input.object.levelSet->evalActiveVoxelBoundingBox();
+    most = std::max(most, kPixelsPerVoxel * box.dim()[int(box.maxExtent())]);
+  }
+  const double least = all.extents()[int(all.maxExtent())] / most;
+  if (finest >= least) return finest;
+  notes.emplace_back("slices.coarser-pixels", Severity::kNote, "",
+                     "slices get pixels of " + formatNumber(least, 4) + ", as at the finest voxels' " +
+                         formatNumber(finest, 4) + " they would have more than " + formatNumber(most) +
+                         " along a side (--pixel-size sets others)");
+  return least;
 }
 
 /// The grids with unique names for channels.
@@ -86,10 +108,13 @@ ImageSetup setUpImages(const MorphSettings& s, const FrameMaker& maker, Progress
     if (s.exrSlices.spine) return setup;
     SliceOptions slices = s.exrSlices;
     if (slices.section.pixelSize == 0)
-      slices.section.pixelSize = s.plan.voxelSize > 0 ? s.plan.voxelSize : survey.finest;
+      slices.section.pixelSize =
+          s.plan.voxelSize > 0 ? s.plan.voxelSize : slicePixelOf(maker, survey.finest, all, setup.notes);
     setup.planes = placeSlices(slices, {boxGrid(all)}, nullptr, setup.notes);
+    require(s.load.memory, s.output, needOfSlices(setup.planes, 1));
     return setup;
   }
+  require(s.load.memory, s.output, needOfPicture(s.picture.render));
   std::vector<openvdb::BBoxd> boxes = survey.boxes;
   boxes.push_back(all);
   setup.camera = cameraFor(boxes, s.picture);

@@ -1,45 +1,75 @@
 #include "tools/job/frame_inputs.h"
 
 #include "slicemorph/errors.h"
+#include "tools/job/fit_inputs.h"
 
 #include <algorithm>
 
 namespace slicemorph {
 
 FrameInputs::FrameInputs(const MorphSettings& settings)
-    : settings_(settings), open_(settings.inputs.size()), loaded_(settings.inputs.size()) {
-  for (const std::string& input : settings.inputs) {
-    files_.emplace_back();
-    const InputSpec spec = parseInput(input);
-    if (spec.isMoving())
-      for (InputFrame& frame : framesOf(spec)) files_.back().push_back(std::move(frame.input));
-    else
-      files_.back().push_back(spec);
-  }
+    : settings_(settings),
+      placings_(settings.inputs.size()),
+      open_(settings.inputs.size()),
+      loaded_(settings.inputs.size()) {
+  for (const std::string& input : settings.inputs) files_.emplace_back(parseInput(input));
 }
 
 Notes FrameInputs::notes(size_t frames) const {
   Notes notes;
-  for (size_t k = 0; k < files_.size(); ++k)
-    if (isMovingInput(settings_.inputs[k]) && files_[k].size() < frames)
+  for (size_t k = 0; k < files_.size(); ++k) {
+    for (Note& note : files_[k].notes()) notes.push_back(std::move(note));
+    if (files_[k].moves() && files_[k].size() < frames)
       notes.emplace_back("sequence.shorter", Severity::kNote, "",
                          settings_.inputs[k] + " has " + std::to_string(files_[k].size()) + " files for " +
                              std::to_string(frames) + " frames: the last one stays");
+  }
+  return notes;
+}
+
+LoadOptions FrameInputs::optionsFor(size_t input) const {
+  LoadOptions options = optionsOfInput(settings_.load, input);
+  options.placing = placings_[input];
+  for (size_t k = 0; k < files_.size(); ++k)
+    if (k != input && files_[k].file(0).isGrids() && files_[input].file(0).isGrids() &&
+        files_[k].file(0).path != files_[input].file(0).path)
+      options.besides.push_back(files_[k].file(0).path);
+  return options;
+}
+
+Notes FrameInputs::fitted(size_t frame) {
+  fitted_ = true;
+  std::vector<openvdb::BBoxd> boxes;
+  std::vector<FitKind> fits;
+  for (size_t k = 0; k < loaded_.size(); ++k) {
+    boxes.push_back(boxOfShape(*loaded_[k].object.levelSet));
+    fits.push_back(fitOf(files_[k].file(frame).placing, settings_.options.fit));
+  }
+  placings_ = fittingPlacings(boxes, fits);
+  for (size_t k = 0; k < loaded_.size(); ++k)
+    if (!placings_[k].isIdentity()) loaded_[k] = files_[k].load(frame, optionsFor(k));
+  Notes notes = notesOnSizes(boxes, fits, settings_.inputs);
+  for (size_t k = 0; k < loaded_.size(); ++k)
+    if (!loaded_[k].placing.isIdentity())
+      notes.push_back(noteOnPlacing(loaded_[k].placing, settings_.inputs[k]));
   return notes;
 }
 
 FrameInputs::Step FrameInputs::moveTo(size_t frame, Progress& progress) {
   Step step;
   for (size_t k = 0; k < files_.size(); ++k) {
-    const InputSpec& file = files_[k][std::min(frame, files_[k].size() - 1)];
+    const InputSpec& file = files_[k].file(frame);
     if (open_[k] == file.text) continue;
     if (progress.cancelled()) throw Cancelled();
     progress.report("reading", double(k) / double(files_.size()));
-    loaded_[k] = loadObject(file, optionsOfInput(settings_.load, k));
+    loaded_[k] = files_[k].load(frame, optionsFor(k));
     open_[k] = file.text;
     step.changed = true;
-    for (Note& note : about(file.text, loaded_[k].notes)) step.notes.push_back(std::move(note));
+    for (Note& note : about(file.text, loaded_[k].notes))
+      (loaded_[k].nothing ? step.nothing : step.notes).push_back(std::move(note));
   }
+  if (step.changed && !fitted_)
+    for (Note& note : fitted(frame)) step.notes.push_back(std::move(note));
   if (step.changed) addLabelSurfaces(loaded_);
   return step;
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "slicemorph/io/input.h"
+#include "io/moving_input.h"
 #include "slicemorph/note.h"
 #include "tools/job/morph_settings.h"
 
@@ -16,13 +16,14 @@ class FrameInputs {
   /// Throws IoError where there is no file of a sequence.
   explicit FrameInputs(const MorphSettings& settings);
 
-  /// Notes on the sequences that have fewer files than the job has frames.
+  /// Notes on the sequences that have fewer files than the job has frames, or gaps.
   Notes notes(size_t frames) const;
 
   /// What a step from one frame to another changed.
   struct Step {
     bool changed = false;
-    Notes notes;  ///< of reading
+    Notes notes;    ///< of reading
+    Notes nothing;  ///< on files that hold nothing
   };
   /// Loads the files that a frame (from 0) needs unless they are loaded. Throws as loadObject, and Cancelled.
   Step moveTo(size_t frame, Progress& progress);
@@ -30,8 +31,15 @@ class FrameInputs {
 
  private:
   const MorphSettings& settings_;
-  std::vector<std::vector<InputSpec>> files_;  ///< per input
-  std::vector<std::string> open_;              ///< per input: the file that is loaded
+  LoadOptions optionsFor(size_t input) const;
+  /// Finds how the inputs of the first frame are to be placed, and loads those anew that are.
+  Notes fitted(size_t frame);
+
+  bool fitted_ = false;            ///< the placings are known
+  std::vector<Placing> placings_;  ///< per input
+
+  std::vector<MovingInput> files_;  ///< per input
+  std::vector<std::string> open_;   ///< per input: the file that is loaded
   std::vector<LoadedObject> loaded_;
 };
 

@@ -1,6 +1,8 @@
 #include "tools/job/frame_maker.h"
 
 #include "tools/job/carry_image.h"
+#include "tools/job/memory_need.h"
+#include "tools/job/one_world.h"
 #include "tools/job/stopwatch.h"
 #include "tools/report/dump_slices.h"
 
@@ -13,8 +15,16 @@ constexpr double kReadShare = 0.4;
 }  // namespace
 
 FrameMaker::FrameMaker(const MorphSettings& settings, JobEvents& events)
-    : settings_(settings), events_(events), inputs_(settings) {
+    : settings_(settings), events_(events), inputs_(settings), options_(settings.plan) {
   events.notes(inputs_.notes(settings.frames.back().inputFrame + 1));
+}
+
+void FrameMaker::complete() {
+  if (settings_.alignGiven || !settings_.can().guided || options_.align != Align::kAuto) return;
+  const std::optional<std::string> why = whyOneWorld(inputs(), settings_.inputs);
+  if (!why) return;
+  options_.align = Align::kDirections;
+  events_.note(oneWorldNote(*why));
 }
 
 void FrameMaker::moveTo(size_t index, double from, double to) {
@@ -26,17 +36,23 @@ void FrameMaker::moveTo(size_t index, double from, double to) {
   const FrameInputs::Step step = inputs_.moveTo(job.inputFrame, reading);
   // Notes on the first files of a sequence stand for those on the others.
   if (!planned_) events_.notes(step.notes);
+  events_.notes(step.nothing);
   seconds_.load += watch.lap();
   if (!step.changed) return;
   events_.throwIfCancelled();
 
+  if (!planned_) complete();
+  if (settings_.can().guided) require(settings_.load.memory, "", needOfMorph(inputs()));
   plan_.content = contentOf(settings_, inputs(), !planned_);
   events_.notes(plan_.content.notes);
   plan_.images = plan_.content.images ? planImages(settings_, inputs()) : ImagePlan();
   events_.notes(plan_.images.notes);
+  if (plan_.content.images)
+    require(settings_.load.memory, settings_.output, needOfImage(plan_.images.lattice, 1));
   planning.report("planning", 0);
   const MethodPlan* before = planned_ ? &plan_.method : nullptr;
-  plan_.method = methodNamed(settings_.method).plan({settings_, inputs(), job.number, before, planning});
+  plan_.method =
+      methodNamed(settings_.method).plan({settings_, inputs(), job.number, before, planning, &options_});
   events_.notes(plan_.method.notes);
   if (!planned_ && plan_.method.slices && !settings_.sliceFolder.empty())
     dumpSlices(settings_.sliceFolder, plan_.method.slices->slicePictures(), settings_.inputs);

@@ -31,11 +31,16 @@ class FrameMaker {
     double load = 0, plan = 0;
   };
   Seconds seconds() const { return seconds_; }
+  /// The options of the plans: the settings', completed by what was found in the first inputs.
+  const MorphOptions& options() const { return options_; }
 
  private:
+  void complete();
+
   const MorphSettings& settings_;
   JobEvents& events_;
   FrameInputs inputs_;
+  MorphOptions options_;
   size_t index_ = 0;
   bool planned_ = false;  ///< there is a plan
   FramePlan plan_;

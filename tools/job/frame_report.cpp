@@ -72,7 +72,8 @@ Json FrameReport::addRow(const FrameFigures& figures, const std::vector<LoadedOb
   if (!wanted()) return Json();
   std::vector<ShapeMeasures> measures;
   measures.reserve(inputs.size());
-  for (const LoadedObject& input : inputs) measures.push_back(measuresOf(input.object.levelSet));
+  for (const LoadedObject& input : inputs)
+    measures.push_back(input.nothing ? ShapeMeasures() : measuresOf(input.object.levelSet));
   rows_.push_back(describeFrame(figures, measures));
   return rows_.back();
 }
@@ -94,10 +95,11 @@ void FrameReport::write(const FrameMaker& maker, const Notes& notes, Progress& p
   if (!wanted()) return;
   ReportParts report;
   report.settings = describeJob(settings_);
+  if (maker.options().align == Align::kDirections) report.settings["align"] = "directions";
   report.inputNames = settings_.inputs;
   report.frames = rows_;
   for (const LoadedObject& input : maker.inputs())
-    report.inputs.push_back(measureShape(*input.object.levelSet));
+    report.inputs.push_back(measureShape(*input.object.levelSet)), report.placings.push_back(input.placing);
   report.notes = notes;
   if (hasPage(settings_)) report.page = page_.finish(maker.commonPlan(), progress);
   report.loadSeconds = maker.seconds().load, report.planSeconds = maker.seconds().plan;

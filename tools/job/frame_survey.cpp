@@ -75,7 +75,7 @@ GridExtent extentOfGrids(const LoadedObject& input, const SurveyTask& task) {
   if (!input.image && !input.fog) takeFiner(extent.finest, input.object.levelSet->voxelSize()[0]);
   if (!input.file || !task.settings.can().grids) return extent;
   for (size_t i = 0; i < input.file->entries().size(); ++i) {
-    const openvdb::GridBase::Ptr header = input.file->readHeader(i);
+    const openvdb::GridBase::Ptr header = placed(input.file->readHeader(i), input.placing);
     if (!header || !isSliceable(*header)) continue;
     const std::vector<std::string>& wanted = task.settings.grids;
     if (!wanted.empty() && std::count(wanted.begin(), wanted.end(), header->getName()) == 0) continue;
@@ -94,10 +94,14 @@ Fog fogOfInput(const LoadedObject& input) {
     fog.density = fogOf(*input.object.levelSet);
     return fog;
   }
+  Fog none;
+  none.density = FloatGrid::create(0.f);
+  if (input.grid == LoadedObject::kNoGrid) return none;
   openvdb::GridCPtrVec grids;
   for (size_t i = 0; i < input.file->entries().size(); ++i)
-    if (i != input.grid && isDrawn(input.file->entries()[i].name)) grids.push_back(input.file->read(i));
-  return fogOf(input.file->read(input.grid), grids);
+    if (i != input.grid && isDrawn(input.file->entries()[i].name))
+      grids.push_back(placed(input.file->read(i), input.placing));
+  return fogOf(placed(input.file->read(input.grid), input.placing), grids);
 }
 
 /// Adds the box of an input with all that is shown of it.

@@ -62,11 +62,27 @@ std::string spellLandmarks(const toml::array& marks) {
   return joined;
 }
 
+/// `{file = "a.obj", scale = 0.001, upright = "z"}` as the command line spells it; empty where it has other values.
+std::string spellInput(const toml::table& table) {
+  std::string file, braces;
+  for (const auto& [key, value] : table) {
+    const std::string name(key.str());
+    if (!value.is_number() && !value.is_string()) return "";
+    const std::string spelled = value.is_number() ? spellNumber(value) : value.as_string()->get();
+    if (name == "file")
+      file = spelled;
+    else
+      braces += (braces.empty() ? "" : ",") + name + "=" + spelled;
+  }
+  return file.empty() || braces.empty() ? file : file + "{" + braces + "}";
+}
+
 std::vector<std::string> spellTexts(const toml::array& list) {
   std::vector<std::string> texts;
   for (const auto& item : list) {
-    if (!item.is_string()) return {};
-    texts.push_back(item.as_string()->get());
+    const std::string text = item.is_table() ? spellInput(*item.as_table()) : "";
+    if (!item.is_string() && text.empty()) return {};
+    texts.push_back(item.is_string() ? item.as_string()->get() : text);
   }
   return texts;
 }

@@ -17,7 +17,7 @@ struct JobOptions {
   // Inputs
   std::vector<std::string> inputs;  ///< of commands that take any number
   std::string input, other;         ///< of commands that take one; the second of `compare`
-  std::string iso, imageKind = "auto", spacing, upright = "auto", glbUp = "y", unit = "m";
+  std::string iso, imageKind = "auto", spacing, upright = "auto", glbUp = "y", unit = "m", fit = "none";
   LoadOptions load;
 
   // Shape and matching
@@ -47,7 +47,8 @@ struct JobOptions {
   int columns = 0, turntable = 0;
 
   // Execution
-  int threads = 0;  ///< 0: as many as the machine has
+  int threads = 0;     ///< 0: as many as the machine has
+  std::string memory;  ///< a size with its unit; empty: most of what is free
   bool resume = false, quiet = false, verbose = false, printConfig = false;
   std::string config;
 };

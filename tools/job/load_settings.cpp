@@ -2,6 +2,7 @@
 
 #include "tools/job/option_values.h"
 
+#include <cmath>
 #include <sstream>
 
 namespace slicemorph {
@@ -26,11 +27,28 @@ Vec3d parseSpacing(const std::string& text) {
   return {s[0], s[1], s[2]};
 }
 
+/// Of what is free when the program starts; the rest is for others.
+constexpr double kShareOfFree = 0.8;
+
 }  // namespace
+
+MemoryLimit memorySettings(const OptionSet& options) {
+  const std::string& said = options.values().memory;
+  const double free = freeMemory();
+  MemoryLimit limit;
+  if (!said.empty())
+    limit.bytes = options.about("memory", [&] { return parseBytes("--memory", said, free); });
+  else if (std::isfinite(free))
+    limit.bytes = kShareOfFree * free + takenMemory();
+  return limit;
+}
 
 LoadOptions loadSettings(const OptionSet& options) {
   const JobOptions& given = options.values();
   LoadOptions load = given.load;
+  const std::string up = given.upright == "auto" ? given.glbUp : given.upright;
+  load.image.up = up == "x" || up == "z" ? up[0] : 'y';
+  load.memory = load.image.memory = memorySettings(options);
   if (!given.iso.empty()) load = options.about("iso", [&] { return withIsos(load, given.iso); });
   load.imageKind = given.imageKind == "grey"     ? ImageKind::kGrey
                    : given.imageKind == "labels" ? ImageKind::kLabels

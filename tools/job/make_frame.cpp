@@ -22,8 +22,27 @@ bool needsShape(const FrameTask& task) {
   return (content.surface && !isImageOutput(s.output)) || leaning || colored || !s.reports.empty();
 }
 
+/// Whether all inputs that count at a frame hold nothing.
+bool isNothing(const FrameTask& task) {
+  bool nothing = true;
+  for (size_t k = 0; k < task.inputs.size(); ++k)
+    if (task.job.weights[k] > 0) nothing = nothing && task.inputs[k].nothing;
+  return nothing && task.settings.plan.regions.empty();
+}
+
+/// A level set without voxels.
+FloatGrid::Ptr withoutSurface(const FloatGrid& like) {
+  const FloatGrid::Ptr none = FloatGrid::create(like.background());
+  none->setTransform(like.transform().copy());
+  none->setGridClass(openvdb::GRID_LEVEL_SET);
+  return none;
+}
+
 openvdb::GridBase::ConstPtr surfaceOfFrame(const FrameTask& task, const FloatGrid& surface, bool half) {
   SurfaceOutput options;
+  options.name = task.plan.content.surfaceName;
+  options.doubles = std::all_of(task.inputs.begin(), task.inputs.end(),
+                                [](const LoadedObject& input) { return input.doubles; });
   options.halfFloat = half;
   options.vdb.framesPerSecond = task.settings.framesPerSecond;
   options.vdb.frame = task.job.number;
@@ -35,6 +54,10 @@ openvdb::GridBase::ConstPtr surfaceOfFrame(const FrameTask& task, const FloatGri
 MorphFrame coloredShape(const FrameTask& task) {
   MorphFrame frame;
   frame.shape = task.plan.method.shape(task.job);
+  if (frame.shape.surface && isNothing(task)) {
+    frame.shape.surface = withoutSurface(*frame.shape.surface);
+    return frame;
+  }
   if (!frame.shape.surface || task.plan.content.colorName.empty()) return frame;
   Pullback pullback = task.plan.method.pullback(task.job.weights);
   std::vector<openvdb::Vec3SGrid::ConstPtr> own;

@@ -26,7 +26,8 @@ MethodPlan planSlices(const MethodTask& task) {
       if (note.code == "sequence.planned-anew")
         plan.notes = about("frame " + std::to_string(task.frame), {note});
   } else {
-    plan.slices = std::make_shared<MorphPlan>(objects, task.settings.plan, &task.progress);
+    plan.slices = std::make_shared<MorphPlan>(objects, task.options ? *task.options : task.settings.plan,
+                                              &task.progress);
     plan.notes = plan.slices->notes();
   }
   plan.shape = [slices = plan.slices](const FrameJob& job) { return slices->frame(job.weights); };

@@ -33,6 +33,8 @@ struct MethodTask {
   int frame;                 ///< number of the first frame that the plan is for
   const MethodPlan* before;  ///< of the frame before, which had other inputs; null: this is the first
   Progress& progress;
+  /// The settings', completed by what was found in the inputs; null: as they are.
+  const MorphOptions* options = nullptr;
 };
 
 /// What a method can do. Options that need more are refused; for what is left out of inputs there are notes.

@@ -122,6 +122,7 @@ MorphJob withGuidance(MorphJob job, const OptionSet& options) {
 
 LoadOptions loadingOf(const MorphSettings& s, const OptionSet& options) {
   LoadOptions load = loadSettings(options);
+  load.matching = true;
   checkIsos(load, options, s.inputs.size());
   // The shape found in fog only steers the map unless the surface itself is wanted.
   if (s.holdsGrids() && !std::count(s.grids.begin(), s.grids.end(), "surface"))
@@ -151,6 +152,7 @@ MorphSettings plainSettings(const OptionSet& options) {
   s.velocity = velocityOf(options, s, images);
   s.load = loadingOf(s, options);
   s.plan = planSettings(options, images);
+  s.alignGiven = options.given("align");
   s.glb.zUp = given.glbUp == "z";
   s.glb.metres = given.unit == "mm" ? 1e-3 : given.unit == "cm" ? 1e-2 : 1;
   s.picture = checkedPicture(options), s.exrSlices = checkedSlices(options, "exr-");

@@ -50,6 +50,7 @@ struct MorphSettings {
   std::string output;
   LoadOptions load;
   MorphOptions plan;
+  bool alignGiven = false;        ///< --align was given; else inputs of one simulation keep their directions
   std::string method = "slices";  ///< its name in methods.h
   std::vector<FrameJob> frames;
   WeightCourse course;  ///< of the frames; without keys where the weights are given

@@ -111,6 +111,12 @@ Rows inputRows() {
           .oneOf({"auto", "x", "y", "z", "none"})
           .fallback("as --glb-up says; none for images")
           .basic(),
+      Row(kMorph, "fit", at<&J::fit>, "",
+          "Inputs of different sizes are scaled to the first one's size, or also moved into its box; of one "
+          "alone: "
+          "file.obj{scale=0.001,upright=z,fit=box}; the transforms are in the report")
+          .oneOf({"none", "size", "box"})
+          .basic(),
       Row(kMorph, "glb-up", at<&J::glbUp>, "", "The inputs' axis that points up, for .glb, where it is Y")
           .oneOf({"y", "z"}),
       Row(kMorph, "glb-unit", at<&J::unit>, "", "The inputs' unit, for .glb, which is in metres")
@@ -474,6 +480,11 @@ Rows farmRows() {
           .fallback("all")
           .notInFrames()
           .basic(),
+      Row(kWorkers | kInfo, "memory", at<&J::memory>, "LIMIT",
+          "Memory that may be taken, as 4G, 500M or 50% of what is free; what would need more ends with a "
+          "message")
+          .fallback("80% of what is free")
+          .notInFrames(),
       Row(kMorph, "resume", at<&J::resume>, "", "Go on with an interrupted sequence of the same settings")
           .notInFrames()
           .basic(),

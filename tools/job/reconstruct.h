@@ -1,6 +1,7 @@
 #pragma once
 
 #include "slicemorph/io/image_file.h"
+#include "slicemorph/io/memory.h"
 #include "tools/job/job_events.h"
 
 #include <optional>
@@ -20,6 +21,7 @@ struct ReconstructJob {
   std::optional<std::vector<std::string>> grids;  ///< of EXR slices; none: all
   std::vector<std::string> reports;               ///< .json, .csv
   ImageOptions image;
+  MemoryLimit memory;
 };
 
 /// Makes a dense label map or closed surfaces from a label map with empty slices, a stack of slices or

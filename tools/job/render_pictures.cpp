@@ -5,6 +5,7 @@
 #include "io/image/video_writer.h"
 #include "slicemorph/errors.h"
 #include "slicemorph/io/output.h"
+#include "tools/job/memory_need.h"
 #include "tools/job/option_values.h"
 #include "tools/job/render_shots.h"
 
@@ -96,15 +97,21 @@ Scene lookAround(const std::vector<RenderInput>& inputs, RenderSubjects& subject
         scene.fogs.push_back(measureFog(*subject.fog));
         // The first frames of a simulation may have no fog yet.
         if (!scene.fogs.back().box.empty()) scene.boxes.push_back(scene.fogs.back().box);
-      } else {
+      } else if (subject.surface) {
         scene.boxes.push_back(surfaceBox(*subject.surface));
       }
     });
   }
   if (scene.boxes.empty())
     throw GeometryError(inputs[0].path + (inputs.size() > 1 ? " and all others are" : " is") +
-                        " fog without an active voxel: there is nothing to see");
+                        " without an active voxel: there is nothing to see");
   return scene;
+}
+
+Fog nothingToSee() {
+  Fog none;
+  none.density = FloatGrid::create(0.f);
+  return none;
 }
 
 /// Throws InputError where several pictures would go into one file that is no video.
@@ -121,6 +128,7 @@ void checkCount(const RenderJob& job, size_t inputs) {
 void renderPictures(const RenderJob& job, JobEvents& events) {
   const std::vector<RenderInput> inputs = listRenderInputs(job.inputs);
   checkCount(job, inputs.size());
+  require(job.load.memory, job.output, needOfPicture(job.picture.render));
   PictureOutput output(job);
   RenderSubjects subjects(inputs, job.load, job.asSurface);
   const Scene scene = lookAround(inputs, subjects, events);
@@ -143,6 +151,7 @@ void renderPictures(const RenderJob& job, JobEvents& events) {
     const RenderSubject subject = subjects.get(shot.input);
     const Camera from = turned(camera, shot.angle);
     Picture picture = ofFile(inputs[shot.input].path, [&] {
+      if (!subject.fog && !subject.surface) return renderFog(nothingToSee(), look, from, job.picture.render);
       return subject.fog ? renderFog(*subject.fog, look, from, job.picture.render)
                          : renderSurface(*subject.surface, from, job.picture.render, subject.colors.get());
     });

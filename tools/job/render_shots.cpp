@@ -28,10 +28,10 @@ std::vector<RenderInput> listRenderInputs(const std::vector<std::string>& inputs
   for (const std::string& input : inputs) {
     if (isMovingInput(input)) {
       for (const InputFrame& frame : framesOf(parseInput(input)))
-        list.push_back({frame.input.text, std::to_string(frame.number), frame.number});
+        list.push_back({frame.input.text, std::to_string(frame.number), frame.number, true});
     } else {
       checkInputExists(input);
-      list.push_back({input, std::filesystem::path(input).stem().string(), 1});
+      list.push_back({input, std::filesystem::path(input).stem().string(), 1, false});
     }
   }
   // A single input keeps its own numbers; several are counted.
@@ -58,11 +58,15 @@ RenderSubject RenderSubjects::get(size_t input) {
 RenderSubject RenderSubjects::read(size_t input) const {
   const InputSpec spec = parseInput(inputs_[input].path);
   RenderSubject subject;
-  if (!asSurface_) subject.fog = readFog(spec);
-  if (subject.fog) return subject;
-  LoadedObject object = loadObject(spec, load_);
-  subject.surface = object.object.levelSet;
-  subject.colors = object.colors;
+  try {
+    if (!asSurface_) subject.fog = readFog(spec);
+    if (subject.fog) return subject;
+    LoadedObject object = loadObject(spec, load_);
+    subject.surface = object.object.levelSet;
+    subject.colors = object.colors;
+  } catch (const NothingError&) {
+    if (!inputs_[input].moving) throw;
+  }
   return subject;
 }
 

@@ -9,7 +9,7 @@
 
 namespace slicemorph {
 
-/// What is rendered: a surface, or fog.
+/// What is rendered: a surface, or fog; neither, where a file of a sequence holds nothing.
 struct RenderSubject {
   FloatGrid::ConstPtr surface;
   openvdb::Vec3SGrid::ConstPtr colors;  ///< of the surface; null: it has none
@@ -20,7 +20,8 @@ struct RenderSubject {
 struct RenderInput {
   std::string path;  ///< with the name of the grid if one is given
   std::string caption;
-  int number = 1;  ///< in the only sequence; else counted
+  int number = 1;       ///< in the only sequence; else counted
+  bool moving = false;  ///< of a sequence: it may hold nothing
 };
 /// The files of all inputs, those of numbered sequences by their numbers. Throws IoError for missing files.
 std::vector<RenderInput> listRenderInputs(const std::vector<std::string>& inputs);

@@ -15,8 +15,24 @@ using Json = nlohmann::ordered_json;
 
 Json orNull(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
+/// Of an in-between of nothing all that is expected is 0.
+double ratioOf(double value, double expected) { return value == 0 && expected == 0 ? 1 : value / expected; }
+
 Json describeShape(const ShapeMeasures& shape) {
   return {{"volume", shape.volume}, {"area", shape.area}, {"pieces", shape.pieces}, {"genus", shape.genus}};
+}
+
+/// Four rows of a matrix that takes points of the file, as columns (x, y, z, 1), to where they are in the job.
+Json describePlacing(const Placing& placing) {
+  Json rows = Json::array();
+  for (int r = 0; r < 3; ++r) {
+    Json row = Json::array();
+    for (int c = 0; c < 3; ++c) row.push_back(placing.scale * placing.rotation(r, c));
+    row.push_back(placing.move[r]);
+    rows.push_back(row);
+  }
+  rows.push_back({0, 0, 0, 1});
+  return rows;
 }
 
 Json summarise(const std::vector<Json>& frames) {
@@ -68,15 +84,15 @@ Json describeFrame(const FrameFigures& figures, const std::vector<ShapeMeasures>
   };
   frame["volume"] = ofShape([](const ShapeMeasures& s) { return s.volume; });
   frame["volumeLinear"] = linear;
-  frame["volumeRatio"] = ofShape([&](const ShapeMeasures& s) { return s.volume / linear; });
+  frame["volumeRatio"] = ofShape([&](const ShapeMeasures& s) { return ratioOf(s.volume, linear); });
   // A morph interpolates lengths linearly, so the cube root of the volume is expected to be linear
   // in the weights.
   frame["volumeRatioSizeLinear"] =
-      ofShape([&](const ShapeMeasures& s) { return s.volume / (size * size * size); });
+      ofShape([&](const ShapeMeasures& s) { return ratioOf(s.volume, size * size * size); });
   frame["area"] = ofShape([](const ShapeMeasures& s) { return s.area; });
   frame["areaLinear"] = area;
   // What is crumpled has more surface than the ends.
-  frame["areaRatio"] = ofShape([&](const ShapeMeasures& s) { return s.area / area; });
+  frame["areaRatio"] = ofShape([&](const ShapeMeasures& s) { return ratioOf(s.area, area); });
   if (figures.strain)
     frame["stretch"] = {{"mean", figures.strain->meanStretch},
                         {"worst", figures.strain->worstStretch},
@@ -169,6 +185,8 @@ Json reportOf(const ReportParts& parts) {
   for (size_t k = 0; k < parts.inputs.size(); ++k) {
     Json input = {{"file", parts.inputNames[k]}};
     input.update(describeShape(parts.inputs[k]));
+    if (k < parts.placings.size() && !parts.placings[k].isIdentity())
+      input["transform"] = describePlacing(parts.placings[k]);
     report["inputs"].push_back(input);
   }
   report["notes"] = sentencesOf(parts.notes);

@@ -2,6 +2,7 @@
 
 #include "engine/measure/label_measures.h"
 #include "engine/measure/measure.h"
+#include "slicemorph/io/placing.h"
 #include "slicemorph/note.h"
 #include "slicemorph/slicemorph.h"
 #include "tools/report/report_page.h"
@@ -55,6 +56,7 @@ struct ReportParts {
   nlohmann::ordered_json settings;      ///< of the job, those that affect the result
   std::vector<std::string> inputNames;  ///< in order
   std::vector<ShapeMeasures> inputs;    ///< in order
+  std::vector<Placing> placings;        ///< in order; what was done to the inputs
   Notes notes;
   std::vector<nlohmann::ordered_json> frames;
   double loadSeconds = 0, planSeconds = 0;
