@@ -44,6 +44,12 @@ void checkOptions(const LoadOptions& options) {
   if (!why.str().empty()) throw InputError(why.str());
 }
 
+double longestSide(const Mesh& mesh) {
+  openvdb::BBoxd box;
+  for (const openvdb::Vec3s& p : mesh.points) box.expand(Vec3d(p));
+  return box.extents()[int(box.maxExtent())];
+}
+
 Placing placingFor(const InputSpec& input, const LoadOptions& options) {
   return options.placing.after(placingOf(input.placing, options.image.up));
 }
@@ -90,7 +96,7 @@ double voxelSizeFor(const FloatGrid& grid, const LoadOptions& options) {
   const bool limited = reading.fog && options.fogResolution > 0 && options.voxelSize == 0;
   if (!options.resolution && !limited) return options.voxelSize;
   if (!reading.problem.empty()) throw GeometryError(reading.problem);
-  if (options.resolution) return voxelSizeFor(surfaceAsRead(grid, reading), options.resolution);
+  if (options.resolution) return longestSide(surfaceAsRead(grid, reading)) / options.resolution;
   const openvdb::BBoxd box = grid.transform().indexToWorld(findStrays(grid).body);
   return std::max(box.extents()[int(box.maxExtent())] / options.fogResolution, grid.voxelSize()[0]);
 }

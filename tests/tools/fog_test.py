@@ -159,7 +159,7 @@ def puff_turns(d):
         grid.combine(side, lambda x, y: x + y)
         return grid
     a, b = write(d + "/a.vdb", pair(0)), write(d + "/b.vdb", pair(math.pi / 2))
-    run("morph", a, b, "-o", d + "/m.vdb", "--at", 0.5, "--quiet")
+    run("morph", a, b, "-o", d + "/m.vdb", "--at", 0.5, "--align", "auto", "--quiet")
     got, wanted = vdb.read(d + "/m.vdb", "density"), pair(math.pi / 4)
     accessor = got.getConstAccessor()
     array, low = dense(wanted)
