@@ -57,6 +57,8 @@ Placing placingFor(const InputSpec& input, const LoadOptions& options) {
 /// Bytes that voxelising takes for each voxel of the narrow band: 37 to 40 were measured on balls at 512 and 1024
 /// voxels.
 constexpr double kBandVoxelBytes = 30;
+/// Beyond this voxelise() refuses the voxel size, whatever memory there is.
+constexpr double kMostBandVoxels = 4e8;
 
 /// Throws MemoryError where the narrow band around a mesh would not fit.
 void requireForBand(const SolidMesh& solid, double voxelSize, const MemoryLimit& limit) {
@@ -67,7 +69,7 @@ void requireForBand(const SolidMesh& solid, double voxelSize, const MemoryLimit&
       area += (Vec3d(mesh->points[t[1]]) - a).cross(Vec3d(mesh->points[t[2]]) - a).length() / 2;
     }
   const double voxels = area / (voxelSize * voxelSize) * 2 * kHalfWidth, bytes = voxels * kBandVoxelBytes;
-  if (!(bytes > limit.left())) return;
+  if (!(bytes > limit.left()) || voxels > kMostBandVoxels) return;
   std::ostringstream what, advice;
   what << "a grid with voxels of " << voxelSize << " and " << voxels << " of these around the surface";
   advice << "use a --voxel-size of at least " << voxelSize * std::sqrt(bytes / std::max(limit.left(), 1.0));
