@@ -208,10 +208,10 @@ def ranges(d):
     for i in (1, 2, 3, 4, 5, 8, 9):
         write(d + "/a.%04d.vdb" % i, fog((0.1 * i, 0, 0), 0.6))
     write(d + "/b.vdb", fog((0, 0, 0), 0.6))
-    run("morph", d + "/a.####.vdb@1-5x2", d + "/b.vdb", "-o", d + "/m.####.vdb", "--quiet")
+    run("morph", d + "/a.####.vdb@1-5x2", d + "/b.vdb", "-o", d + "/m.####.vdb", "--method", "dissolve", "--quiet")
     assert os.path.exists(d + "/m.0003.vdb") and not os.path.exists(d + "/m.0004.vdb")
     assert abs(total(d + "/m.0001.vdb") / total(d + "/a.0001.vdb") - 1) < 1e-6
-    run("morph", d + "/a.####.vdb@2,4:density", d + "/b.vdb", "-o", d + "/n.####.vdb", "--quiet")
+    run("morph", d + "/a.####.vdb@2,4:density", d + "/b.vdb", "-o", d + "/n.####.vdb", "--method", "dissolve", "--quiet")
     assert os.path.exists(d + "/n.0002.vdb") and not os.path.exists(d + "/n.0003.vdb")
     error = run("morph", d + "/a.####.vdb@4-9", d + "/b.vdb", "-o", d + "/x.####.vdb", code=1).stderr
     assert "frames 6-7 are missing" in error, error
@@ -241,7 +241,7 @@ def liquid_before_obstacle(d):
     still = box((-1.5, -1.5, -0.2), (1.5, 1.5, 1.5), "aaa")
     a = write(d + "/c.vdb", still, ball((0, 0, 0.6), 0.5, "bbb"))
     b = write(d + "/d.vdb", still, ball((0.3, 0, 0.6), 0.7, "bbb"))
-    said = run("morph", a, b, "-o", d + "/n.vdb", "--at", 0.5).stderr
+    said = run("morph", a, b, "-o", d + "/n.vdb", "--at", 0.5, "--method", "sdf").stderr
     assert "took grid 'bbb' of 2" in said, said
     # The obstacle is drawn where it is named, and only there.
     pictures = [run("render", d + "/a.vdb" + grid, "-o", d + "/p.png", "--size", "32x24", "--view", "0,1,0", "--up", "z", "--quiet")
@@ -265,7 +265,7 @@ def types_and_marks(d):
             grid.saveFloatAsHalf = half
             grid.updateMetadata({"file_base_resolution": "7 7 7", "roi": "1 2 3", "artist": "kept"})
             write(d + "/%s.vdb" % name, grid, render_bbox="9", scene="kept")
-        run("morph", d + "/a.vdb", d + "/b.vdb", "-o", d + "/m.####.vdb", "--frames", 3, "--quiet")
+        run("morph", d + "/a.vdb", d + "/b.vdb", "-o", d + "/m.####.vdb", "--frames", 3, "--method", "sdf", "--quiet")
         for i in (1, 2, 3):
             path = d + "/m.%04d.vdb" % i
             grid = vdb.readGridMetadata(path, "shape")
@@ -411,7 +411,7 @@ def metres_and_millimetres(d):
         if fit == "box":
             assert np.abs(points.mean(0) - [0.5, 1.5, 1]).max() < 0.1, points.mean(0)
     with open(d + "/job.toml", "w") as job:
-        job.write('inputs = ["%s", {file = "%s", scale = 0.001, upright = "z"}]\noutput = "%s"\nat = 0.5\nresolution = 32\n' %
+        job.write('inputs = ["%s", {file = "%s", scale = 0.001, upright = "z"}]\noutput = "%s"\nat = 0.5\nresolution = 32\nmethod = "sdf"\n' %
                   (small, large, d + "/j.vdb"))
     assert "was scaled by 0.001" in run("morph", "--config", d + "/job.toml").stderr
     for wrong in ("{scale=0}", "{scale=x}", "{upright=w}", "{}", "{size=3}"):
