@@ -32,8 +32,8 @@ MeshInfo describeMesh(const InputSpec& input) {
   openvdb::BBoxd box;
   for (const std::uint32_t corner : stored.mesh.corners) box.expand(Vec3d(stored.mesh.points[corner]));
   if (!stored.mesh.corners.empty()) {
-    info.boxMin = box.min();
-    info.boxMax = box.max();
+    info.boxMin = box.min() + stored.origin;
+    info.boxMax = box.max() + stored.origin;
   }
   try {
     info.notes = checkSolid(input.path, stored, {});

@@ -78,17 +78,26 @@ void requireForBand(const SolidMesh& solid, double voxelSize, const MemoryLimit&
 
 LoadedObject loadMesh(const InputSpec& input, const LoadOptions& options) {
   StoredMesh stored = readPolygons(input);
-  place(stored.mesh.points, placingFor(input, options));
+  const Placing placing = placingFor(input, options);
+  const bool far = stored.origin != Vec3d(0.0);
+  place(stored.mesh.points, far ? Placing{placing.scale, placing.rotation} : placing);
   SolidOptions wanted;
   wanted.voxelSize = options.voxelSize, wanted.shell = options.shell;
   wanted.resolution = options.resolution ? options.resolution : kDefaultResolution;
   MeshSolid solid = solidOfFile(input.path, stored, wanted, [&](const SolidMesh& mesh) {
     requireForBand(mesh, voxelSizeOf(mesh, wanted), options.memory);
   });
+  openvdb::Vec3SGrid::Ptr colors = colorsAround(*solid.levelSet, stored.mesh);
+  if (far) {
+    const auto transform = solid.levelSet->transform().copy();
+    transform->postTranslate(placing(stored.origin));
+    solid.levelSet->setTransform(transform);
+    if (colors) colors->setTransform(transform->copy());
+  }
   LoadedObject loaded;
   loaded.object.levelSet = std::move(solid.levelSet);
   loaded.notes = std::move(solid.notes);
-  loaded.colors = colorsAround(*loaded.object.levelSet, stored.mesh);
+  loaded.colors = std::move(colors);
   return loaded;
 }
 

@@ -173,7 +173,7 @@ class GlbReader {
                         " million points or corners, the most that is read");
     const ScenePart part{mesh.points.size(), points.count()};
     for (size_t i = 0; i < points.count(); ++i) {
-      mesh.points.emplace_back(placeOf(i).apply(Vec3d(Vec3s(points.at(i)))));
+      stored_.addPoint(placeOf(i).apply(Vec3d(Vec3s(points.at(i)))));
       if (!isFinite(mesh.points.back()))
         refuseNotFinite(path_, "point " + std::to_string(mesh.points.size()), mesh.points.back());
     }

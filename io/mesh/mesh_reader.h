@@ -11,11 +11,22 @@ namespace slicemorph {
 /// A mesh as a file holds it, in world space (the node transforms of a GLB applied).
 struct StoredMesh {
   PolygonMesh mesh;
+  /// What is to be added to the mesh's points for their place in the world. It is 0 but for what lies many of its own
+  /// lengths away, as maps do, where single precision has no digits left for the shape.
+  Vec3d origin{0, 0, 0};
+  std::vector<openvdb::Vec3s> rests =
+      {};                        ///< while reading, per point: what it lost in single precision; or empty
   size_t points = 0, faces = 0;  ///< as the file counts them; `mesh` may have more or fewer points
   size_t skipped = 0;            ///< points and lines, which have no surface
   bool endsInLine = false;       ///< a text file whose last line has no newline: maybe cut short
   std::string colorsOf;  ///< what has colours: "points", "faces", "materials", "textures"; empty: nothing
   Notes notes = {};      ///< what else was changed or left out
+
+  /// Of a reader that adds all its points so.
+  void addPoint(const Vec3d& point) {
+    mesh.points.emplace_back(point);
+    rests.emplace_back(point - Vec3d(mesh.points.back()));
+  }
 };
 
 /// Reads a mesh of any format of the table. Colours: of PLY and OFF the points' own, else the faces'; of OBJ a

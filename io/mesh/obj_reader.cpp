@@ -78,9 +78,9 @@ class ObjReader {
     if (count == 4 && numbers[3] == 0)
       refuse(path_, where() + ": " + name() + " has the weight 0: it is infinitely far away");
     const double weight = count == 4 ? numbers[3] : 1;
-    const Vec3s point(Vec3d(numbers[0], numbers[1], numbers[2]) / weight);
-    if (!isFinite(point)) refuseNotFinite(path_, where() + ": " + name(), point);
-    stored_.mesh.points.push_back(point);
+    const Vec3d point = Vec3d(numbers[0], numbers[1], numbers[2]) / weight;
+    if (!isFinite(Vec3s(point))) refuseNotFinite(path_, where() + ": " + name(), Vec3s(point));
+    stored_.addPoint(point);
     if (count == 6) pointColors_.emplace_back(numbers[3], numbers[4], numbers[5]);
   }
 

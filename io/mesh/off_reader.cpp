@@ -222,7 +222,7 @@ class OffReader {
     const size_t place = size_t(header_.placeNumbers()), before = place + 3 * header_.normals;
     const bool plain = !header_.normals && !header_.texture && !header_.colors;
     for (const OffNumbers& n : points_) {
-      mesh.points.emplace_back(Vec3d(n[0], n[1], n[2]) / (header_.weighted ? n[3] : 1.0));
+      stored.addPoint(Vec3d(n[0], n[1], n[2]) / (header_.weighted ? n[3] : 1.0));
       if (!isFinite(mesh.points.back()))
         refuseNotFinite(path_, "point " + std::to_string(mesh.points.size()), mesh.points.back());
       const size_t rest = n.size() - std::min(n.size(), before + 2 * header_.texture);

@@ -117,10 +117,10 @@ class PlyReader {
     if (faces && colored && element.count > 0) stored_.colorsOf = "faces";
     for (std::uint64_t row = 0; row < element.count; ++row) {
       readRow(element, parts);
-      if (points) stored_.mesh.points.push_back(position_);
+      if (points) stored_.addPoint(position_);
       if (points && colored) pointColors_.push_back(color_);
-      if (points && !isFinite(position_))
-        refuseNotFinite(path_, "point " + std::to_string(row + 1), position_);
+      if (points && !isFinite(stored_.mesh.points.back()))
+        refuseNotFinite(path_, "point " + std::to_string(row + 1), stored_.mesh.points.back());
       if (colored && (points || faces) && !isFinite(color_))
         refuseNotFinite(path_,
                         (points ? "the colour of point " : "the colour of face ") + std::to_string(row + 1),
@@ -145,7 +145,7 @@ class PlyReader {
         continue;
       }
       const double value = numbers_.next(property.type);
-      if (part.role == PlyRole::kPosition) position_[part.axis] = float(value);
+      if (part.role == PlyRole::kPosition) position_[part.axis] = value;
       if (part.role == PlyRole::kColor) color_[part.axis] = float(value * part.scale);
     }
   }
@@ -195,7 +195,8 @@ class PlyReader {
   PlyNumbers numbers_;
   StoredMesh stored_;
   std::vector<Vec3s> pointColors_;
-  Vec3s position_{0.f, 0.f, 0.f}, color_{0.f, 0.f, 0.f};  // of the row that was read last
+  Vec3d position_{0.0, 0.0, 0.0};  // of the row that was read last
+  Vec3s color_{0.f, 0.f, 0.f};     // of the same row
   std::vector<double> corners_;
 };
 

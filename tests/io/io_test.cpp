@@ -17,6 +17,8 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <sstream>
+#include <utility>
 
 namespace slicemorph {
 namespace {
@@ -216,13 +218,69 @@ TEST_F(Io, RealMeshesAreReadAndRepaired) {
 }
 
 /// Meshes as people have them: closed solids all, but for what is truly a sheet.
+/// A ball as map data has it: half a million metres east, five million north. Single precision has steps of .5 there.
+/// Within two voxels of .3 its distances may miss those of a true ball of radius 5 by the depth of its triangles, twice
+/// 5 (1 - cos(pi / 128)) or .003, and by a hundredth of a voxel, as OpenVDB looks for the nearest of a few triangles only.
+TEST_F(Io, FarCoordinatesLoseNothing) {
+  const Vec3d centre(500000.3, 5000000.7, 120.1);
+  constexpr int kAround = 128, kRings = 64;
+  std::vector<Vec3d> points;
+  for (int r = 0; r <= kRings; ++r)
+    for (int a = 0; a < (r % kRings ? kAround : 1); ++a) {
+      const double down = M_PI * r / kRings, about = 2 * M_PI * a / kAround;
+      points.push_back(centre + 5 * Vec3d(std::sin(down) * std::cos(about), std::sin(down) * std::sin(about),
+                                          std::cos(down)));
+    }
+  const auto at = [&](int r, int a) {
+    return r == 0 ? 0 : r == kRings ? int(points.size()) - 1 : 1 + (r - 1) * kAround + a % kAround;
+  };
+  std::vector<openvdb::Vec3I> triangles;
+  for (int r = 0; r < kRings; ++r)
+    for (int a = 0; a < kAround; ++a) {
+      if (r > 0) triangles.emplace_back(at(r, a), at(r + 1, a), at(r, a + 1));
+      if (r + 1 < kRings) triangles.emplace_back(at(r, a + 1), at(r + 1, a), at(r + 1, a + 1));
+    }
+  std::ostringstream obj, off, ply;
+  obj.precision(15), off.precision(15);
+  off << "OFF\n" << points.size() << " " << triangles.size() << " 0\n";
+  ply << "ply\nformat binary_little_endian 1.0\nelement vertex " << points.size()
+      << "\nproperty double x\nproperty double y\nproperty double z\nelement face " << triangles.size()
+      << "\nproperty list uchar int vertex_indices\nend_header\n";
+  for (const Vec3d& p : points) {
+    obj << "v " << p[0] << " " << p[1] << " " << p[2] << "\n",
+        off << p[0] << " " << p[1] << " " << p[2] << "\n";
+    ply.write(reinterpret_cast<const char*>(p.asPointer()), 24);
+  }
+  for (const openvdb::Vec3I& t : triangles) {
+    obj << "f " << t[0] + 1 << " " << t[1] + 1 << " " << t[2] + 1 << "\n";
+    off << "3 " << t[0] << " " << t[1] << " " << t[2] << "\n";
+    ply.put(3);
+    ply.write(reinterpret_cast<const char*>(t.asPointer()), 12);
+  }
+  LoadOptions options;
+  options.voxelSize = 0.3;
+  for (const auto& [name, bytes] : {std::pair<std::string, std::string>{"far.obj", obj.str()},
+                                    {"far.off", off.str()},
+                                    {"far.ply", ply.str()}}) {
+    const FloatGrid::ConstPtr grid = loadObject(write(name, bytes), options).object.levelSet;
+    double worst = 0;
+    for (auto value = grid->cbeginValueOn(); value; ++value) {
+      const double distance = (grid->indexToWorld(value.getCoord()) - centre).length() - 5;
+      if (std::abs(*value) < 2 * options.voxelSize) worst = std::max(worst, std::abs(distance - *value));
+    }
+    EXPECT_LT(worst, 0.003 + 0.01 * options.voxelSize) << name;
+    EXPECT_GT(grid->activeVoxelCount(), 1000u);
+  }
+}
+
 TEST_F(Io, WildMeshesAreSolids) {
   REAL_FILE(first, "wild/trimesh__models_teapot.stl");
   for (const char* name :
        {"assimp__test_models_OBJ_regr01.obj", "assimp__test_models_STL_Wuson.stl",
         "manifold__test_models_openscad-nonmanifold-crash.obj", "meshoptimizer__demo_pirate.obj",
-        "pmp-library__data_off_hemisphere.off", "trimesh__models_angle_block.STL",
-        "trimesh__models_chair_model.obj", "trimesh__models_teapot.stl"}) {
+        "pmp-library__data_off_beetle.off", "pmp-library__data_off_hemisphere.off",
+        "trimesh__models_angle_block.STL", "trimesh__models_chair_model.obj", "trimesh__models_teapot.stl",
+        "trimesh__models_whitespace.off"}) {
     LoadOptions options;
     options.resolution = 64;
     const LoadedObject loaded = loadObject(realFile(std::string("wild/") + name), options);
@@ -263,7 +321,7 @@ TEST_F(Io, TruncatedMeshesAreRefused) {
   for (const auto& [name, bytes] : meshes) {
     for (size_t size = 1; size + 4 < bytes.size(); ++size) {
       const std::string path = write(name, bytes.substr(0, size));
-      // An OBJ that ends with a whole face is whole, for nothing in it counts faces: then its open surface is warned of.
+      // An OBJ that ends with a whole face is whole, for nothing in it counts faces: its open surface is warned of.
       if (name == "c.obj" && size >= bytes.find("f 3 7") && bytes[size - 1] == '\n') {
         EXPECT_EQ(severityOfReading(path), Severity::kWarning) << size;
         continue;
