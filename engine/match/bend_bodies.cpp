@@ -31,7 +31,7 @@ constexpr Limits kSure{0.2, 0.01, 0.015}, kMost{0.25, 0.02, 0.2};
 /// What a bending is worth in overlap where the share without partner is no more than this part of the strain: points
 /// then keep their place along limbs, which overlap does not show. A collapsing horse (strain .22, 8 %) crumples and is
 /// matched right; a body that hardly bends and leaves 6 % over (strain .07) lacks a leg.
-constexpr double kBentBonus = 0.05, kCrumpled = 0.6;
+constexpr double kBentBonus = 0.08, kCrumpled = 0.6;
 /// Residual of a body that is still stiff beyond which it will never fit; bodies that do have at most half of it.
 constexpr double kHopeless = 0.05;
 /// A limit that no fit exceeds: of bodies that are of one kind by their inner distances.
