@@ -3,6 +3,7 @@
 #include "engine/volume/surface_colors.h"
 #include "engine/volume/voxelise.h"
 #include "io/format.h"
+#include "io/mesh/far_origin.h"
 #include "io/paths.h"
 #include "slicemorph/errors.h"
 #include "slicemorph/io/mesh_writer.h"
@@ -72,6 +73,27 @@ openvdb::GridBase::Ptr surfaceGrid(const FloatGrid& levelSet, const SurfaceOutpu
   return grid;
 }
 
+Mesh meshForFile(const FloatGrid& levelSet, const openvdb::Vec3SGrid* colors) {
+  openvdb::BBoxd box;
+  if (const openvdb::CoordBBox voxels = levelSet.evalActiveVoxelBoundingBox(); !voxels.empty())
+    box = levelSet.transform().indexToWorld(voxels);
+  const Vec3d origin = farOrigin(box);
+  const auto moved = [&](const auto& grid) {  // the same voxels elsewhere
+    const auto transform = grid.transform().copy();
+    transform->postTranslate(-origin);
+    return grid.copyReplacingTransform(transform);
+  };
+  if (origin == Vec3d(0.0)) {
+    Mesh mesh = surfaceOf(levelSet);
+    if (colors) mesh.colors = colorsAt(*colors, mesh.points);
+    return mesh;
+  }
+  Mesh mesh = surfaceOf(*moved(levelSet));
+  if (colors) mesh.colors = colorsAt(*moved(*colors), mesh.points);
+  mesh.origin = origin;
+  return mesh;
+}
+
 void writeSurface(const std::string& path, const FloatGrid& levelSet, const SurfaceOutput& options) {
   checkSurfaceOutput(path);
   if (formatToWrite(path)->contents == Contents::kGrids) {
@@ -79,9 +101,7 @@ void writeSurface(const std::string& path, const FloatGrid& levelSet, const Surf
     if (options.colors) grids.push_back(options.colors);
     writeVdb(path, grids, options.vdb);
   } else {
-    Mesh mesh = surfaceOf(levelSet);
-    if (options.colors) mesh.colors = colorsAt(*options.colors, mesh.points);
-    writeMesh(path, mesh);
+    writeMesh(path, meshForFile(levelSet, options.colors.get()));
   }
 }
 

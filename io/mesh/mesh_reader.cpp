@@ -1,14 +1,13 @@
 #include "io/mesh/mesh_reader.h"
 
 #include "io/format.h"
+#include "io/mesh/far_origin.h"
 #include "io/mesh/file_kind.h"
 #include "io/paths.h"
 #include "io/whole_file.h"
 #include "slicemorph/errors.h"
 
-#include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <utility>
 
 namespace slicemorph {
@@ -29,19 +28,12 @@ void checkKind(const std::string& path, std::string_view bytes) {
                           (kind.extension.empty() ? "" : "; name it " + kind.extension));
 }
 
-/// Distance from 0, in a mesh's lengths, from which its origin is taken out of the points: nearer ones are exact to .002
-/// of a voxel at 1024 voxels along it (half a step of single precision is 2^-25).
-constexpr double kFarAway = 64;
-
 StoredMesh withOrigin(StoredMesh stored) {
   std::vector<openvdb::Vec3s>& points = stored.mesh.points;
   openvdb::BBoxd box;
   for (const openvdb::Vec3s& p : points) box.expand(Vec3d(p));
-  double farthest = 0;
-  for (int i = 0; i < 3 && !points.empty(); ++i)
-    farthest = std::max({farthest, std::abs(box.min()[i]), std::abs(box.max()[i])});
-  if (!points.empty() && farthest > kFarAway * box.extents()[int(box.maxExtent())]) {
-    for (int i = 0; i < 3; ++i) stored.origin[i] = std::round(box.getCenter()[i]);
+  stored.origin = farOrigin(box);
+  if (stored.origin != Vec3d(0.0)) {
     stored.rests.resize(points.size(), openvdb::Vec3s(0.f));
     for (size_t i = 0; i < points.size(); ++i)
       points[i] = openvdb::Vec3s(Vec3d(points[i]) - stored.origin + Vec3d(stored.rests[i]));

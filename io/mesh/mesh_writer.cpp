@@ -35,11 +35,19 @@ class Line {
     return *this;
   }
   Line& add(const openvdb::Vec3s& v) { return add(v[0]).add(v[1]).add(v[2]); }
+  Line& add(const Vec3d& v) { return add(v[0]).add(v[1]).add(v[2]); }
   std::string_view end() { return text_ += '\n'; }
 
  private:
   std::string text_;
 };
+
+bool isFar(const Mesh& mesh) { return mesh.origin != Vec3d(0.0); }
+
+/// A point's place as single precision has it.
+openvdb::Vec3s placeOf(const Mesh& mesh, size_t i) {
+  return isFar(mesh) ? openvdb::Vec3s(Vec3d(mesh.points[i]) + mesh.origin) : mesh.points[i];
+}
 
 template <typename T>
 void writeRaw(AtomicFile& file, const T& value) {
@@ -66,7 +74,11 @@ void writeObj(const std::string& path, const Mesh& mesh) {
   AtomicFile file(path);
   Line line;
   for (size_t i = 0; i < mesh.points.size(); ++i) {
-    line.begin('v').add(mesh.points[i]);
+    line.begin('v');
+    if (isFar(mesh))
+      line.add(Vec3d(mesh.points[i]) + mesh.origin);
+    else
+      line.add(mesh.points[i]);
     if (!mesh.colors.empty()) line.add(mesh.colors[i]);
     file.write(line.end());
   }
@@ -78,14 +90,19 @@ void writeObj(const std::string& path, const Mesh& mesh) {
 
 void writePly(const std::string& path, const Mesh& mesh) {
   AtomicFile file(path);
-  const bool colored = !mesh.colors.empty();
-  const std::string colors = colored ? "property uchar red\nproperty uchar green\nproperty uchar blue\n" : "";
+  const bool colored = !mesh.colors.empty(), far = isFar(mesh);
+  const std::string number = far ? "double" : "float",
+                    colors = colored ? "property uchar red\nproperty uchar green\nproperty uchar blue\n" : "";
   file.write("ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(mesh.points.size()) +
-             "\nproperty float x\nproperty float y\nproperty float z\n" + colors + "element face " +
-             std::to_string(mesh.triangles.size()) +
+             "\nproperty " + number + " x\nproperty " + number + " y\nproperty " + number + " z\n" + colors +
+             "element face " + std::to_string(mesh.triangles.size()) +
              "\nproperty list uchar uint vertex_indices\nend_header\n");
   for (size_t i = 0; i < mesh.points.size(); ++i) {
-    file.write({reinterpret_cast<const char*>(mesh.points[i].asPointer()), 12});
+    const Vec3d place = Vec3d(mesh.points[i]) + mesh.origin;
+    if (far)
+      file.write({reinterpret_cast<const char*>(place.asPointer()), 24});
+    else
+      file.write({reinterpret_cast<const char*>(mesh.points[i].asPointer()), 12});
     if (!colored) continue;
     const openvdb::Vec3s& c = mesh.colors[i];
     writeRaw(file, std::array<std::uint8_t, 3>{toByte(c[0]), toByte(c[1]), toByte(c[2])});
@@ -109,7 +126,7 @@ void writeStl(const std::string& path, const Mesh& mesh) {
     if (!normal.normalize(0.0)) normal = openvdb::Vec3d(0.0);
     for (int i = 0; i < 3; ++i) {
       facet.normal[i] = float(normal[i]);
-      std::memcpy(facet.corners[i], mesh.points[t[i]].asPointer(), sizeof facet.corners[i]);
+      std::memcpy(facet.corners[i], placeOf(mesh, t[i]).asPointer(), sizeof facet.corners[i]);
     }
     writeRaw(file, facet);
   }
@@ -119,7 +136,9 @@ void writeStl(const std::string& path, const Mesh& mesh) {
 void writeStillGlb(const std::string& path, const Mesh& mesh) {
   std::vector<std::vector<openvdb::Vec3s>> colors;
   if (!mesh.colors.empty()) colors.push_back(mesh.colors);
-  writeGlb(path, {{0, mesh.triangles, {mesh.points}, colors}});
+  std::vector<openvdb::Vec3s> places(mesh.points.size());
+  for (size_t i = 0; i < places.size(); ++i) places[i] = placeOf(mesh, i);
+  writeGlb(path, {{0, mesh.triangles, {std::move(places)}, colors}});
 }
 
 void writeMesh(const std::string& path, const Mesh& mesh) {

@@ -69,7 +69,7 @@ void FrameWriter::write(const FrameTask& task, const MorphFrame& frame) {
   } else if (OutputName(task.job.path).extension() == ".glb") {
     writeStill(task, frame);
   } else if (frame.grids.empty()) {
-    writeMesh(task.job.path, coloredSurfaceOf(frame));
+    writeMesh(task.job.path, meshForFile(*frame.shape.surface, frame.colors.get()));
   } else {
     writeGrids(task, frame);
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "slicemorph/conventions.h"
+#include "slicemorph/mesh.h"
 
 #include <openvdb/io/Compression.h>
 
@@ -46,6 +47,10 @@ void checkSurfaceOutput(const std::string& path);
 
 /// The level set as a grid of an output; of floats it shares its tree.
 openvdb::GridBase::Ptr surfaceGrid(const FloatGrid& levelSet, const SurfaceOutput& options = {});
+
+/// The surface of a level set with its colours (null: none), as a mesh to be written. What lies far from 0, as on maps,
+/// has its origin taken out of the points, which keep their digits so.
+Mesh meshForFile(const FloatGrid& levelSet, const openvdb::Vec3SGrid* colors);
 
 /// Writes a level set by extension: `.vdb` as a grid, followed by its colours; `.obj .ply
 /// .stl .glb` as its surface mesh, whose points get the colours at them (STL: none). The file appears whole
