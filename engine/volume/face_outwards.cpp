@@ -1,7 +1,9 @@
 #include "engine/volume/face_outwards.h"
 
 #include "engine/volume/agree_on_winding.h"
+#include "engine/volume/mesh_measures.h"
 #include "engine/volume/surface_samples.h"
+#include "engine/volume/turn_outwards.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -57,20 +59,12 @@ Votes votesOf(const Mesh& mesh, const std::vector<Index>& patch, const WindingNu
 
 std::vector<Votes> votesOfAll(const Mesh& mesh, const std::vector<std::vector<Index>>& sets,
                               const WindingNumber& rays) {
-  openvdb::BBoxd box;
-  for (const openvdb::Vec3s& p : mesh.points) box.expand(Vec3d(p));
+  const double lift = kLift * boundsOf(mesh.points).extents().length();
   const size_t count = std::clamp(kAllRays / std::max(sets.size(), size_t(1)), kLeastRays, kRays);
   std::vector<Votes> votes(sets.size());
-  tbb::parallel_for(size_t(0), sets.size(), [&](size_t i) {
-    votes[i] = votesOf(mesh, sets[i], rays, count, kLift * box.extents().length());
-  });
+  tbb::parallel_for(size_t(0), sets.size(),
+                    [&](size_t i) { votes[i] = votesOf(mesh, sets[i], rays, count, lift); });
   return votes;
-}
-
-/// Turns the triangles of a set over; returns how many.
-size_t turnSet(Mesh& mesh, const std::vector<Index>& set) {
-  for (Index t : set) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
-  return set.size();
 }
 
 }  // namespace
@@ -91,7 +85,7 @@ size_t faceOutwards(Mesh& mesh, const std::vector<Index>& patch, const WindingNu
           against += other.turned() ? 1 : -1;
       turn = against > 0;
     }
-    if (turn) turned += turnSet(mesh, patches[i]);
+    if (turn) turnOver(mesh, patches[i]), turned += patches[i].size();
   }
   return turned;
 }
@@ -101,7 +95,7 @@ size_t facePiecesOutwards(Mesh& mesh, const std::vector<Index>& piece, const Win
   const std::vector<Votes> votes = votesOfAll(mesh, pieces, rays);
   size_t turned = 0;
   for (size_t i = 0; i < pieces.size(); ++i)
-    if (votes[i].turned()) turned += turnSet(mesh, pieces[i]);
+    if (votes[i].turned()) turnOver(mesh, pieces[i]), turned += pieces[i].size();
   return turned;
 }
 

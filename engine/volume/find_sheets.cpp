@@ -1,5 +1,6 @@
 #include "engine/volume/find_sheets.h"
 
+#include "engine/volume/mesh_measures.h"
 #include "engine/volume/surface_samples.h"
 
 #include <tbb/parallel_for.h>
@@ -39,9 +40,7 @@ double wallShare(const std::vector<SurfacePoint>& samples, const WindingNumber& 
 
 std::vector<size_t> findSheets(const Mesh& mesh, const std::vector<std::vector<Index>>& shells,
                                const WindingNumber& all) {
-  openvdb::BBoxd box;
-  for (const openvdb::Vec3s& p : mesh.points) box.expand(Vec3d(p));
-  const double beside = kBeside * box.extents().length();
+  const double beside = kBeside * boundsOf(mesh.points).extents().length();
   std::vector<std::vector<SurfacePoint>> samples(shells.size());
   std::vector<char> sheet(shells.size()), open(shells.size());
   tbb::parallel_for(size_t(0), shells.size(), [&](size_t i) {

@@ -1,6 +1,8 @@
 #include "engine/volume/repair_mesh.h"
 
 #include "engine/volume/agree_on_winding.h"
+#include "engine/volume/mesh_measures.h"
+#include "engine/volume/repair_note.h"
 #include "engine/volume/triangulate_faces.h"
 #include "engine/volume/turn_outwards.h"
 #include "engine/volume/weld_points.h"
@@ -15,23 +17,6 @@ namespace {
 using openvdb::Vec3I;
 using openvdb::Vec3s;
 
-std::string plural(size_t count, const std::string& noun, const std::string& more = "s") {
-  return std::to_string(count) + " " + noun + (count == 1 ? "" : more);
-}
-
-std::string number(double value) {
-  std::ostringstream text;
-  text.precision(4);
-  text << value;
-  return text.str();
-}
-
-double diagonalOf(const std::vector<Vec3s>& points) {
-  openvdb::BBoxd box;
-  for (const Vec3s& p : points) box.expand(Vec3d(p));
-  return points.empty() ? 0 : box.extents().length();
-}
-
 /// The counts of what cleaning changes, beside the topology.
 struct Changes {
   const WeldedPoints& welded;
@@ -40,15 +25,11 @@ struct Changes {
   const BoundaryLoops& boundary;
 };
 
-Note meshNote(const char* code, Severity severity, std::string text) {
-  return {code, severity, "", std::move(text)};
-}
-
 Notes notesOf(const Changes& c) {
   Notes notes;
   const auto say = [&](size_t count, const char* code, const std::string& before, const std::string& noun,
                        const std::string& after = "") {
-    if (count > 0) notes.push_back(meshNote(code, Severity::kNote, before + plural(count, noun) + after));
+    if (count > 0) notes.push_back(repairNote(code, Severity::kNote, before + countOf(count, noun) + after));
   };
   say(c.faces.polygons, "mesh.triangulated", "triangulated ", "polygon");
   say(c.welded.merged, "mesh.welded", "welded ", "duplicate point");
@@ -72,7 +53,7 @@ CleanedMesh clean(const PolygonMesh& input) {
   MeshTopology& found = c.found;
   found.weldedPoints = welded.merged;
   found.unusedPoints = welded.unused;
-  found.diagonal = diagonalOf(c.mesh.points);
+  found.diagonal = c.mesh.points.empty() ? 0 : boundsOf(c.mesh.points).extents().length();
   for (const Vec3I& t : c.mesh.triangles) {
     found.signedVolume += signedVolume(c.mesh.points, t, Vec3d(c.mesh.points[c.mesh.triangles[0][0]]));
   }
@@ -106,10 +87,10 @@ bool tooLarge(const CleanedMesh& c) {
 
 void noteTurned(const TurnedParts& turned, Notes& notes) {
   if (turned.insideOut)
-    notes.push_back(meshNote("mesh.inside-out", Severity::kNote,
-                             "turned " + plural(turned.insideOut, "inside-out shell") + " outwards"));
+    notes.push_back(repairNote("mesh.inside-out", Severity::kNote,
+                               "turned " + countOf(turned.insideOut, "inside-out shell") + " outwards"));
   if (turned.cavities)
-    notes.push_back(meshNote(
+    notes.push_back(repairNote(
         "mesh.cavities-filled", Severity::kWarning,
         turned.cavities == 1
             ? "1 shell is a cavity inside another: filled as solid"
@@ -129,13 +110,14 @@ std::string whyNotClosed(const CleanedMesh& c) {
   if (f.twistedEdges == 0 && !tooLarge(c)) return "";
   std::ostringstream why;
   why << (f.twistedEdges > 0 ? "the surface is not orientable" : "the surface is open") << ": "
-      << plural(f.boundaryEdges, "boundary edge") << " in " << plural(f.boundaryLoops, "loop");
+      << countOf(f.boundaryEdges, "boundary edge") << " in " << countOf(f.boundaryLoops, "loop");
   if (f.boundaryLoops > 0) {
-    why << ", the longest " << number(f.longestLoop) << " long (" << number(f.longestLoop / f.diagonal)
-        << " of the bounding box's diagonal of " << number(f.diagonal) << ")";
+    why << ", the longest " << withDigits(f.longestLoop, 4) << " long ("
+        << withDigits(f.longestLoop / f.diagonal, 4) << " of the bounding box's diagonal of "
+        << withDigits(f.diagonal, 4) << ")";
   }
-  why << ", " << plural(f.nonManifoldEdges, "edge") << " with more than two faces, "
-      << plural(f.twistedEdges, "edge") << " where no winding agrees, " << plural(f.shells, "shell");
+  why << ", " << countOf(f.nonManifoldEdges, "edge") << " with more than two faces, "
+      << countOf(f.twistedEdges, "edge") << " where no winding agrees, " << countOf(f.shells, "shell");
   return why.str();
 }
 
@@ -144,9 +126,9 @@ RepairedMesh closeMesh(CleanedMesh c) {
   result.notes = std::move(c.notes);
   for (const PointLoop& loop : c.boundary.loops) fillHole(c.mesh, loop);
   if (!c.boundary.loops.empty()) {
-    result.notes.push_back(meshNote("mesh.holes-filled", Severity::kNote,
-                                    "filled " + plural(c.boundary.loops.size(), "hole") + " (" +
-                                        plural(c.boundary.edges - c.boundary.strays, "edge") + ")"));
+    result.notes.push_back(repairNote("mesh.holes-filled", Severity::kNote,
+                                      "filled " + countOf(c.boundary.loops.size(), "hole") + " (" +
+                                          countOf(c.boundary.edges - c.boundary.strays, "edge") + ")"));
   }
   AgreedWinding winding = agreeOnWinding(std::move(c.mesh.triangles));
   c.mesh.triangles = std::move(winding.triangles);

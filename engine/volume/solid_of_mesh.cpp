@@ -3,7 +3,10 @@
 #include "engine/volume/agree_on_winding.h"
 #include "engine/volume/face_outwards.h"
 #include "engine/volume/find_sheets.h"
+#include "engine/volume/mesh_measures.h"
+#include "engine/volume/repair_note.h"
 #include "engine/volume/surface_samples.h"
+#include "engine/volume/turn_outwards.h"
 #include "engine/volume/voxelise.h"
 #include "engine/volume/winding_solid.h"
 #include "slicemorph/errors.h"
@@ -25,7 +28,6 @@ namespace slicemorph {
 namespace {
 
 using openvdb::Vec3I;
-using openvdb::Vec3s;
 using Index = std::uint32_t;
 
 /// Thickness of a sheet, voxels: the least that has a voxel inside wherever the lattice lies (its diagonal), and the
@@ -36,34 +38,8 @@ constexpr double kLeastShell = 1.75, kGoodShell = 2.5;
 constexpr double kCheckSpacing = 3, kCheckBeside = 1.5;
 constexpr size_t kMostChecks = 1 << 20;
 
-std::string severalOf(size_t count, const std::string& noun) {
-  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
-}
-
 /// Two digits, which is as exact as a proposal needs to be.
-std::string roughly(double value) {
-  std::ostringstream text;
-  text.precision(2);
-  text << value;
-  return text.str();
-}
-
-double areaOfTriangles(const Mesh& mesh) {
-  double twice = 0;
-  for (const Vec3I& t : mesh.triangles) {
-    const Vec3d a(mesh.points[t[0]]);
-    twice += (Vec3d(mesh.points[t[1]]) - a).cross(Vec3d(mesh.points[t[2]]) - a).length();
-  }
-  return twice / 2;
-}
-
-void turnTriangles(Mesh& mesh, const std::vector<Index>& triangles) {
-  for (Index t : triangles) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
-}
-
-Note repairNote(const char* code, Severity severity, std::string text) {
-  return {code, severity, "", std::move(text)};
-}
+std::string roughly(double value) { return withDigits(value, 2); }
 
 /// Faces the patches of a mesh outwards and takes its sheets out.
 void sortOut(SolidMesh& solid, const CleanedMesh& clean) {
@@ -75,7 +51,7 @@ void sortOut(SolidMesh& solid, const CleanedMesh& clean) {
   if (turned > 0) {
     solid.notes.push_back(
         repairNote("mesh.patches-turned", Severity::kNote,
-                   "turned " + severalOf(turned, "face") + " of patches seen from their backs"));
+                   "turned " + countOf(turned, "face") + " of patches seen from their backs"));
     winding = std::make_unique<WindingNumber>(mesh);
   }
   const std::vector<size_t> sheets = findSheets(mesh, shells, *winding);
@@ -105,7 +81,7 @@ std::vector<Vec3d> doubtfulPoints(const FloatGrid& grid, const Mesh& mesh) {
   const double h = grid.voxelSize()[0];
   std::vector<Index> all(mesh.triangles.size());
   std::iota(all.begin(), all.end(), Index(0));
-  const double count = areaOfTriangles(mesh) / (kCheckSpacing * kCheckSpacing * h * h);
+  const double count = areaOf(mesh) / (kCheckSpacing * kCheckSpacing * h * h);
   const FloatGrid::ConstAccessor values = grid.getConstAccessor();
   const auto valueAt = [&](const Vec3d& p) {
     return values.getValue(grid.transform().worldToIndexNodeCentered(p));
@@ -138,7 +114,7 @@ FloatGrid::Ptr voxeliseClosed(SolidMesh& solid, double voxelSize) {
   if (solid.found.shells == 1 && solid.found.nonManifoldEdges == 0) return grid;
   const std::vector<Vec3d> doubtful = doubtfulPoints(*grid, solid.mesh);
   if (doubtful.empty()) return grid;
-  turnTriangles(solid.mesh, solid.turned);  // as found, and then outwards but for cavities
+  turnOver(solid.mesh, solid.turned);  // as found, and then outwards but for cavities
   AgreedWinding agreed = agreeOnWinding(solid.mesh.triangles);
   solid.mesh.triangles = std::move(agreed.triangles);
   auto winding = std::make_unique<WindingNumber>(solid.mesh);
@@ -151,7 +127,7 @@ FloatGrid::Ptr voxeliseClosed(SolidMesh& solid, double voxelSize) {
                              [](const Note& n) { return n.code == "mesh.cavities-filled"; }),
               notes.end());
   notes.push_back(repairNote("mesh.by-winding", Severity::kNote,
-                             "its " + severalOf(solid.found.shells, "shell") +
+                             "its " + countOf(solid.found.shells, "shell") +
                                  " have cavities or pockets between them: kept, the inside is where the "
                                  "winding number is above 1/2"));
   return grid;
@@ -191,9 +167,9 @@ void noteSheets(SolidMesh& mesh, const SolidOptions& options) {
   if (mesh.sheets.triangles.empty()) return;
   std::ostringstream text;
   const double voxelSize = voxelSizeOf(mesh, options);
-  text << mesh.sheetShells << " of " << severalOf(mesh.shells, "shell")
+  text << mesh.sheetShells << " of " << countOf(mesh.shells, "shell")
        << (mesh.sheetShells == 1 ? " is a sheet that encloses nothing" : " are sheets that enclose nothing")
-       << " (area " << roughly(areaOfTriangles(mesh.sheets)) << "): ";
+       << " (area " << roughly(areaOf(mesh.sheets)) << "): ";
   if (options.shell > 0)
     text << "made " << options.shell << " thick";
   else

@@ -70,6 +70,10 @@ double signedVolume(const std::vector<openvdb::Vec3s>& points, const openvdb::Ve
   return a.dot((Vec3d(points[t[1]]) - origin).cross(Vec3d(points[t[2]]) - origin)) / 6;
 }
 
+void turnOver(Mesh& mesh, const std::vector<Index>& triangles) {
+  for (Index t : triangles) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+}
+
 TurnedParts turnOutwards(Mesh& mesh, const std::vector<Index>& patch) {
   const std::vector<Part> parts = partsOf(mesh, patch);
   TurnedParts result;
@@ -88,7 +92,7 @@ TurnedParts turnOutwards(Mesh& mesh, const std::vector<Index>& patch) {
     result.cavities += cavity;
     if (part.volume > 0) continue;
     result.insideOut += !cavity;
-    for (Index t : part.triangles) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+    turnOver(mesh, part.triangles);
     result.triangles.insert(result.triangles.end(), part.triangles.begin(), part.triangles.end());
   }
   return result;

@@ -11,6 +11,9 @@ namespace slicemorph {
 double signedVolume(const std::vector<openvdb::Vec3s>& points, const openvdb::Vec3I& triangle,
                     const Vec3d& origin);
 
+/// Turns triangles over.
+void turnOver(Mesh& mesh, const std::vector<std::uint32_t>& triangles);
+
 struct TurnedParts {
   size_t insideOut = 0;                  ///< parts that were turned outwards
   size_t cavities = 0;                   ///< parts inside other parts

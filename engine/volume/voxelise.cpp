@@ -1,6 +1,7 @@
 #include "engine/volume/voxelise.h"
 
 #include "engine/volume/manifold.h"
+#include "engine/volume/mesh_measures.h"
 #include "slicemorph/errors.h"
 
 #include <openvdb/tools/MeshToVolume.h>
@@ -22,26 +23,18 @@ using openvdb::Vec3s;
 using openvdb::Vec4I;
 using Index = std::uint32_t;
 
-/// Larger grids come from a mistyped voxel size. A band of 4e8 voxels takes about 3 GiB, and more while
-/// it is built.
+/// Larger grids come from a mistyped voxel size.
 constexpr double kMostVoxelsAlong = 8192;
-constexpr double kMostBandVoxels = 4e8;
 /// Beyond this coordinate single precision has no fraction left, and 32-bit indices come near their limit.
 constexpr double kFarthestVoxel = 1 << 24;
 
-openvdb::BBoxd boundsOf(const Mesh& mesh) {
-  openvdb::BBoxd box;
-  for (const Vec3s& p : mesh.points) box.expand(Vec3d(p));
-  return box;
-}
-
-double areaOf(const Mesh& mesh) {
-  double twice = 0;
-  for (const Vec3I& t : mesh.triangles) {
-    const Vec3d a(mesh.points[t[0]]);
-    twice += (Vec3d(mesh.points[t[1]]) - a).cross(Vec3d(mesh.points[t[2]]) - a).length();
+bool hasInside(const FloatGrid& grid) {
+  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
+    for (auto value = leaf->cbeginValueOn(); value; ++value) {
+      if (*value < 0) return true;
+    }
   }
-  return twice / 2;
+  return false;
 }
 
 /// Throws before anything is allocated.
@@ -52,11 +45,9 @@ void refuseAbsurdSize(const Mesh& mesh, double voxelSize) {
     throw InputError(why.str());
   }
   if (mesh.triangles.empty()) throw GeometryError("the mesh has no faces");
-  const openvdb::BBoxd box = boundsOf(mesh);
+  const openvdb::BBoxd box = boundsOf(mesh.points);
   const double longest = box.extents()[int(box.maxExtent())];
-  const double band = areaOf(mesh) / (voxelSize * voxelSize) * 2 * kHalfWidth;
-  double farthest = 0;
-  for (int i = 0; i < 3; ++i) farthest = std::max({farthest, std::abs(box.min()[i]), std::abs(box.max()[i])});
+  const double band = bandVoxelsOf(areaOf(mesh), voxelSize), farthest = farthestCoordinate(box);
   const double allowed = std::max(
       {longest / kMostVoxelsAlong, farthest / kFarthestVoxel, voxelSize * std::sqrt(band / kMostBandVoxels)});
   if (std::isfinite(allowed) && voxelSize >= allowed) return;
@@ -156,27 +147,23 @@ FloatGrid::Ptr awayFrom(const FloatGrid& grid, double iso) {
 
 }  // namespace
 
+double bandVoxelsOf(double area, double voxelSize) { return area / (voxelSize * voxelSize) * 2 * kHalfWidth; }
+
 FloatGrid::Ptr voxelise(const Mesh& mesh, double voxelSize) {
   refuseAbsurdSize(mesh, voxelSize);
   const auto transform = openvdb::math::Transform::createLinearTransform(voxelSize);
   FloatGrid::Ptr grid =
       openvdb::tools::meshToLevelSet<FloatGrid>(*transform, mesh.points, mesh.triangles, float(kHalfWidth));
-  if (!hasInside(*grid)) {
-    std::ostringstream why;
-    why << "nothing lies inside the surface at voxel size " << voxelSize
-        << ": it is open, or thinner than a voxel everywhere";
-    throw GeometryError(why.str());
-  }
+  requireInside(*grid);
   return grid;
 }
 
-bool hasInside(const FloatGrid& grid) {
-  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
-    for (auto value = leaf->cbeginValueOn(); value; ++value) {
-      if (*value < 0) return true;
-    }
-  }
-  return false;
+void requireInside(const FloatGrid& grid) {
+  if (hasInside(grid)) return;
+  std::ostringstream why;
+  why << "nothing lies inside the surface at voxel size " << grid.voxelSize()[0]
+      << ": it is open, or thinner than a voxel everywhere";
+  throw GeometryError(why.str());
 }
 
 FloatGrid::Ptr unsignedDistance(const Mesh& mesh, double voxelSize, double halfWidth) {

@@ -8,8 +8,13 @@ namespace slicemorph {
 /// world units. Throws as voxelise for an absurd size.
 FloatGrid::Ptr unsignedDistance(const Mesh& mesh, double voxelSize, double halfWidth = kHalfWidth);
 
-/// Whether any voxel of a level set is inside.
-bool hasInside(const FloatGrid& grid);
+/// Throws GeometryError where no voxel of a level set is inside.
+void requireInside(const FloatGrid& grid);
+
+/// Voxels of the narrow band around a surface, about. A band of kMostBandVoxels takes about 3 GiB, and more while it is
+/// built; for more than that voxelise refuses the voxel size, whatever memory there is.
+double bandVoxelsOf(double area, double voxelSize);
+constexpr double kMostBandVoxels = 4e8;
 
 /// For each voxel less than `halfWidth` voxels from the mesh, on either side, the index of its nearest
 /// triangle (or of one hardly further away: see OpenVDB's MeshToVolume.h); below 0 elsewhere. `mesh`: in the

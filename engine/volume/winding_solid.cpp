@@ -14,7 +14,6 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <sstream>
 
 namespace slicemorph {
 namespace {
@@ -282,7 +281,6 @@ FloatGrid::Ptr signedBand(const WoundBand& band) {
 /// them.
 FloatGrid::Ptr measuredAgain(const WoundBand& band, const FloatGrid& signs) {
   const Mesh surface = surfaceOf(signs);
-  if (surface.triangles.empty()) return nullptr;
   FloatGrid::Ptr result = unsignedDistance(surface, band.voxel);
   BandLeaves(result->tree()).foreach ([&](BandLeaf& leaf, size_t) {
     const FloatGrid::ConstAccessor sign = signs.getConstAccessor(),
@@ -306,13 +304,10 @@ FloatGrid::Ptr windingLevelSet(const Mesh& mesh, const WindingNumber& winding, d
   band.winding = band.distance->deepCopy();
   windBand(band, winding);
   followAcrossHoles(band, winding);
-  const FloatGrid::Ptr result = measuredAgain(band, *signedBand(band));
-  if (!result || !hasInside(*result)) {
-    std::ostringstream why;
-    why << "nothing lies inside the surface at voxel size " << voxelSize
-        << ": it is open, or thinner than a voxel everywhere";
-    throw GeometryError(why.str());
-  }
+  const FloatGrid::Ptr signs = signedBand(band);
+  requireInside(*signs);
+  const FloatGrid::Ptr result = measuredAgain(band, *signs);
+  requireInside(*result);
   result->setGridClass(openvdb::GRID_LEVEL_SET);
   return result;
 }

@@ -1,6 +1,7 @@
 #include "tools/report/structure_report.h"
 
 #include "engine/measure/measure.h"
+#include "engine/volume/mesh_measures.h"
 #include "io/atomic_file.h"
 #include "slicemorph/io/output.h"
 
@@ -49,9 +50,7 @@ std::string lineOf(const RowJson& row) {
 
 StructureRow rowOf(std::int64_t label, const std::string& name, const Mesh& mesh, const std::string& file) {
   const ShapeMeasures m = measureMesh(mesh);
-  openvdb::BBoxd box;
-  for (const openvdb::Vec3s& p : mesh.points) box.expand(Vec3d(p));
-  return {label, name, file, m.volume, m.area, box.extents(), m.pieces, m.genus};
+  return {label, name, file, m.volume, m.area, boundsOf(mesh.points).extents(), m.pieces, m.genus};
 }
 
 StructureRow rowOf(const LabelMeasures& m, const std::string& file) {
