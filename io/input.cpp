@@ -2,6 +2,7 @@
 
 #include "engine/volume/image_shape.h"
 #include "engine/volume/level_set.h"
+#include "engine/volume/mesh_measures.h"
 #include "engine/volume/seed.h"
 #include "engine/volume/strays.h"
 #include "engine/volume/surface_colors.h"
@@ -45,8 +46,7 @@ void checkOptions(const LoadOptions& options) {
 }
 
 double longestSide(const Mesh& mesh) {
-  openvdb::BBoxd box;
-  for (const openvdb::Vec3s& p : mesh.points) box.expand(Vec3d(p));
+  const openvdb::BBoxd box = boundsOf(mesh.points);
   return box.extents()[int(box.maxExtent())];
 }
 
@@ -57,18 +57,11 @@ Placing placingFor(const InputSpec& input, const LoadOptions& options) {
 /// Bytes that voxelising takes for each voxel of the narrow band: 37 to 40 were measured on balls at 512 and 1024
 /// voxels.
 constexpr double kBandVoxelBytes = 30;
-/// Beyond this voxelise() refuses the voxel size, whatever memory there is.
-constexpr double kMostBandVoxels = 4e8;
 
 /// Throws MemoryError where the narrow band around a mesh would not fit.
 void requireForBand(const SolidMesh& solid, double voxelSize, const MemoryLimit& limit) {
-  double area = 0;
-  for (const Mesh* mesh : {&solid.mesh, &solid.sheets})
-    for (const openvdb::Vec3I& t : mesh->triangles) {
-      const Vec3d a(mesh->points[t[0]]);
-      area += (Vec3d(mesh->points[t[1]]) - a).cross(Vec3d(mesh->points[t[2]]) - a).length() / 2;
-    }
-  const double voxels = area / (voxelSize * voxelSize) * 2 * kHalfWidth, bytes = voxels * kBandVoxelBytes;
+  const double voxels = bandVoxelsOf(areaOf(solid.mesh) + areaOf(solid.sheets), voxelSize),
+               bytes = voxels * kBandVoxelBytes;
   if (!(bytes > limit.left()) || voxels > kMostBandVoxels) return;
   std::ostringstream what, advice;
   what << "a grid with voxels of " << voxelSize << " and " << voxels << " of these around the surface";
@@ -78,8 +71,10 @@ void requireForBand(const SolidMesh& solid, double voxelSize, const MemoryLimit&
 
 LoadedObject loadMesh(const InputSpec& input, const LoadOptions& options) {
   StoredMesh stored = readPolygons(input);
+  // What lies far away keeps its digits: only its grids are moved to its place.
   const Placing placing = placingFor(input, options);
   const bool far = stored.origin != Vec3d(0.0);
+  const Placing ofGrids{1, Mat3d::identity(), far ? placing(stored.origin) : Vec3d(0.0)};
   place(stored.mesh.points, far ? Placing{placing.scale, placing.rotation} : placing);
   SolidOptions wanted;
   wanted.voxelSize = options.voxelSize, wanted.shell = options.shell;
@@ -87,17 +82,11 @@ LoadedObject loadMesh(const InputSpec& input, const LoadOptions& options) {
   MeshSolid solid = solidOfFile(input.path, stored, wanted, [&](const SolidMesh& mesh) {
     requireForBand(mesh, voxelSizeOf(mesh, wanted), options.memory);
   });
-  openvdb::Vec3SGrid::Ptr colors = colorsAround(*solid.levelSet, stored.mesh);
-  if (far) {
-    const auto transform = solid.levelSet->transform().copy();
-    transform->postTranslate(placing(stored.origin));
-    solid.levelSet->setTransform(transform);
-    if (colors) colors->setTransform(transform->copy());
-  }
+  const openvdb::Vec3SGrid::Ptr colors = colorsAround(*solid.levelSet, stored.mesh);
   LoadedObject loaded;
-  loaded.object.levelSet = std::move(solid.levelSet);
+  loaded.object.levelSet = openvdb::GridBase::grid<FloatGrid>(placed(solid.levelSet, ofGrids));
   loaded.notes = std::move(solid.notes);
-  loaded.colors = std::move(colors);
+  loaded.colors = openvdb::GridBase::grid<openvdb::Vec3SGrid>(placed(colors, ofGrids));
   return loaded;
 }
 

@@ -77,17 +77,12 @@ Mesh meshForFile(const FloatGrid& levelSet, const openvdb::Vec3SGrid* colors) {
   openvdb::BBoxd box;
   if (const openvdb::CoordBBox voxels = levelSet.evalActiveVoxelBoundingBox(); !voxels.empty())
     box = levelSet.transform().indexToWorld(voxels);
-  const Vec3d origin = farOrigin(box);
+  const Vec3d origin = farOrigin(box, levelSet.voxelSize()[0]);
   const auto moved = [&](const auto& grid) {  // the same voxels elsewhere
     const auto transform = grid.transform().copy();
-    transform->postTranslate(-origin);
+    if (origin != Vec3d(0.0)) transform->postTranslate(-origin);
     return grid.copyReplacingTransform(transform);
   };
-  if (origin == Vec3d(0.0)) {
-    Mesh mesh = surfaceOf(levelSet);
-    if (colors) mesh.colors = colorsAt(*colors, mesh.points);
-    return mesh;
-  }
   Mesh mesh = surfaceOf(*moved(levelSet));
   if (colors) mesh.colors = colorsAt(*moved(*colors), mesh.points);
   mesh.origin = origin;

@@ -28,11 +28,14 @@ void checkKind(const std::string& path, std::string_view bytes) {
                           (kind.extension.empty() ? "" : "; name it " + kind.extension));
 }
 
+/// Voxels along a mesh for which its points are exact, whatever it is voxelised with.
+constexpr double kVoxelsAlong = 1024;
+
 StoredMesh withOrigin(StoredMesh stored) {
   std::vector<openvdb::Vec3s>& points = stored.mesh.points;
-  openvdb::BBoxd box;
-  for (const openvdb::Vec3s& p : points) box.expand(Vec3d(p));
-  stored.origin = farOrigin(box);
+  if (points.empty()) return stored;
+  const openvdb::BBoxd box = boundsOf(points);
+  stored.origin = farOrigin(box, box.extents()[int(box.maxExtent())] / kVoxelsAlong);
   if (stored.origin != Vec3d(0.0)) {
     stored.rests.resize(points.size(), openvdb::Vec3s(0.f));
     for (size_t i = 0; i < points.size(); ++i)
@@ -41,33 +44,6 @@ StoredMesh withOrigin(StoredMesh stored) {
   stored.rests = {};
   return stored;
 }
-
-}  // namespace
-
-StoredMesh readPolygons(const InputSpec& input) {
-  const std::string& path = input.path;
-  if (sizeOfInput(path) > kLargestMeshFile)
-    throw IoError(path, "is larger than 2 GiB, the most that is read of a mesh");
-  const std::string bytes = readWholeFile(path);
-  checkKind(path, bytes);
-  StoredMesh stored;
-  try {
-    stored = input.format->readMesh(path, bytes);
-  } catch (const Error&) {
-    throw;
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception& error) {
-    throw IoError(path, std::string("cannot be read: ") + error.what());
-  }
-  if (stored.points == 0) {
-    stored.points = stored.mesh.points.size();
-    stored.faces = stored.mesh.faceCount();
-  }
-  return withOrigin(std::move(stored));
-}
-
-namespace {
 
 void refuseCut(const std::string& path, const StoredMesh& stored, const MeshTopology& found) {
   if (!stored.endsInLine || found.boundaryLoops == 0) return;
@@ -98,17 +74,27 @@ auto withSolid(const std::string& path, const StoredMesh& stored, const Make& ma
 
 }  // namespace
 
-RepairedMesh closeSurface(const std::string& path, const StoredMesh& stored) {
-  const std::string hint = stored.endsInLine ? "; the file's last line has no end: is it cut short?" : "";
-  RepairedMesh result;
+StoredMesh readPolygons(const InputSpec& input) {
+  const std::string& path = input.path;
+  if (sizeOfInput(path) > kLargestMeshFile)
+    throw IoError(path, "is larger than 2 GiB, the most that is read of a mesh");
+  const std::string bytes = readWholeFile(path);
+  checkKind(path, bytes);
+  StoredMesh stored;
   try {
-    result = repairMesh(stored.mesh);
-  } catch (const GeometryError& error) {
-    throw GeometryError(path, error.what() + hint);
+    stored = input.format->readMesh(path, bytes);
+  } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw IoError(path, std::string("cannot be read: ") + error.what());
   }
-  refuseCut(path, stored, result.found);
-  result.notes = allNotes(stored, result.notes);
-  return result;
+  if (stored.points == 0) {
+    stored.points = stored.mesh.points.size();
+    stored.faces = stored.mesh.faceCount();
+  }
+  return withOrigin(std::move(stored));
 }
 
 MeshSolid solidOfFile(const std::string& path, const StoredMesh& stored, const SolidOptions& options,

@@ -38,10 +38,6 @@ struct StoredMesh {
 /// are not finite.
 StoredMesh readPolygons(const InputSpec& input);
 
-/// Repairs a mesh to a closed surface. Throws, naming `path`, GeometryError where repairMesh does, and
-/// IoError for a surface with holes in a file that seems cut short (`endsInLine`).
-RepairedMesh closeSurface(const std::string& path, const StoredMesh& stored);
-
 /// The solid that a mesh is, closed or not, with notes on the file before those on repairs. Throws, naming `path`,
 /// what solidOf throws, and IoError for a surface with holes in a file that seems cut short (`endsInLine`). `check` is
 /// called before anything is voxelised, and may throw.
