@@ -75,12 +75,10 @@ class TimeMap {
     for (const LoadedObject& input : inputs_) objects.push_back(input.object);
     PartProgress part(events, 0.2, 0.8);
     require(job.load.memory, "", needOfMorph(inputs_));
-    MorphOptions options = job.plan;
-    if (const auto why = whyOneWorld(inputs_, job.inputs); why && !job.alignGiven) {
-      options.align = Align::kDirections;
-      events.note(oneWorldNote(*why));
-    }
-    plan_ = std::make_unique<MorphPlan>(objects, options, &part);
+    const PlanOptions found =
+        job.alignGiven ? PlanOptions{job.plan, {}} : optionsInOneWorld(job.plan, inputs_, job.inputs);
+    events.notes(found.notes);
+    plan_ = std::make_unique<MorphPlan>(objects, found.options, &part);
     events.notes(plan_->notes());
     const WeightCourse course = courseOf(evenKeys(job.inputs.size()), Timing::kLinear, {});
     from_ = weightsAt(course, job.from), to_ = weightsAt(course, job.to);

@@ -20,11 +20,10 @@ FrameMaker::FrameMaker(const MorphSettings& settings, JobEvents& events)
 }
 
 void FrameMaker::complete() {
-  if (settings_.alignGiven || !settings_.can().guided || options_.align != Align::kAuto) return;
-  const std::optional<std::string> why = whyOneWorld(inputs(), settings_.inputs);
-  if (!why) return;
-  options_.align = Align::kDirections;
-  events_.note(oneWorldNote(*why));
+  if (settings_.alignGiven || !settings_.can().guided) return;
+  PlanOptions found = optionsInOneWorld(options_, inputs(), settings_.inputs);
+  options_ = std::move(found.options);
+  events_.notes(found.notes);
 }
 
 void FrameMaker::moveTo(size_t index, double from, double to) {

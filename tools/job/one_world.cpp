@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 
 namespace slicemorph {
 namespace {
@@ -20,8 +21,7 @@ std::optional<std::string> familyOf(const std::string& name) {
   return (path.parent_path() / stem).string();
 }
 
-}  // namespace
-
+/// Why the inputs are taken to stand in one world, as part of a sentence; none: they may be anywhere.
 std::optional<std::string> whyOneWorld(const std::vector<LoadedObject>& inputs,
                                        const std::vector<std::string>& names) {
   const auto all = [&](const auto& is) { return std::all_of(inputs.begin(), inputs.end(), is); };
@@ -36,11 +36,19 @@ std::optional<std::string> whyOneWorld(const std::vector<LoadedObject>& inputs,
   return std::nullopt;
 }
 
-Note oneWorldNote(const std::string& why) {
-  return {
-      "align.one-world", Severity::kNote, "",
-      "the inputs count as standing in one world, as " + why +
-          ": they do not turn (--align auto lays them on each other, --align none also keeps their places)"};
+}  // namespace
+
+PlanOptions optionsInOneWorld(const MorphOptions& options, const std::vector<LoadedObject>& inputs,
+                              const std::vector<std::string>& names) {
+  PlanOptions result{options, {}};
+  const std::optional<std::string> why = whyOneWorld(inputs, names);
+  if (options.align != Align::kAuto || !why) return result;
+  result.options.align = Align::kDirections;
+  result.notes.emplace_back("align.one-world", Severity::kNote, "",
+                            "the inputs count as standing in one world, as " + *why +
+                                ": they do not turn (--align auto lays them on each other, --align none also "
+                                "keeps their places)");
+  return result;
 }
 
 }  // namespace slicemorph

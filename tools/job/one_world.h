@@ -1,20 +1,23 @@
 #pragma once
 
 #include "slicemorph/io/input.h"
+#include "slicemorph/slicemorph.h"
 
-#include <optional>
 #include <string>
 #include <vector>
 
 namespace slicemorph {
 
-/// Why the inputs of a job are taken to stand in one world, as part of a sentence: all are grids of simulations, that
-/// is fog, or level sets named as liquids are, or files of one folder that differ in their number alone. None: they
-/// may be anywhere. `names`: the inputs as they were typed.
-std::optional<std::string> whyOneWorld(const std::vector<LoadedObject>& inputs,
-                                       const std::vector<std::string>& names);
+/// A plan's options and what is told of them.
+struct PlanOptions {
+  MorphOptions options;
+  Notes notes;
+};
 
-/// The note on it.
-Note oneWorldNote(const std::string& why);
+/// The options of a job that does not say how its inputs are aligned: those that stand in one world keep their
+/// directions. Such are grids of simulations, that is fog, or level sets named as liquids are, or files of one folder
+/// that differ in their number alone. `names`: the inputs as they were typed.
+PlanOptions optionsInOneWorld(const MorphOptions& options, const std::vector<LoadedObject>& inputs,
+                              const std::vector<std::string>& names);
 
 }  // namespace slicemorph
