@@ -107,7 +107,7 @@ std::vector<openvdb::Vec3s> visiblePoints(const Mesh& mesh, const FloatGrid::Con
 
 /// Checks mean and 99th percentile of the symmetric distance, and the largest distance each way, in voxels.
 void expectEndFrame(const FloatGrid::ConstPtr& frame, const std::string& path) {
-  const Mesh input = closeSurface(path, readPolygons(parseInput(path))).mesh, output = surfaceOf(*frame);
+  const Mesh input = repairMesh(readPolygons(parseInput(path)).mesh).mesh, output = surfaceOf(*frame);
   const std::vector<openvdb::Vec3s> visible = visiblePoints(input, frame);
   const double h = frame->voxelSize()[0];
   const SurfaceDistance both = surfaceDistance(output, input);
@@ -263,7 +263,7 @@ TEST(Landmarks, MeetHoweverAnObjectLies) {
        {Lying{"hand1.off", "hand2.off", &kHands}, Lying{"horse_ref.obj", "horse-01.obj", &kHorses}}) {
     const std::string from = kMeshes / pair.from, to = kMeshes / pair.to;
     if (!std::filesystem::exists(from)) GTEST_SKIP() << from << " is not there";
-    const Mesh mesh = closeSurface(from, readPolygons(parseInput(from))).mesh;
+    const Mesh mesh = repairMesh(readPolygons(parseInput(from)).mesh).mesh;
     LoadOptions options;
     options.resolution = 64;
     const Object second = loadObject(to, options).object;

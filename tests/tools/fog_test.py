@@ -21,6 +21,7 @@ import pyopenvdb as vdb
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
 from cases import Skip, run_cases
+from grids import level_set, names, real, write
 
 if len(sys.argv) < 2:
     sys.exit(__doc__)
@@ -68,15 +69,7 @@ def puff(middle, widths, h, turn=np.eye(3), name="density"):
 def solid(distance, middle, reach, h, name="surface"):
     """A level set of a signed distance function of coordinates relative to `middle`."""
     (x, y, z), origin = box(middle, reach, h)
-    values = np.clip(distance(x, y, z), -3 * h, 3 * h).astype(np.float32)
-    grid = vdb.FloatGrid(background=3 * h)
-    grid.copyFromArray(values, ijk=origin, tolerance=0)
-    grid.signedFloodFill()
-    grid.prune()
-    grid.gridClass = vdb.GridClass.LEVEL_SET
-    grid.transform = vdb.createLinearTransform(h)
-    grid.name = name
-    return grid
+    return level_set(distance(x, y, z), origin, h, name)
 
 
 def dense(grid):
@@ -99,30 +92,12 @@ def figures(grid):
     return total * abs(np.linalg.det(matrix - origin)), float(array.max()), origin + middle @ (matrix - origin)
 
 
-def write(path, *grids):
-    vdb.write(path, grids=list(grids))
-    return path
-
-
 def frames(folder, name="m"):
     return [os.path.join(folder, f) for f in sorted(os.listdir(folder)) if re.match(name + r"\.\d+\.vdb$", f)]
 
 
-def names(path):
-    """Grids of a file by vdb_print, which knows all types."""
-    out = subprocess.run(["vdb_print", "-l", path], capture_output=True, text=True).stdout
-    return dict(zip(re.findall(r"^Name: (.*)$", out, re.M), re.findall(r"^  Type: (.*)$", out, re.M)))
-
-
 def metadata(path, name):
     return vdb.readGridMetadata(path, name).metadata
-
-
-def real(name):
-    path = os.path.join(DATA, name)
-    if not os.path.exists(path):
-        raise Skip("no " + path)
-    return path
 
 
 # ---------------------------------------------------------------- puffs
@@ -257,7 +232,7 @@ def own_velocities_are_added(d):
 
 def gas(d):
     """Every grid of the cache at every frame; ends equal the inputs, and the total changes monotonically."""
-    a, b = real("c42_gas_0006.vdb"), real("c42_gas_0010.vdb")
+    a, b = real(DATA, "c42_gas_0006.vdb"), real(DATA, "c42_gas_0010.vdb")
     run("morph", a, b, "-o", d + "/m.####.vdb", "--frames", 5, "--quiet")
     wanted = names(a)
     totals = []
@@ -281,7 +256,7 @@ def gas(d):
 def odd_files(d):
     """Rotated transforms, three grids of one name, grids missing in one
     input: all end in the right position."""
-    dragon, triple, sphere = real("dragon_with_xform.vdb"), real("three_grids_same_name.vdb"), real("ls_sphere.vdb")
+    dragon, triple, sphere = real(DATA, "dragon_with_xform.vdb"), real(DATA, "three_grids_same_name.vdb"), real(DATA, "ls_sphere.vdb")
     heat = puff((2, 0, 0), (2, 1, 1), 0.3, name="heat")
     other = write(d + "/other.vdb", puff((2, 0, 0), (2, 1, 1), 0.3), heat)
     source = vdb.read(dragon, "density")
@@ -404,7 +379,7 @@ def sequences(d):
 def truncated(d):
     """Every real file, cut at ten positions: a message, no output, no crash."""
     good = write(d + "/good.vdb", puff((0, 0, 0), (1, 1, 1), 0.4))
-    real("ls_sphere.vdb")
+    real(DATA, "ls_sphere.vdb")
     for name in sorted(os.listdir(DATA)):
         if not name.endswith(".vdb"):
             continue

@@ -21,6 +21,7 @@ import pyopenvdb as vdb
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
 from cases import Skip, run_cases
+from grids import level_set, names, real, write
 
 if len(sys.argv) < 2:
     sys.exit(__doc__)
@@ -70,15 +71,10 @@ def fog(middle, radius, name="density", h=H):
     return named(grid, name, vdb.GridClass.FOG_VOLUME, h)
 
 
-def level_set(distance, low, high, name, h=H):
-    """A narrow band of a signed distance function."""
+def solid(distance, low, high, name, h=H):
+    """A level set of a signed distance function of world coordinates, around a box."""
     (x, y, z), origin = axes(np.asarray(low) - 4 * h, np.asarray(high) + 4 * h, h)
-    grid = vdb.FloatGrid(background=3 * h)
-    values = np.clip(distance(x, y, z), -3 * h, 3 * h)
-    grid.copyFromArray(values.astype(np.float32), ijk=origin, tolerance=0)
-    grid.signedFloodFill()
-    grid.prune()
-    return named(grid, name, vdb.GridClass.LEVEL_SET, h)
+    return level_set(distance(x, y, z), origin, h, name)
 
 
 def box(low, high, name, h=H):
@@ -88,12 +84,12 @@ def box(low, high, name, h=H):
     def distance(x, y, z):
         q = [np.abs(p - middle[a]) - half[a] for a, p in enumerate((x, y, z))]
         return np.sqrt(sum(np.maximum(p, 0) ** 2 for p in q)) + np.minimum(np.maximum.reduce(q), 0)
-    return level_set(distance, low, high, name, h)
+    return solid(distance, low, high, name, h)
 
 
 def ball(middle, radius, name="surface", h=H):
     middle = np.asarray(middle, float)
-    return level_set(lambda x, y, z: np.sqrt((x - middle[0]) ** 2 + (y - middle[1]) ** 2 + (z - middle[2]) ** 2) - radius,
+    return solid(lambda x, y, z: np.sqrt((x - middle[0]) ** 2 + (y - middle[1]) ** 2 + (z - middle[2]) ** 2) - radius,
                      middle - radius, middle + radius, name, h)
 
 
@@ -129,17 +125,6 @@ def box_obj(path, low, high):
     return path
 
 
-def write(path, *grids, **metadata):
-    vdb.write(path, grids=list(grids), metadata=metadata or None)
-    return path
-
-
-def names(path):
-    """Grids of a file by vdb_print, with their types."""
-    out = subprocess.run(["vdb_print", "-l", path], capture_output=True, text=True).stdout
-    return dict(zip(re.findall(r"^Name: (.*)$", out, re.M), re.findall(r"^  Type: (.*)$", out, re.M)))
-
-
 def total(path, name="density"):
     return sum(float(v.value) * v.count for v in vdb.read(path, name).citerOnValues())
 
@@ -151,13 +136,6 @@ def inside(path, name):
     array = np.zeros([high[a] - low[a] + 1 for a in range(3)], np.float32)
     grid.copyToArray(array, ijk=low)
     return (np.argwhere(array < 0) + np.asarray(low)) * grid.transform.voxelSize()[0]
-
-
-def real(name):
-    path = os.path.join(DATA, name)
-    if not os.path.exists(path):
-        raise Skip("no " + path)
-    return path
 
 
 # ---------------------------------------------------------------- sequences
@@ -253,7 +231,7 @@ def liquid_before_obstacle(d):
 
 
 def real_liquid(d):
-    path = real("vdb/liquid_0040.vdb")
+    path = real(DATA, "vdb/liquid_0040.vdb")
     assert json.loads(run("info", path, "--json").stdout)["chosen"] == "phi"
 
 
@@ -370,7 +348,7 @@ def splash(d):
 
     def frame(path, top, drops):
         f = lambda x, y, z: np.minimum.reduce([pool(x, y, z, top)] + [drop(x, y, z, p) for p in drops])
-        return write(path, level_set(f, (-1, -1, 0), (1, 1, 2), "phi", h=0.08))
+        return write(path, solid(f, (-1, -1, 0), (1, 1, 2), "phi", h=0.08))
     a = frame(d + "/s_01.vdb", 0.5, [(0.5, 0.3, 1.5), (-0.4, -0.2, 1.2)])
     b = frame(d + "/s_02.vdb", 0.56, [])
     run("morph", a, b, "-o", d + "/m.####.vdb", "--frames", 5, "--report", d + "/r.json", "--quiet")

@@ -1,0 +1,40 @@
+"""Shared by the Python tests: grids made and read with Debian's python3-openvdb."""
+import os
+import re
+import subprocess
+
+import numpy as np
+import pyopenvdb as vdb
+
+from cases import Skip
+
+
+def level_set(distance, origin, h, name):
+    """The narrow band of signed distances distance[i, j, k] on a box whose index coordinates begin at `origin`."""
+    grid = vdb.FloatGrid(background=3 * h)
+    grid.copyFromArray(np.clip(distance, -3 * h, 3 * h).astype(np.float32), ijk=origin, tolerance=0)
+    grid.signedFloodFill()
+    grid.prune()
+    grid.gridClass = vdb.GridClass.LEVEL_SET
+    grid.transform = vdb.createLinearTransform(h)
+    grid.name = name
+    return grid
+
+
+def write(path, *grids, **metadata):
+    vdb.write(path, grids=list(grids), metadata=metadata or None)
+    return path
+
+
+def names(path):
+    """Grids of a file with their types, by vdb_print, which knows all types."""
+    out = subprocess.run(["vdb_print", "-l", path], capture_output=True, text=True).stdout
+    return dict(zip(re.findall(r"^Name: (.*)$", out, re.M), re.findall(r"^  Type: (.*)$", out, re.M)))
+
+
+def real(folder, name):
+    """Path of a file of shared data; the case is skipped where it does not exist."""
+    path = os.path.join(folder, name)
+    if not os.path.exists(path):
+        raise Skip("no " + path)
+    return path
