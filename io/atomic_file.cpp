@@ -22,9 +22,9 @@ std::filesystem::path folderOf(const std::string& path) {
   return folder.empty() ? std::filesystem::path(".") : folder;
 }
 
-std::string temporaryFor(const std::string& path) {
+std::string temporaryFor(const std::string& path, long process) {
   const std::string name =
-      "." + std::filesystem::path(path).filename().string() + ".tmp-" + std::to_string(getpid());
+      "." + std::filesystem::path(path).filename().string() + ".tmp-" + std::to_string(process);
   return (folderOf(path) / name).string();
 }
 
@@ -74,7 +74,7 @@ class AtomicFile::StreamBuffer : public std::streambuf {
   std::vector<char> bytes_;
 };
 
-AtomicFile::AtomicFile(const std::string& path) : path_(path), temporary_(temporaryFor(path)) {
+AtomicFile::AtomicFile(const std::string& path) : path_(path), temporary_(temporaryFor(path, ::getpid())) {
   descriptor_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (descriptor_ < 0) fail("cannot be created");
   buffer_.reserve(kBuffer);
@@ -157,6 +157,10 @@ void AtomicFile::fail(const char* what) {
   const std::string reason = std::strerror(errno);
   discard();
   throw IoError(path_, std::string(what) + ": " + reason);
+}
+
+void removeUnfinished(const std::string& path, long process) noexcept {
+  ::unlink(temporaryFor(path, process).c_str());
 }
 
 void writeTextFile(const std::string& path, const std::string& text) {

@@ -42,6 +42,9 @@ class AtomicFile {
   std::unique_ptr<std::ostream> stream_;
 };
 
+/// Removes what a process (its number) that was killed left of `path` half written, if it left anything.
+void removeUnfinished(const std::string& path, long process) noexcept;
+
 /// Writes a text file, whole or not at all. Throws IoError.
 void writeTextFile(const std::string& path, const std::string& text);
 

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <numeric>
+#include <optional>
 #include <set>
 #include <sstream>
 
@@ -15,24 +16,26 @@ namespace {
 
 constexpr size_t kMostNumbers = 1000000;
 
-/// Reads a whole number of at most nine digits from `at` on, and moves behind it; below 0: there is none.
-int readNumber(const std::string& text, size_t& at) {
-  const size_t end = std::min(text.find_first_not_of("0123456789", at), text.size());
-  const size_t begin = at;
-  at = end;
-  return end == begin || end - begin > 9 ? -1 : std::atoi(text.substr(begin, end - begin).c_str());
+/// Reads a whole number of at most nine digits, which may have a minus, from `at` on, and moves behind it; none where
+/// there is no such number.
+std::optional<int> readNumber(const std::string& text, size_t& at) {
+  const size_t begin = at, digits = at + (at < text.size() && text[at] == '-');
+  at = std::min(text.find_first_not_of("0123456789", digits), text.size());
+  if (at == digits || at - digits > 9) return std::nullopt;
+  return std::atoi(text.substr(begin, at - begin).c_str());
 }
 
-/// Adds the numbers of `10`, `10-40` or `10-40x2`; false where the text is none of these.
+/// Adds the numbers of `10`, `10-40`, `10-40x2` or `10-40:2`; false where the text is none of these.
 bool addRun(const std::string& text, std::set<int>& numbers) {
   size_t at = 0;
-  const int first = readNumber(text, at);
-  int last = first, step = 1;
-  if (at < text.size() && text[at] == '-') last = readNumber(text, ++at);
-  if (at < text.size() && text[at] == 'x') step = readNumber(text, ++at);
-  if (first < 0 || last < first || step < 1 || at != text.size()) return false;
-  if (size_t(last - first) / size_t(step) >= kMostNumbers) return false;
-  for (long n = first; n <= last; n += step) numbers.insert(int(n));
+  const std::optional<int> first = readNumber(text, at);
+  std::optional<int> last = first, step = 1;
+  const bool isRun = at < text.size() && text[at] == '-';
+  if (isRun) last = readNumber(text, ++at);
+  if (isRun && at < text.size() && (text[at] == 'x' || text[at] == ':')) step = readNumber(text, ++at);
+  if (!first || !last || !step || *last < *first || *step < 1 || at != text.size()) return false;
+  if (size_t(*last - *first) / size_t(*step) >= kMostNumbers) return false;
+  for (long n = *first; n <= *last; n += *step) numbers.insert(int(n));
   return numbers.size() <= kMostNumbers;
 }
 

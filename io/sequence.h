@@ -11,8 +11,9 @@ struct SequenceFile {
   std::string path;
 };
 
-/// The numbers of a range: `10-40x2,50` is 10, 12 ... 40 and 50; ascending. None where the text is no range, or has
-/// more than a million numbers.
+/// The numbers of a range: `10-40x2,50` is 10, 12 ... 40 and 50; ascending, each once. A step may also be written
+/// `10-40:2`, and numbers may be negative: `-5--1`. None where the text is no range, or has more than a million
+/// numbers.
 std::vector<int> numbersOfRange(const std::string& text);
 
 /// Numbers for messages: "3, 5-7", of many the first.

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <numeric>
 #include <sstream>
 
 namespace slicemorph {
@@ -41,9 +42,9 @@ Points minus(const Points& a, const Points& b) {
   return difference;
 }
 
-std::string frameName(size_t frame) {
+std::string frameName(int number) {
   char name[32];
-  std::snprintf(name, sizeof name, "frame.%04zu", frame + 1);
+  std::snprintf(name, sizeof name, "frame.%04d", number);
   return name;
 }
 
@@ -71,8 +72,9 @@ double sizeOf(const std::vector<MovingMesh>& meshes) {
 
 class GlbBuilder {
  public:
-  GlbBuilder(double framesPerSecond, const GlbSpace& space, size_t bytes)
-      : framesPerSecond_(framesPerSecond) {
+  /// `numbers`: of all frames.
+  GlbBuilder(double framesPerSecond, const GlbSpace& space, std::vector<int> numbers, size_t bytes)
+      : framesPerSecond_(framesPerSecond), numbers_(std::move(numbers)) {
     model_.asset.version = "2.0";
     model_.asset.generator = "slicemorph";
     model_.buffers.resize(1);
@@ -80,12 +82,13 @@ class GlbBuilder {
     addScene(space);
   }
 
-  void add(const MovingMesh& moving, size_t frameCount) {
-    const size_t count = moving.points.size(), last = moving.first + count - 1;
+  void add(const MovingMesh& moving) {
+    const size_t frameCount = numbers_.size(), count = moving.points.size(), last = moving.first + count - 1;
     const bool still = count == 1;
-    const std::string name = count == frameCount
-                                 ? "morph"
-                                 : frameName(moving.first) + (still ? "" : "-" + frameName(last).substr(6));
+    const std::string name =
+        count == frameCount
+            ? "morph"
+            : frameName(numbers_[moving.first]) + (still ? "" : "-" + frameName(numbers_[last]).substr(6));
     tinygltf::Primitive primitive;
     primitive.mode = TINYGLTF_MODE_TRIANGLES;
     primitive.material = materialOf(moving.colors.empty() ? "clay" : "colors");
@@ -105,7 +108,7 @@ class GlbBuilder {
            {"NORMAL", addVectors(minus(normalsOf(moving.triangles, points, &normals), normals), false)}});
       if (changing)
         primitive.targets.back()["COLOR_0"] = addVectors(minus(within01(moving.colors[i]), colors), false);
-      names.push_back(tinygltf::Value(frameName(moving.first + i)));
+      names.push_back(tinygltf::Value(frameName(numbers_[moving.first + i])));
     }
     tinygltf::Mesh mesh;
     mesh.name = name;
@@ -214,7 +217,8 @@ class GlbBuilder {
   int addTimes(const std::vector<size_t>& frames) {
     std::vector<float> times;
     times.reserve(frames.size());
-    for (size_t frame : frames) times.push_back(float(double(frame) / framesPerSecond_));
+    for (size_t frame : frames)
+      times.push_back(float(double(numbers_[frame] - numbers_[0]) / framesPerSecond_));
     const int index = addNumbers(times);
     model_.accessors[size_t(index)].minValues = {times.front()};
     model_.accessors[size_t(index)].maxValues = {times.back()};
@@ -261,6 +265,7 @@ class GlbBuilder {
   }
 
   double framesPerSecond_;
+  std::vector<int> numbers_;
   bool hasRoot_ = false;
   tinygltf::Model model_;
   tinygltf::Animation animation_;
@@ -268,7 +273,7 @@ class GlbBuilder {
 
 /// `name`: names the file in error messages.
 void write(const std::vector<MovingMesh>& meshes, double framesPerSecond, const GlbSpace& space,
-           const std::string& name, std::ostream& stream) {
+           std::vector<int> numbers, const std::string& name, std::ostream& stream) {
   const auto nothing = [](const MovingMesh& m) { return m.triangles.empty(); };
   if (std::all_of(meshes.begin(), meshes.end(), nothing))
     throw IoError(name, std::string("cannot be written: ") +
@@ -279,10 +284,13 @@ void write(const std::vector<MovingMesh>& meshes, double framesPerSecond, const 
                   "cannot be written: it would have " + std::to_string(size_t(bytes / 1e6)) +
                       " MB and .glb holds at most 4 GiB; use fewer frames, a lower --resolution or a file a "
                       "frame (name.####.glb)");
-  const size_t frames = meshes.back().first + meshes.back().points.size();
-  GlbBuilder builder(framesPerSecond, space, size_t(bytes));
+  if (numbers.empty()) {
+    numbers.resize(meshes.back().first + meshes.back().points.size());
+    std::iota(numbers.begin(), numbers.end(), 1);
+  }
+  GlbBuilder builder(framesPerSecond, space, std::move(numbers), size_t(bytes));
   for (const MovingMesh& mesh : meshes)
-    if (!nothing(mesh)) builder.add(mesh, frames);
+    if (!nothing(mesh)) builder.add(mesh);
   const tinygltf::Model model = builder.finish();
   if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, stream, false, true))
     throw IoError(name, "cannot be written as glTF");
@@ -292,15 +300,15 @@ void write(const std::vector<MovingMesh>& meshes, double framesPerSecond, const 
 }  // namespace
 
 void writeGlb(const std::string& path, const std::vector<MovingMesh>& meshes, double framesPerSecond,
-              const GlbSpace& space) {
+              const GlbSpace& space, const std::vector<int>& numbers) {
   AtomicFile file(path);
-  write(meshes, framesPerSecond, space, path, file.stream());
+  write(meshes, framesPerSecond, space, numbers, path, file.stream());
   file.commit();
 }
 
 std::string encodeGlb(const std::vector<MovingMesh>& meshes, double framesPerSecond, const GlbSpace& space) {
   std::ostringstream stream;
-  write(meshes, framesPerSecond, space, "a .glb", stream);
+  write(meshes, framesPerSecond, space, {}, "a .glb", stream);
   return stream.str();
 }
 

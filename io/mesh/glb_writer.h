@@ -17,11 +17,11 @@ struct GlbSpace {
 /// several meshes, each is visible only in its own frames (its node's scale is 0 in the others).
 /// Colours of points are written as COLOR_0, clamped to 0 to 1, on a white material; colours that change have
 /// morph targets too.
-/// `framesPerSecond`: frame i, from 0, is at i / framesPerSecond seconds. A frame whose mesh has no triangles
-/// shows nothing. The file appears whole or not at all. Throws IoError, also where the data exceeds the
+/// `numbers`: of the frames, ascending, by which they are named and timed; empty: 1, 2, 3 ... Frame i is
+/// at (numbers[i] - numbers[0]) / framesPerSecond seconds. A frame whose mesh has no triangles shows nothing. The file appears whole or not at all. Throws IoError, also where the data exceeds the
 /// format's 4 GiB.
 void writeGlb(const std::string& path, const std::vector<MovingMesh>& meshes, double framesPerSecond = 24,
-              const GlbSpace& space = {});
+              const GlbSpace& space = {}, const std::vector<int>& numbers = {});
 
 /// The bytes that writeGlb writes. Throws IoError.
 std::string encodeGlb(const std::vector<MovingMesh>& meshes, double framesPerSecond = 24,

@@ -94,7 +94,7 @@ USAGE = [
     ("report folder", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --report {o}/no/r.json", 1, "does not exist", ""),
 ]
 
-MORPH_OPTIONS = ("--frames --at --weights --voxel-size --resolution --slices --samples --axis --spine --align --iso --method --fps "
+MORPH_OPTIONS = ("--frames --start --range --at --weights --voxel-size --resolution --slices --samples --axis --spine --align --iso --method --fps "
                  "--threads --report --config --quiet --verbose --resume --dump-slices --keys --timing --ease --interpolation "
                  "--print-config --glb-up --glb-unit --grids --conserve --velocity --velocity-unit --add-velocity").split()
 
@@ -509,10 +509,10 @@ def resume_of_another_program(d, o):
     if not os.path.exists(log):
         raise Skip("the morph was over before it could be interrupted")
     with open(log) as file:
-        text = json.load(file)
-    text["program"] = "0.0.1"
+        lines = [json.loads(line) for line in file if line.strip()]
     with open(log, "w") as file:
-        json.dump(text, file)
+        for line in lines:
+            file.write(json.dumps({**line, "program": "0.0.1"}) + "\n")
     result = run(words + " --resume", folders)
     if "(kept)" in result.stdout:
         return ["frames of version 0.0.1 were kept"]

@@ -42,7 +42,7 @@ bool hasPage(const MorphSettings& settings) {
 }
 
 PageJob pageJobOf(const MorphSettings& settings) {
-  return {settings.inputs, hasPage(settings) ? settings.frames.size() : 0, settings.glb};
+  return {settings.inputs, hasPage(settings) ? settings.wantedFrames().size() : 0, settings.glb};
 }
 
 }  // namespace
@@ -63,9 +63,15 @@ FrameFigures FrameReport::measure(const FrameTask& task, const MorphFrame& frame
   figures.foldShare = frame.shape.foldShare;
   figures.shape = measureShape(*surface);
   if (const MorphPlan* plan = task.plan.method.slices.get()) figures.strain = plan->strain(task.job.weights);
-  if (previous_) figures.symmetricDifference = overlap(*previous_, *surface).symmetricDifference;
-  previous_ = surface;
+  if (previous_ && previousNumber_ + 1 == task.job.number)
+    figures.symmetricDifference = overlap(*previous_, *surface).symmetricDifference;
+  previous_ = surface, previousNumber_ = task.job.number;
   return figures;
+}
+
+void FrameReport::compareWith(const FrameTask& task) {
+  if (!wanted()) return;
+  previous_ = task.plan.method.shape(task.job).surface, previousNumber_ = task.job.number;
 }
 
 Json FrameReport::addRow(const FrameFigures& figures, const std::vector<LoadedObject>& inputs) {
@@ -78,13 +84,13 @@ Json FrameReport::addRow(const FrameFigures& figures, const std::vector<LoadedOb
   return rows_.back();
 }
 
-void FrameReport::addKept(size_t index, const FrameTask& task, const Json& row, bool compared) {
-  previous_ = wanted() && compared ? task.plan.method.shape(task.job).surface : nullptr;
-  if (page_.has(index)) addToPage(index, task, coloredShape(task));
+void FrameReport::addKept(const FrameTask& task, const Json& row) {
+  if (page_.has(rows_.size())) addToPage(task, coloredShape(task));
   if (wanted()) rows_.push_back(row);
 }
 
-void FrameReport::addToPage(size_t index, const FrameTask& task, const MorphFrame& frame) {
+void FrameReport::addToPage(const FrameTask& task, const MorphFrame& frame) {
+  const size_t index = rows_.size();
   if (!page_.has(index)) return;
   const FrameJob& job = task.job;
   page_.add({index, job.weights, job.t ? "t=" + formatNumber(*job.t, 2) : std::to_string(job.number),
@@ -96,6 +102,8 @@ void FrameReport::write(const FrameMaker& maker, const Notes& notes, Progress& p
   ReportParts report;
   report.settings = describeJob(settings_);
   if (maker.options().align == Align::kDirections) report.settings["align"] = "directions";
+  report.settings["start"] = settings_.frames.front().number;
+  if (!settings_.options.range.empty()) report.settings["range"] = settings_.options.range;
   report.inputNames = settings_.inputs;
   report.frames = rows_;
   for (const LoadedObject& input : maker.inputs())

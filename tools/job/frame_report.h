@@ -15,15 +15,16 @@ class FrameReport {
 
   bool wanted() const { return !settings_.reports.empty(); }
   /// Measures a frame that was made; frames in order, since its shape is compared with that of
-  /// the frame before.
+  /// the frame before, which was measured, too, or given to compareWith().
   FrameFigures measure(const FrameTask& task, const MorphFrame& frame);
+  /// The next frame will be measured, and is to be compared with this one, which is not.
+  void compareWith(const FrameTask& task);
   /// Adds the frame's row to the report and returns it; null where nothing is measured.
   nlohmann::ordered_json addRow(const FrameFigures& figures, const std::vector<LoadedObject>& inputs);
-  /// Adds a frame that an earlier run made. `row`: of that run; `compared`: the next frame will be made and
-  /// compared with this one.
-  void addKept(size_t index, const FrameTask& task, const nlohmann::ordered_json& row, bool compared);
-  /// Puts the frame (`index`: in the job, from 0) on the page if it is one of those shown.
-  void addToPage(size_t index, const FrameTask& task, const MorphFrame& frame);
+  /// Adds a frame that an earlier run made. `row`: of that run.
+  void addKept(const FrameTask& task, const nlohmann::ordered_json& row);
+  /// Puts the frame, whose row is the next one, on the page if it is one of those shown.
+  void addToPage(const FrameTask& task, const MorphFrame& frame);
 
   /// Throws IoError.
   void write(const FrameMaker& maker, const Notes& notes, Progress& progress) const;
@@ -34,7 +35,8 @@ class FrameReport {
   const MorphSettings& settings_;
   PageShapes page_;
   std::vector<nlohmann::ordered_json> rows_;
-  FloatGrid::ConstPtr previous_;                           ///< surface of the frame before
+  FloatGrid::ConstPtr previous_;                           ///< surface of a frame; null: there is none
+  int previousNumber_ = 0;                                 ///< of that frame
   std::map<FloatGrid::ConstPtr, ShapeMeasures> measures_;  ///< cache, of inputs
 };
 

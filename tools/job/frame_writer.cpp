@@ -3,6 +3,7 @@
 #include "engine/volume/surface_colors.h"
 #include "engine/volume/voxelise.h"
 #include "io/mesh/glb_writer.h"
+#include "io/sequence.h"
 #include "slicemorph/io/image_writer.h"
 #include "slicemorph/io/mesh_writer.h"
 #include "slicemorph/io/vdb_writer.h"
@@ -30,24 +31,28 @@ void writeGrids(const FrameTask& task, const MorphFrame& frame) {
   writeVdb(task.job.path, frame.grids, options);
 }
 
-/// The frames of each mesh: "1-4, 5".
-std::string runsOf(const std::vector<MovingMesh>& meshes) {
+/// The frames of each mesh: "1-4, 5". `numbers`: of all frames.
+std::string runsOf(const std::vector<MovingMesh>& meshes, const std::vector<int>& numbers) {
   std::string runs;
   for (const MovingMesh& m : meshes) {
-    runs += (runs.empty() ? "" : ", ") + std::to_string(m.first + 1);
-    if (m.points.size() > 1) runs += "-" + std::to_string(m.first + m.points.size());
+    const auto first = numbers.begin() + std::ptrdiff_t(m.first);
+    runs += (runs.empty() ? "" : ", ") + listOfNumbers({first, first + std::ptrdiff_t(m.points.size())});
   }
   return runs;
 }
 
-Note noteOn(const std::string& output, const std::vector<MovingMesh>& meshes) {
+/// `part`: the frames are not the whole sequence.
+Note noteOn(const std::string& output, const std::vector<MovingMesh>& meshes, const std::vector<int>& numbers,
+            bool part) {
+  const std::string which = part ? ": frames " + listOfNumbers(numbers) : "";
   if (meshes.size() == 1)
-    return {"glb.one-mesh", Severity::kNote, output,
-            meshes[0].points.size() > 1 ? "one mesh with a morph target for each frame" : "one mesh"};
+    return {
+        "glb.one-mesh", Severity::kNote, output,
+        (meshes[0].points.size() > 1 ? "one mesh with a morph target for each frame" : "one mesh") + which};
   return {"glb.several-meshes", Severity::kNote, output,
           std::to_string(meshes.size()) +
               " meshes, each shown in its own frames, as none fits the surfaces of all: frames " +
-              runsOf(meshes)};
+              runsOf(meshes, numbers)};
 }
 
 }  // namespace
@@ -66,6 +71,7 @@ void FrameWriter::write(const FrameTask& task, const MorphFrame& frame) {
     writeImage(task.job.path, *frame.image);
   } else if (settings_.oneGlb()) {
     surfaces_.push_back({frame.shape.surface, task.job.weights, frame.colors});
+    numbers_.push_back(task.job.number);
   } else if (OutputName(task.job.path).extension() == ".glb") {
     writeStill(task, frame);
   } else if (frame.grids.empty()) {
@@ -80,8 +86,8 @@ void FrameWriter::finish(const MorphPlan* plan, double from) {
   PartProgress following(events_, from, 1);
   const std::vector<MovingMesh> meshes = followSurfaces(surfaces_, plan, {}, &following);
   surfaces_.clear();
-  events_.note(noteOn(settings_.output, meshes));
-  writeGlb(settings_.output, meshes, settings_.framesPerSecond, settings_.glb);
+  events_.note(noteOn(settings_.output, meshes, numbers_, numbers_.size() < settings_.frames.size()));
+  writeGlb(settings_.output, meshes, settings_.framesPerSecond, settings_.glb, numbers_);
   events_.fileWritten(settings_.output, false);
 }
 

@@ -28,7 +28,8 @@ class FrameWriter {
   const MorphSettings& settings_;
   JobEvents& events_;
   std::optional<ImageSetup> images_;
-  std::vector<SurfaceFrame> surfaces_;  ///< of all frames, for one .glb
+  std::vector<SurfaceFrame> surfaces_;  ///< of all frames that are made, for one .glb
+  std::vector<int> numbers_;            ///< of these frames
 };
 
 }  // namespace slicemorph

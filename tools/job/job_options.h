@@ -29,7 +29,8 @@ struct JobOptions {
 
   // Outputs
   std::string output, at, weights, keys, timing = "linear", ease = "linear", grids, sliceFolder, like;
-  int frames = 24;
+  int frames = 24, start = 1;
+  std::string range;
   double framesPerSecond = 24;
   std::string velocity = "vel", velocityUnit = "second";
   bool conserve = false, addVelocity = false, json = false;

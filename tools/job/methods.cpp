@@ -52,7 +52,9 @@ MethodPlan planLevelSet(const MethodTask& task) {
       levelSetMorph(*task.inputs[0].object.levelSet, *task.inputs[1].object.levelSet,
                     int(task.settings.frames.size()), kMostLevelSetSteps, &task.progress));
   MethodPlan plan;
-  plan.shape = [result](const FrameJob& job) { return InBetween{result->frames[size_t(job.number) - 1], 0}; };
+  plan.shape = [result, first = task.settings.frames[0].number](const FrameJob& job) {
+    return InBetween{result->frames[size_t(job.number - first)], 0};
+  };
   plan.restDistance = result->restDistance;
   plan.notes.emplace_back("levelset.came-to-rest", Severity::kNote, "",
                           "the level set came to rest after " + std::to_string(result->steps) +

@@ -1,5 +1,6 @@
 #include "tools/job/morph_job.h"
 
+#include "io/sequence.h"
 #include "tools/job/guidance_file.h"
 #include "tools/job/landmarks.h"
 #include "tools/job/load_settings.h"
@@ -73,10 +74,10 @@ MorphJob withTimes(MorphJob job, const OptionSet& options) {
   const bool wholeSequence = length > 1 && !options.given("frames"), atGiven = options.given("at");
   const std::vector<double> times = frameTimes(options, wholeSequence ? int(length) : given.frames);
   for (size_t i = 0; i < times.size(); ++i)
-    s.frames.push_back({int(i) + 1,
+    s.frames.push_back({given.start + int(i),
                         times[i],
                         weightsAt(s.course, times[i]),
-                        OutputName(s.output).path(int(i) + 1),
+                        OutputName(s.output).path(given.start + int(i)),
                         atGiven ? size_t(std::lround(times[i] * double(length - 1))) : i,
                         {}});
   s.frames = withRates(std::move(s.frames), s.course, s.framesPerSecond);
@@ -98,9 +99,35 @@ MorphJob withWeights(MorphJob job, const OptionSet& options) {
     job.notes.push_back(
         {"job.weights-normalised", Severity::kNote, "", options.source("weights") + weights.note});
   job.tables.values["weights"] = tomlOf(weights.weights);
-  for (size_t i = 0; i < lengthOfInputs(options); ++i)
-    s.frames.push_back(
-        {int(i) + 1, std::nullopt, weights.weights, OutputName(s.output).path(int(i) + 1), i, {}});
+  for (size_t i = 0; i < lengthOfInputs(options); ++i) {
+    const int number = options.values().start + int(i);
+    s.frames.push_back({number, std::nullopt, weights.weights, OutputName(s.output).path(number), i, {}});
+  }
+  return job;
+}
+
+/// Leaves the frames that --range does not ask for to others. With --print-config the frames of sequences are not
+/// known.
+MorphJob withRange(MorphJob job, const OptionSet& options) {
+  if (!options.given("range")) return job;
+  const std::string &range = options.values().range, said = "--range " + range;
+  const std::vector<int> numbers = numbersOfRange(range);
+  if (numbers.empty())
+    options.refuse("range", said +
+                                " is no range of frames; expected for example 1005-1012, each fifth of "
+                                "1 to 100 as 1-100x5 or 1-100:5, or 1-3,5,7-20x2");
+  std::vector<FrameJob>& frames = job.settings.frames;
+  for (FrameJob& frame : frames)
+    frame.wanted = std::binary_search(numbers.begin(), numbers.end(), frame.number);
+  const int first = frames.front().number, last = frames.back().number;
+  std::vector<int> outside;
+  for (int number : numbers)
+    if (number < first || number > last) outside.push_back(number);
+  if (!outside.empty() && !options.values().printConfig)
+    options.refuse("range", said + ": " + (outside.size() == 1 ? "frame " : "frames ") +
+                                listOfNumbers(outside) + (outside.size() == 1 ? " is" : " are") +
+                                " none of this sequence, which has " + std::to_string(first) + " to " +
+                                std::to_string(last) + " (--start, --frames and the inputs' lengths say so)");
   return job;
 }
 
@@ -171,6 +198,7 @@ MorphJob morphJob(const OptionSet& options) {
   job.tables.inputs = job.settings.inputs;
   job = withGuidance(std::move(job), options);
   job = options.given("weights") ? withWeights(std::move(job), options) : withTimes(std::move(job), options);
+  job = withRange(std::move(job), options);
   checkPurposes(job.settings, options);
   checkOutputKind(job.settings, options);
   checkMethodInputs(job.settings, options);

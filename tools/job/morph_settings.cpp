@@ -1,8 +1,16 @@
 #include "tools/job/morph_settings.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace slicemorph {
+
+std::vector<FrameJob> MorphSettings::wantedFrames() const {
+  std::vector<FrameJob> wanted;
+  std::copy_if(frames.begin(), frames.end(), std::back_inserter(wanted),
+               [](const FrameJob& frame) { return frame.wanted; });
+  return wanted;
+}
 
 bool MorphSettings::moving() const { return std::any_of(inputs.begin(), inputs.end(), isMovingInput); }
 

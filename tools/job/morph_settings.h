@@ -23,12 +23,13 @@ enum class ExrContent { kPicture, kSlices };
 
 /// One frame of a job.
 struct FrameJob {
-  int number = 1;           ///< 1 to N
+  int number = 1;           ///< in names and metadata; the first one's is --start
   std::optional<double> t;  ///< none for a blend given by weights
   Weights weights;
   std::string path;
   size_t inputFrame = 0;  ///< of inputs that are sequences, from 0
   Weights rate;           ///< change of the weights per second; empty where the job has no speed
+  bool wanted = true;     ///< false: --range leaves it out, but what the others depend on counts all frames
 };
 
 /// How long a shutter is open before or after its frame at most, in frames (a 360 degree shutter centred on
@@ -52,8 +53,8 @@ struct MorphSettings {
   MorphOptions plan;
   bool alignGiven = false;        ///< --align was given; else inputs of one simulation keep their directions
   std::string method = "slices";  ///< its name in methods.h
-  std::vector<FrameJob> frames;
-  WeightCourse course;  ///< of the frames; without keys where the weights are given
+  std::vector<FrameJob> frames;   ///< of the whole sequence, whatever --range asks for
+  WeightCourse course;            ///< of the frames; without keys where the weights are given
   double framesPerSecond = 24;
   std::vector<std::string> grids;  ///< of the output; empty: all
   bool conserve = false;
@@ -75,6 +76,8 @@ struct MorphSettings {
 
   /// What the method can do.
   const MethodTraits& can() const { return methodNamed(method).can; }
+  /// The frames that are to be made.
+  std::vector<FrameJob> wantedFrames() const;
   /// Whether an input is a sequence, so that one plan does not serve all frames.
   bool moving() const;
   /// Every frame is written as a picture or as EXR slices.

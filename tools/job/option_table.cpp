@@ -248,6 +248,16 @@ Rows timeRows() {
           .as(OptionType::kNumbers)
           .excludes({"frames", "weights"})
           .basic(),
+      Row(kMorph, "start", at<&J::start>, "N", "Number of the first frame, in names and metadata")
+          .range(-1000000, 100000000)
+          .basic(),
+      Row(kMorph, "range", at<&J::range>, "A-B[xN][,...]",
+          "Make only these frames, numbered as --start says: 1005-1012, 1-100x5, 1-3,5,7-20:2; they are the "
+          "same bytes as in the whole sequence")
+          .as(OptionType::kNumbers)
+          .fallback("all")
+          .notInFrames()
+          .basic(),
       Row(kMorph, "weights", at<&J::weights>, "W,W[,W...]",
           "One blend of all inputs: a weight per input, of sum 1")
           .as(OptionType::kNumbers)

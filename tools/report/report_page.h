@@ -13,7 +13,7 @@ namespace slicemorph {
 /// What the page of a report shows in addition to its figures.
 struct PageParts {
   std::string glb;                  ///< of the player, one frame per second; empty: there is nothing to play
-  std::vector<size_t> frames;       ///< frames of the job, from 0, that the player has
+  std::vector<size_t> frames;       ///< frames of the report, from 0, that the player has
   std::string sheet;                ///< contact sheet, a PNG; empty: none
   std::vector<std::string> slices;  ///< an SVG each
 };
@@ -21,13 +21,13 @@ struct PageParts {
 /// The job that a page is about.
 struct PageJob {
   std::vector<std::string> inputs;  ///< names
-  size_t frames = 0;                ///< their number
+  size_t frames = 0;                ///< their number in the report
   GlbSpace space;                   ///< of the player's shapes
 };
 
 /// One frame's surface for the page.
 struct PageFrame {
-  size_t index = 0;  ///< in the job, from 0
+  size_t index = 0;  ///< in the report, from 0
   Weights weights;
   std::string caption;  ///< of its picture
   FloatGrid::ConstPtr surface;

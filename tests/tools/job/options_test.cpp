@@ -171,7 +171,7 @@ TEST(OptionSet, FrameSettingsLeaveOutWhatFramesDoNotDependOn) {
   OptionSet options(kMorph);
   const OptionSet::Pairs before = options.frameSettings();
   for (const char* name : {"threads", "quiet", "verbose", "resume", "report", "dump-slices", "config",
-                           "print-config", "check-landmarks"})
+                           "print-config", "check-landmarks", "range"})
     options.set(options.row(name), {someValue(options.row(name))});
   EXPECT_EQ(options.frameSettings(), before);
   options.set(options.row("samples"), {"200"});

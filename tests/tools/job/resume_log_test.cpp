@@ -35,6 +35,13 @@ class ResumeLogTest : public testing::Test {
   void write(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ + "/" + name) << text;
   }
+  Json lastLine() const {
+    std::ifstream file(logPath());
+    std::string last;
+    for (std::string line; std::getline(file, line);)
+      if (!line.empty()) last = line;
+    return Json::parse(last);
+  }
   std::string logPath() const { return folder_ + "/.m.#.vdb.slicemorph"; }
   /// Reads the log again: empty where the first frame is kept, else why it is not.
   std::string refusal() const {
@@ -61,15 +68,63 @@ TEST_F(ResumeLogTest, KeepsNoFramesOfOtherInputs) {
 }
 
 TEST_F(ResumeLogTest, KeepsNoFramesOfAnotherProgram) {
-  std::ifstream file(logPath());
-  Json log = Json::parse(file);
-  ASSERT_EQ(log.at("program"), programBuild());
-  log["program"] = "0.0.1 (0123)";
-  std::ofstream(logPath()) << log;
+  Json line = lastLine();
+  ASSERT_EQ(line.at("program"), programBuild());
+  line["program"] = "0.0.1 (0123)";
+  std::ofstream(logPath()) << line << "\n";
   EXPECT_EQ(refusal(), "resume.other-program");
-  log.erase("program");  // as older versions wrote it
-  std::ofstream(logPath()) << log;
+  line.erase("program");
+  std::ofstream(logPath()) << line << "\n";
   EXPECT_EQ(refusal(), "resume.other-program");
+}
+
+/// Versions before wrote one table.
+TEST_F(ResumeLogTest, SaysThatALogIsOfAnotherVersion) {
+  std::ofstream(logPath()) << "{\n \"program\": \"0.9\"\n}\n";
+  EXPECT_EQ(refusal(), "resume.other-program");
+}
+
+/// The line of a frame that another job wrote later is the one that counts.
+TEST_F(ResumeLogTest, TheLastLineOfAFrameCounts) {
+  MorphSettings other = settings_;
+  other.framesPerSecond += 1;
+  ResumeLog(other).add(other.frames[0], Json());
+  EXPECT_EQ(refusal(), "resume.other-job");
+  ResumeLog(settings_).add(settings_.frames[0], Json());
+  EXPECT_EQ(refusal(), "");
+}
+
+/// A process that was killed while it wrote leaves half a line, which costs its frame alone.
+TEST_F(ResumeLogTest, HalfALineCostsNoOtherFrame) {
+  std::ofstream(logPath(), std::ios::app) << lastLine().dump().substr(0, 20);
+  EXPECT_EQ(refusal(), "");
+  write("m.2.vdb", "something else");
+  ResumeLog(settings_).add(settings_.frames[1], Json());
+  EXPECT_TRUE(ResumeLog(settings_).has(settings_.frames[0]));
+  EXPECT_TRUE(ResumeLog(settings_).has(settings_.frames[1]));
+}
+
+/// Processes that make frames of one sequence see what the others made since they began.
+TEST_F(ResumeLogTest, SeesWhatOthersMakeMeanwhile) {
+  ResumeLog mine(settings_);
+  EXPECT_EQ(mine.madeMeanwhile(settings_.frames[0]), ResumeLog::Maker::kNobody) << "made before";
+  write("m.2.vdb", "something else");
+  ResumeLog(settings_).add(settings_.frames[1], Json());
+  EXPECT_EQ(mine.madeMeanwhile(settings_.frames[1]), ResumeLog::Maker::kSameJob);
+  MorphSettings other = settings_;
+  other.framesPerSecond += 1;
+  ResumeLog(other).add(other.frames[0], Json());
+  EXPECT_EQ(mine.madeMeanwhile(settings_.frames[0]), ResumeLog::Maker::kOtherJob);
+}
+
+TEST_F(ResumeLogTest, GoesAwayWhenAllFramesAreMade) {
+  ResumeLog(settings_).finish();
+  EXPECT_TRUE(fs::exists(logPath())) << "the second frame is not made";
+  write("m.2.vdb", "something else");
+  ResumeLog log(settings_);
+  log.add(settings_.frames[1], Json());
+  log.finish();
+  EXPECT_FALSE(fs::exists(logPath()));
 }
 
 TEST_F(ResumeLogTest, TellsNothingWhereThereIsNoLog) {
