@@ -1,24 +1,138 @@
 #include "engine/blend/box_nodes.h"
 
-#include "engine/blend/find_nodes.h"
-
 #include <algorithm>
+#include <cstdint>
+#include <utility>
 
 namespace slicemorph {
 
-NodeMap boxNodes(const openvdb::CoordBBox& box, const Lattice& lattice, const LatticePose& pose,
-                 const openvdb::math::Transform& transform, int step, const NodeFields& fields) {
-  NodeMap map;
-  map.step = step;
-  map.origin = openvdb::Coord::floor(box.min().asVec3d() / step) - openvdb::Coord(1);
-  map.size = openvdb::Coord::ceil(box.max().asVec3d() / step) + openvdb::Coord(2) - map.origin;
-  PosedLattice posed = posedLattice(lattice, pose, fields.onLattice, transform, step);
-  std::fill(posed.near.begin(), posed.near.end(), 1);
-  findNodes(posed, map);
+namespace {
+
+/// Cells along the side of a block, whose box is looked at before those of its cells.
+constexpr int kBlockCells = 4;
+
+/// The number of marked nodes in any box of a map, by a table of sums [Cro84].
+class NodeCounts {
+ public:
+  NodeCounts(const NodeMap& map, const std::vector<char>& marked)
+      : origin_(map.origin),
+        size_(map.size),
+        sums_(size_t(map.size[0] + 1) * (map.size[1] + 1) * (map.size[2] + 1), 0) {
+    for (int z = 0; z < size_[2]; ++z)
+      for (int y = 0; y < size_[1]; ++y) {
+        std::int32_t row = 0;
+        for (int x = 0; x < size_[0]; ++x) {
+          row += marked[(size_t(z) * size_[1] + y) * size_[0] + x] != 0;
+          sums_[at(x + 1, y + 1, z + 1)] =
+              row + sums_[at(x + 1, y, z + 1)] + sums_[at(x + 1, y + 1, z)] - sums_[at(x + 1, y, z)];
+        }
+      }
+  }
+
+  /// Whether a marked node is in a box, in nodes, or less than one outside of it.
+  bool any(const openvdb::BBoxd& box) const {
+    openvdb::Coord low = openvdb::Coord::floor(box.min()) - origin_,
+                   high = openvdb::Coord::ceil(box.max()) - origin_ + openvdb::Coord(1);
+    low.maxComponent({0, 0, 0});
+    high.minComponent(size_);
+    if (low[0] >= high[0] || low[1] >= high[1] || low[2] >= high[2]) return false;
+    const auto upTo = [&](int z) {
+      return sums_[at(high[0], high[1], z)] - sums_[at(low[0], high[1], z)] - sums_[at(high[0], low[1], z)] +
+             sums_[at(low[0], low[1], z)];
+    };
+    return upTo(high[2]) != upTo(low[2]);
+  }
+
+ private:
+  size_t at(int x, int y, int z) const { return (size_t(z) * (size_[1] + 1) + y) * (size_[0] + 1) + x; }
+  openvdb::Coord origin_, size_;
+  std::vector<std::int32_t> sums_;
+};
+
+/// The box of the nodes of `cells` along each side from the one with this first node on.
+openvdb::BBoxd boxOfCells(const PosedLattice& posed, const openvdb::Coord& first, int cells) {
+  openvdb::Coord last = first + openvdb::Coord(cells);
+  last.minComponent(posed.lattice.size - openvdb::Coord(1));
+  Vec3d low(1e30), high(-1e30);
+  for (int z = first[2]; z <= last[2]; ++z)
+    for (int y = first[1]; y <= last[1]; ++y)
+      for (int x = first[0]; x <= last[0]; ++x) {
+        const Vec3d& p = posed.node[posed.lattice.index(x, y, z)];
+        low = openvdb::math::minComponent(low, p), high = openvdb::math::maxComponent(high, p);
+      }
+  return {low, high};
+}
+
+void evaluateBeyond(NodeMap& map, const std::vector<char>& wanted, const LatticePose& pose,
+                    const openvdb::math::Transform& transform, const NodeFields& fields) {
+  for (size_t n = 0; n < map.known.size() && !wanted.empty(); ++n)
+    if (!wanted[n]) map.known[n] = 1;
   forUnknownNodes(map, pose.chart, transform, [&](const Vec3d& q, size_t n) {
     for (size_t f = 0; f < map.objects; ++f) map.at[n * map.objects + f] = fields.beyond(q, f);
     map.known[n] = 1;
   });
+  for (size_t n = 0; n < map.known.size() && !wanted.empty(); ++n) map.known[n] = wanted[n];
+}
+
+}  // namespace
+
+NodeMap emptyNodes(const openvdb::CoordBBox& box, int step) {
+  NodeMap map;
+  map.step = step;
+  map.origin = openvdb::Coord::floor(box.min().asVec3d() / step) - openvdb::Coord(1);
+  map.size = openvdb::Coord::ceil(box.max().asVec3d() / step) + openvdb::Coord(2) - map.origin;
+  return map;
+}
+
+NodeMap boxNodes(const openvdb::CoordBBox& box, const Lattice& lattice, const LatticePose& pose,
+                 const openvdb::math::Transform& transform, int step, const NodeFields& fields) {
+  NodeMap map = emptyNodes(box, step);
+  PosedLattice posed = posedLattice(lattice, pose, fields.onLattice, transform, step);
+  std::fill(posed.near.begin(), posed.near.end(), 1);
+  findNodes(posed, map);
+  evaluateBeyond(map, {}, pose, transform, fields);
+  return map;
+}
+
+NodeFinder::NodeFinder(const Lattice& lattice, const LatticePose& pose,
+                       const openvdb::math::Transform& transform, int step, NodeFields fields)
+    : transform_(transform),
+      fields_(std::move(fields)),
+      posed_(posedLattice(lattice, pose, fields_.onLattice, transform, step)) {
+  for (int axis = 0; axis < 3; ++axis)
+    blockCount_[axis] = std::max((lattice.size[axis] - 1 + kBlockCells - 1) / kBlockCells, 0);
+  blocks_.resize(size_t(blockCount_[0]) * blockCount_[1] * blockCount_[2]);
+  tbb::parallel_for(0, int(blocks_.size()), [&](int i) {
+    const openvdb::Coord block(i % blockCount_[0], i / blockCount_[0] % blockCount_[1],
+                               i / (blockCount_[0] * blockCount_[1]));
+    blocks_[size_t(i)] = boxOfCells(
+        posed_, {block[0] * kBlockCells, block[1] * kBlockCells, block[2] * kBlockCells}, kBlockCells);
+  });
+}
+
+/// Marks the cells whose box holds a wanted node, as those to be searched.
+void NodeFinder::markCells(const NodeMap& map, const std::vector<char>& wanted) {
+  const Lattice& lattice = posed_.lattice;
+  const NodeCounts counts(map, wanted);
+  std::fill(posed_.near.begin(), posed_.near.end(), 0);
+  tbb::parallel_for(0, int(blocks_.size()), [&](int i) {
+    if (!counts.any(blocks_[size_t(i)])) return;
+    const openvdb::Coord first(i % blockCount_[0] * kBlockCells,
+                               i / blockCount_[0] % blockCount_[1] * kBlockCells,
+                               i / (blockCount_[0] * blockCount_[1]) * kBlockCells);
+    openvdb::Coord end = first + openvdb::Coord(kBlockCells);
+    end.minComponent(lattice.size - openvdb::Coord(1));
+    for (int z = first[2]; z < end[2]; ++z)
+      for (int y = first[1]; y < end[1]; ++y)
+        for (int x = first[0]; x < end[0]; ++x)
+          posed_.near[lattice.index(x, y, z)] = counts.any(boxOfCells(posed_, {x, y, z}, 1));
+  });
+}
+
+NodeMap NodeFinder::find(NodeMap map, const std::vector<char>& wanted) {
+  markCells(map, wanted);
+  findNodes(posed_, map);
+  evaluateBeyond(map, wanted, posed_.pose, transform_, fields_);
   return map;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
-#include "engine/blend/lattice_pose.h"
-#include "engine/blend/node_map.h"
+#include "engine/blend/find_nodes.h"
 
 #include <functional>
 
@@ -14,10 +13,32 @@ struct NodeFields {
   std::function<openvdb::Vec3s(const Vec3d& q, size_t field)> beyond;
 };
 
-/// Evaluates fields at all nodes around the voxels of a box of index space, and one more node on every side
-/// for spline interpolation. `step`: voxels between nodes.
+/// The nodes around the voxels of a box of index space, and one more node on every side for spline interpolation,
+/// without values. `step`: voxels between nodes.
+NodeMap emptyNodes(const openvdb::CoordBBox& box, int step);
+
+/// Evaluates fields at all nodes of emptyNodes().
 NodeMap boxNodes(const openvdb::CoordBBox& box, const Lattice& lattice, const LatticePose& pose,
                  const openvdb::math::Transform& transform, int step, const NodeFields& fields);
+
+/// Evaluates fields at some nodes of an in-between's maps; for several sets of nodes of one transform and step.
+class NodeFinder {
+ public:
+  /// All but `fields` must outlive this.
+  NodeFinder(const Lattice& lattice, const LatticePose& pose, const openvdb::math::Transform& transform,
+             int step, NodeFields fields);
+  /// Evaluates them at those nodes of a map that `wanted` marks, one flag a node; the others become unknown.
+  NodeMap find(NodeMap map, const std::vector<char>& wanted);
+
+ private:
+  void markCells(const NodeMap& map, const std::vector<char>& wanted);
+
+  const openvdb::math::Transform& transform_;
+  NodeFields fields_;
+  PosedLattice posed_;
+  openvdb::Coord blockCount_;
+  std::vector<openvdb::BBoxd> blocks_;  ///< of each block of cells: the box of its nodes, in nodes of the map
+};
 
 /// Box in the in-between's index space around what an object has inside a world box.
 openvdb::BBoxd boxOnPose(const LatticeOnObjects& on, size_t object, const openvdb::BBoxd& world,

@@ -95,8 +95,8 @@ bool poseFolds(const LatticeOnObjects& on, const LatticePose& pose, const NodeWe
   return std::find(found.begin(), found.end(), 1) != found.end();
 }
 
-Vec3d poseCentroid(const Lattice& lattice, const LatticePose& pose, const Chart& chart) {
-  const std::vector<Vec3d> world = worldOf(pose, chart);
+Vec3d poseCentroid(const Lattice& lattice, const LatticePose& pose, const std::vector<Vec3d>& world,
+                   const Chart& chart) {
   std::vector<Vec3d> sums(lattice.size[2], Vec3d(0.0));
   std::vector<double> volumes(lattice.size[2], 0);
   tbb::parallel_for(0, int(lattice.size[2]) - 1, [&](int z) {

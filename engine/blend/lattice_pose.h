@@ -39,7 +39,9 @@ std::vector<Vec3d> worldOf(const LatticePose& pose, const Chart& chart);
 /// weights differ are tested.
 bool poseFolds(const LatticeOnObjects& on, const LatticePose& pose, const NodeWeights& local);
 
-/// World centroid of the inside, summed over cells weighted by their world volume and the share of it inside.
-Vec3d poseCentroid(const Lattice& lattice, const LatticePose& pose, const Chart& chart);
+/// World centroid of the inside, summed over cells weighted by their world volume and the share of it inside. `world`: the
+/// nodes' positions by the chart.
+Vec3d poseCentroid(const Lattice& lattice, const LatticePose& pose, const std::vector<Vec3d>& world,
+                   const Chart& chart);
 
 }  // namespace slicemorph

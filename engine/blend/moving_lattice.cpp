@@ -1,6 +1,5 @@
 #include "engine/blend/moving_lattice.h"
 
-#include "engine/blend/box_nodes.h"
 #include "engine/blend/lay_along_spine.h"
 #include "engine/blend/surface_nodes.h"
 
@@ -34,9 +33,7 @@ MovingLattice::MovingLattice(const Displacements& map, const Fields& fields, con
     : on_(latticeOnObjects(map, fields, charts)), regions_(std::move(regions)), paths_(std::move(paths)) {
   bool bent = false;
   for (const Chart& c : charts) bent |= !c.bend.straight();
-  for (size_t k = 0; k < on_.objects() && bent; ++k)
-    centroid_.push_back(
-        poseCentroid(on_.lattice, blendedPose(on_, allOf(k, on_.objects()), {}, {}), charts[k]));
+  for (size_t k = 0; k < on_.objects() && bent; ++k) centroid_.push_back(centroidOf(k, charts[k]));
   for (size_t r = 0; regions_ && r < regions_->count(); ++r) {
     const VectorField& position = on_.position[regions_->region(r).object];
     share_.emplace_back(position.size());
@@ -45,22 +42,38 @@ MovingLattice::MovingLattice(const Displacements& map, const Fields& fields, con
   }
 }
 
+Vec3d MovingLattice::centroidOf(size_t object, const Chart& chart) const {
+  const Pose pose = blendedPose(on_, allOf(object, on_.objects()), {}, {});
+  return poseCentroid(on_.lattice, pose, worldOf(pose, chart), chart);
+}
+
 MovingLattice::Pose MovingLattice::poseAt(const Weights& weights) const {
   return poseAt(weights, std::nullopt);
 }
 
 /// `straightening`: number of rounds, as in an earlier pose; nullopt: as many as it takes.
 MovingLattice::Pose MovingLattice::poseAt(const Weights& weights, std::optional<int> straightening) const {
+  Pose pose = uncentredPose(weights, straightening);
+  if (!centroid_.empty()) pose.chart.center += shiftToCentre(pose, worldOf(pose, pose.chart));
+  pose.world = worldOf(pose, pose.chart);
+  return pose;
+}
+
+/// A pose without its world positions, whose chart is where those of the objects lead to.
+MovingLattice::Pose MovingLattice::uncentredPose(const Weights& weights,
+                                                 std::optional<int> straightening) const {
   const NodeWeights local = nodeWeights(weights);
   Pose pose = blendUnfolded(weights, local, straightening);
   if (local.empty()) pose.chart = blendCharts(on_.charts, weights);
-  if (!centroid_.empty()) {
-    Vec3d wanted(0.0);
-    for (size_t k = 0; k < on_.objects(); ++k) wanted += pose.mean[k] * centroid_[k];
-    pose.chart.center += wanted - poseCentroid(on_.lattice, pose, pose.chart);
-  }
-  pose.world = worldOf(pose, pose.chart);
   return pose;
+}
+
+/// By how much a pose has to be moved so that the centroid's path is straight; 0 where charts are straight.
+Vec3d MovingLattice::shiftToCentre(const Pose& pose, const std::vector<Vec3d>& world) const {
+  if (centroid_.empty()) return Vec3d(0.0);
+  Vec3d wanted(0.0);
+  for (size_t k = 0; k < on_.objects(); ++k) wanted += pose.mean[k] * centroid_[k];
+  return wanted - poseCentroid(on_.lattice, pose, world, pose.chart);
 }
 
 MovingLattice::Pose MovingLattice::poseOf(size_t object) const {
@@ -172,23 +185,35 @@ NodeMap MovingLattice::nodesWithin(const openvdb::CoordBBox& box, const Pose& po
   return map;
 }
 
-NodeMap MovingLattice::velocitiesWithin(const openvdb::CoordBBox& box, const Weights& weights,
-                                        const Weights& rate, const Pose& pose,
-                                        const openvdb::math::Transform& transform, int step) const {
+LatticeMotion MovingLattice::motionAt(const Weights& weights, const Weights& rate, const Pose& pose) const {
   // Central differences, also at the objects: the map is defined for weights a little outside 0 to 1.
   double most = 0;
   for (double r : rate) most = std::max(most, std::abs(r));
   const double time = most > 0 ? kWeightStep / most : 0, unit = time > 0 ? 0.5 / time : 0;
   Weights earlier = weights, later = weights;
   for (size_t k = 0; k < on_.objects(); ++k) earlier[k] -= time * rate[k], later[k] += time * rate[k];
-  const Pose from = poseAt(earlier, pose.straightening), to = poseAt(later, pose.straightening);
-  VectorField velocity(on_.lattice.count());
-  tbb::parallel_for(size_t(0), velocity.size(),
-                    [&](size_t i) { velocity[i] = openvdb::Vec3s(unit * (to.world[i] - from.world[i])); });
-  const auto beyond = [&](const Vec3d& q, size_t) {
-    return openvdb::Vec3s(unit * (to.chart.toWorld(q) - from.chart.toWorld(q)));
+  const auto posed = [&](const Weights& at) {
+    Pose one = uncentredPose(at, pose.straightening);
+    one.world = worldOf(one, one.chart);
+    return one;
   };
-  return boxNodes(box, on_.lattice, pose, transform, step, {{&velocity}, beyond});
+  Pose from = posed(earlier), to = posed(later);
+  const Vec3d fromShift = shiftToCentre(from, from.world), toShift = shiftToCentre(to, to.world);
+  from.chart.center += fromShift, to.chart.center += toShift;
+  LatticeMotion motion{VectorField(on_.lattice.count()), from.chart, to.chart, unit};
+  const Vec3d shift = toShift - fromShift;
+  tbb::parallel_for(size_t(0), motion.velocity.size(), [&](size_t i) {
+    motion.velocity[i] = openvdb::Vec3s(unit * (to.world[i] - from.world[i] + shift));
+  });
+  return motion;
+}
+
+NodeFinder MovingLattice::velocityFinder(const LatticeMotion& motion, const Pose& pose,
+                                         const openvdb::math::Transform& transform, int step) const {
+  const auto beyond = [&motion](const Vec3d& q, size_t) {
+    return openvdb::Vec3s(motion.unit * (motion.to.toWorld(q) - motion.from.toWorld(q)));
+  };
+  return NodeFinder(on_.lattice, pose, transform, step, {{&motion.velocity}, beyond});
 }
 
 }  // namespace slicemorph

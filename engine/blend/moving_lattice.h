@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/blend/box_nodes.h"
 #include "engine/blend/contour_paths.h"
 #include "engine/blend/lattice_pose.h"
 #include "engine/blend/local_weights.h"
@@ -8,6 +9,13 @@
 #include <optional>
 
 namespace slicemorph {
+
+/// Velocities of a lattice, world units per unit of time.
+struct LatticeMotion {
+  VectorField velocity;  ///< of its nodes
+  Chart from, to;        ///< of the in-betweens a little earlier and later, for points beyond the lattice
+  double unit = 0;       ///< one over the time between these; 0: nothing moves
+};
 
 /// The map of in-betweens: the matching's lattice, whose nodes have a position on every object and so on
 /// every in-between. Between the nodes the map is linear on tetrahedra [Kuh60]; without folds it is one to
@@ -39,15 +47,19 @@ class MovingLattice {
   /// lattice by the map, beyond it by the charts alone.
   NodeMap nodesWithin(const openvdb::CoordBBox& box, const Pose& pose,
                       const openvdb::math::Transform& transform, int step) const;
-  /// Velocity at each node, in world units per unit of time, while the weights change by `rate` (sum 0) per
-  /// unit of time. Nodes as in nodesWithin; the result has a single "object".
-  NodeMap velocitiesWithin(const openvdb::CoordBBox& box, const Weights& weights, const Weights& rate,
-                           const Pose& pose, const openvdb::math::Transform& transform, int step) const;
+  /// How the lattice moves while the weights change by `rate` (sum 0) per unit of time.
+  LatticeMotion motionAt(const Weights& weights, const Weights& rate, const Pose& pose) const;
+  /// Finds velocities at nodes; its maps have a single "object". `motion`, `pose` and `transform` must outlive it.
+  NodeFinder velocityFinder(const LatticeMotion& motion, const Pose& pose,
+                            const openvdb::math::Transform& transform, int step) const;
 
  private:
   NodeWeights nodeWeights(const Weights& weights) const;
   NodeWeights smoothed(const NodeWeights& weights) const;
   Pose poseAt(const Weights& weights, std::optional<int> straightening) const;
+  Pose uncentredPose(const Weights& weights, std::optional<int> straightening) const;
+  Vec3d shiftToCentre(const Pose& pose, const std::vector<Vec3d>& world) const;
+  Vec3d centroidOf(size_t object, const Chart& chart) const;
   Pose blendUnfolded(const Weights& weights, const NodeWeights& local,
                      std::optional<int> straightening) const;
 

@@ -1,18 +1,17 @@
 #include "engine/rebuild/pullback.h"
 
-#include "engine/blend/node_positions.h"
+#include "engine/rebuild/velocity_grid.h"
 #include "engine/rebuild/warp_colors.h"
 #include "engine/rebuild/warp_image.h"
 #include "engine/rebuild/warp_labels.h"
+#include "engine/volume/faint_values.h"
 #include "engine/volume/resample_image.h"
 #include "engine/volume/surface_colors.h"
 #include "slicemorph/errors.h"
 
-#include <openvdb/tools/Morphology.h>
-#include <openvdb/tree/LeafManager.h>
-
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace slicemorph {
 
@@ -23,21 +22,8 @@ using Transform = openvdb::math::Transform;
 
 /// Number of node maps that are kept. The grids of one file mostly share one or two transforms.
 constexpr size_t kKeptMaps = 3;
-/// Upper limit, in voxels, of the margin around the active voxels in which velocities are computed. It bounds
-/// the cost where velocities are very high.
-constexpr int kMostReach = 24;
-
-openvdb::Vec3STree::Ptr topologyOf(const GridBase& where) {
-  openvdb::Vec3STree::Ptr tree;
-  using Types = openvdb::TypeList<FloatGrid, openvdb::DoubleGrid, openvdb::Vec3SGrid, openvdb::BoolGrid,
-                                  openvdb::MaskGrid>;
-  const bool known = where.apply<Types>([&](const auto& grid) {
-    tree = std::make_shared<openvdb::Vec3STree>(grid.tree(), openvdb::Vec3s(0.f), openvdb::TopologyCopy());
-  });
-  if (!known) throw InputError("no velocities are made where a grid of " + where.valueType() + " is active");
-  tree->voxelizeActiveTiles();
-  return tree;
-}
+/// The smallest half float above 0 (IEEE 754): what is less is read back as 0.
+constexpr double kLeastHalf = 5.9604645e-8;
 
 /// Throws unless exactly one item per object was given.
 void checkCount(size_t given, const char* what, size_t objects) {
@@ -86,10 +72,20 @@ void checkRate(const Weights& rate, size_t objects) {
     throw InputError("the rates sum to " + std::to_string(sum) + "; they must sum to 0, as weights sum to 1");
 }
 
-double fastest(const openvdb::Vec3SGrid& grid) {
+/// The box of a body in index space, and around it as far as the lattice's nodes in it move within `reach`.
+openvdb::CoordBBox sweptBox(const openvdb::CoordBBox& body, const LatticeMotion& motion,
+                            const MovingLattice::Pose& pose, const Transform& transform, double reach) {
+  const openvdb::BBoxd box(body.min().asVec3d() - Vec3d(kMostReach),
+                           body.max().asVec3d() + Vec3d(kMostReach));
   double most = 0;
-  for (auto v = grid.cbeginValueOn(); v; ++v) most = std::max(most, double(v->lengthSqr()));
-  return std::sqrt(most);
+  for (size_t i = 0; i < motion.velocity.size() && reach > 0; ++i)
+    if (box.isInside(transform.worldToIndex(pose.world[i])))
+      most = std::max(most, double(motion.velocity[i].lengthSqr()));
+  const Vec3d size = transform.voxelSize();
+  const double far = reach * std::sqrt(most) / std::min({size[0], size[1], size[2]});
+  openvdb::CoordBBox swept = body;
+  swept.expand(int(std::ceil(std::min(far, double(kMostReach)))));
+  return swept;
 }
 
 }  // namespace
@@ -123,6 +119,13 @@ GridBase::ConstPtr Pullback::carry(const std::vector<GridBase::ConstPtr>& grids,
   for (auto meta = prototype.beginMeta(); meta != prototype.endMeta(); ++meta)
     if (meta->first.compare(0, 5, "file_") != 0) result->insertMeta(meta->first, *meta->second);
   result->setSaveFloatAsHalf(half);
+  if (options.dropFaint) {
+    double least = half ? kLeastHalf : 0;
+    double faintest = std::numeric_limits<double>::infinity();
+    for (const CarriedGrid& c : carried) faintest = std::min(faintest, faintestValue(*c.grid));
+    if (std::isfinite(faintest)) least = std::max(least, faintest);
+    dropFainter(*result, least);
+  }
   return result;
 }
 
@@ -200,52 +203,37 @@ openvdb::Vec3SGrid::Ptr Pullback::colors(const FloatGrid& surface,
   return warpColors(surface, carried, p.nodesFor(box, surface.transform()), p.local());
 }
 
-openvdb::Vec3SGrid::Ptr Pullback::velocity(const GridBase& where, const Weights& rate, double reach) const {
-  checkRate(rate, impl_->weights.size());
-  if (!(reach >= 0))
-    throw InputError("velocities reach for " + std::to_string(reach) + "; it must be 0 or more");
-  auto result = openvdb::Vec3SGrid::create(topologyOf(where));
+openvdb::Vec3SGrid::Ptr Pullback::velocity(const GridBase& where, const Weights& rate,
+                                           const VelocityOptions& options) const {
+  const Impl& p = *impl_;
+  checkRate(rate, p.weights.size());
+  if (!(options.reach >= 0))
+    throw InputError("velocities reach for " + std::to_string(options.reach) + "; it must be 0 or more");
+  if (!(options.tolerance >= 0))
+    throw InputError("the tolerance of velocities is " + std::to_string(options.tolerance) +
+                     "; it must be 0 or more");
+  auto result = openvdb::Vec3SGrid::create();
   result->setTransform(where.transform().copy());
+  const openvdb::MaskTree::Ptr body = activeVoxels(where);
+  openvdb::CoordBBox box;
+  if (p.carrying.lattice && body->evalActiveVoxelBoundingBox(box)) {
+    Weights shapeRate(p.shapeWeights.size(), 0);
+    for (size_t k = 0; k < rate.size(); ++k) shapeRate[p.shapeOf[k]] += rate[k];
+    const MovingLattice& lattice = *p.carrying.lattice;
+    const MovingLattice::Pose& pose = p.carrying.pose;
+    const LatticeMotion motion = lattice.motionAt(p.shapeWeights, shapeRate, pose);
+    const int step = carryingStep(box);
+    box = sweptBox(box, motion, pose, where.transform(), options.reach);
+    box.expand(step);
+    NodeFinder finder = lattice.velocityFinder(motion, pose, where.transform(), step);
+    const auto velocities = [&](const NodeMap& nodes, const std::vector<char>& wanted) {
+      return finder.find(nodes, wanted);
+    };
+    result = velocityGrid(emptyNodes(box, step), velocities, *body, where.transform(), options);
+  }
   result->setName("vel");
   result->setVectorType(openvdb::VEC_CONTRAVARIANT_RELATIVE);
-  if (!impl_->carrying.lattice || result->empty()) return result;
-  fillVelocities(*result, rate);
-  const Vec3d size = result->voxelSize();
-  const double far = reach * fastest(*result) / std::min({size[0], size[1], size[2]});
-  if (far == 0) return result;
-  openvdb::tools::dilateActiveValues(result->tree(), std::min(int(std::ceil(far)), kMostReach));
-  fillVelocities(*result, rate);
   return result;
-}
-
-/// At the grid's active voxels; the grid must have no active tiles.
-void Pullback::fillVelocities(openvdb::Vec3SGrid& grid, const Weights& rate) const {
-  const Impl& p = *impl_;
-  const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
-  Weights shapeRate(p.shapeWeights.size(), 0);
-  for (size_t k = 0; k < rate.size(); ++k) shapeRate[p.shapeOf[k]] += rate[k];
-  const NodeMap nodes = p.carrying.lattice->velocitiesWithin(box, p.shapeWeights, shapeRate, p.carrying.pose,
-                                                             grid.transform(), carryingStep(box));
-  const NodePositions velocities(nodes);
-  const int step = nodes.step;
-  openvdb::tree::LeafManager<openvdb::Vec3STree> leaves(grid.tree());
-  leaves.foreach ([&](openvdb::Vec3STree::LeafNodeType& leaf, size_t) {
-    std::vector<openvdb::Vec3s> cell(size_t(step) * step * step);
-    const openvdb::Coord o = leaf.origin();
-    for (int x = 0; x < kLeaf; x += step)
-      for (int y = 0; y < kLeaf; y += step)
-        for (int z = 0; z < kLeaf; z += step) {
-          const int i = (o[0] + x) / step, j = (o[1] + y) / step, k = (o[2] + z) / step;
-          if (!nodes.inside(i, j, k) || !nodes.inside(i + 1, j + 1, k + 1))
-            continue;  // nothing is active there
-          velocities.find(i, j, k, 0, cell);
-          for (size_t v = 0; v < cell.size(); ++v) {
-            const int a = int(v) / (step * step), b = int(v) / step % step, d = int(v) % step;
-            const auto offset = leaf.coordToOffset({x + a, y + b, z + d});
-            if (leaf.isValueOn(offset)) leaf.setValueOnly(offset, cell[v]);
-          }
-        }
-  });
 }
 
 bool Pullback::Impl::counts(size_t object) const {

@@ -179,6 +179,17 @@ def velocity_of_a_moving_sphere(d):
     assert list(names(d + "/n.0001.vdb")) == ["surface"]
 
 
+def interpolated(values, at):
+    """Trilinear, at a position of index space."""
+    low = np.floor(at).astype(int)
+    share = np.asarray(at) - low
+    total = np.zeros(3)
+    for c in range(8):
+        corner = np.array([c & 1, c >> 1 & 1, c >> 2])
+        total += np.prod(np.where(corner, share, 1 - share)) * np.array(values.getValue(tuple(int(i) for i in low + corner)))
+    return total
+
+
 def velocity_of_a_turning_bar(d):
     """A turning body has the velocity omega x r at every voxel of its band."""
     def bar(angle):
@@ -193,14 +204,22 @@ def velocity_of_a_turning_bar(d):
     run("morph", a, b, "-o", d + "/m.####.vdb", "--frames", 5, "--fps", FPS, "--quiet")
     omega = math.pi / 3 * FPS / 4
     for path in frames(d):
-        band = vdb.read(path, "surface")
-        vel = vdb.read(path, "vel").getConstAccessor()
+        band, vel = vdb.read(path, "surface"), vdb.read(path, "vel")
+        values = vel.getConstAccessor()
+        assert vel.transform.voxelSize()[0] >= 2 * band.transform.voxelSize()[0], "velocities are as fine as distances"
         worst = 0
         for item in band.citerOnValues():
             p = band.transform.indexToWorld(item.min)
             wanted = omega * np.array([-p[1], p[0], 0])
-            worst = max(worst, np.linalg.norm(np.array(vel.getValue(item.min)) - wanted))
+            worst = max(worst, np.linalg.norm(interpolated(values, vel.transform.worldToIndex(p)) - wanted))
         assert worst < 0.02 * omega * 1.55, (path, worst / (omega * 1.55))
+        assert all(np.any(item.value) for item in vel.citerOnValues()), "zeros are stored"
+    # No more than a quarter of the bytes is velocities.
+    run("morph", a, b, "-o", d + "/n.####.vdb", "--frames", 5, "--velocity", "none", "--quiet")
+    run("morph", a, b, "-o", d + "/h.####.vdb", "--frames", 5, "--velocity-half", "--quiet")
+    for i in range(1, 6):
+        with_it, without, half = (os.path.getsize(d + "/%s.%04d.vdb" % (name, i)) for name in "mnh")
+        assert half < with_it <= 1.25 * without, (i, with_it, without, half)
 
 
 def own_velocities_are_added(d):

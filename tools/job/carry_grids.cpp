@@ -1,10 +1,13 @@
 #include "tools/job/carry_grids.h"
 
 #include "engine/rebuild/add_vectors.h"
+#include "engine/rebuild/velocity_grid.h"
 #include "engine/volume/fog.h"
 #include "io/vdb/grid_choice.h"
 #include "io/vdb/vector_parts.h"
 #include "slicemorph/errors.h"
+
+#include <openvdb/tools/Activate.h>
 
 #include <algorithm>
 
@@ -59,7 +62,7 @@ GridBase::ConstPtr densityOf(const FrameTask& task, Pullback& pullback, double v
     }
     if (prototype) grids[k] = asTypeOf(*prototype, grids[k]);
   }
-  return pullback.carry(grids, {task.settings.conserve, voxelSize});
+  return pullback.carry(grids, {task.settings.conserve, voxelSize, true});
 }
 
 /// The inputs' own velocities at a frame.
@@ -73,18 +76,31 @@ bool isNameTaken(const FrameContent& content, const std::string& name) {
                      [&](const GridSet& set) { return set.name == name; });
 }
 
-/// The morph's velocities on the voxels of `where`, named as the options say, or NAME_morph where the inputs'
+double smallestVoxel(const GridBase& grid) {
+  const Vec3d size = grid.voxelSize();
+  return std::min({size[0], size[1], size[2]});
+}
+
+/// The morph's velocities around the active voxels of `where`, named as the options say, or NAME_morph where the inputs'
 /// own velocities have that name and are not added.
 openvdb::Vec3SGrid::Ptr velocityOf(const FrameTask& task, const Pullback& pullback, const GridBase& where,
                                    const OwnVelocity& own) {
   const VelocitySettings& v = task.settings.velocity;
   const double framesPerSecond = task.settings.framesPerSecond;
-  openvdb::Vec3SGrid::Ptr velocity = pullback.velocity(where, task.job.rate, kShutter / framesPerSecond);
+  // What is added has details of its own, for which the voxels must be fine.
+  const bool added = own.grid && v.add;
+  const double voxel = smallestVoxel(where);
+  openvdb::Vec3SGrid::Ptr velocity =
+      pullback.velocity(where, task.job.rate,
+                        {kShutter / framesPerSecond, added ? 0 : kVelocityError * voxel * framesPerSecond});
   velocity->setName(v.name);
-  if (own.grid && v.add)
+  if (added) {
+    velocity->tree().topologyUnion(*activeVoxels(where));
     addVectors(*velocity, *own.grid, 1);
-  else if (isNameTaken(task.plan.content, v.name))
+    openvdb::tools::deactivate(velocity->tree(), openvdb::Vec3s(0.f));
+  } else if (isNameTaken(task.plan.content, v.name)) {
     velocity->setName(v.name + "_morph");
+  }
   const double unit = v.perFrame ? 1 / framesPerSecond : 1;
   if (unit != 1)
     for (auto value = velocity->beginValueOn(); value; ++value) value.setValue(*value * float(unit));
@@ -135,7 +151,7 @@ CarriedGrids carryGrids(const FrameTask& task, GridBase::ConstPtr where, openvdb
   const VelocitySettings& v = task.settings.velocity;
   if (!v.wanted() || task.job.rate.empty() || !where) return carried;
   const openvdb::Vec3SGrid::Ptr velocity = velocityOf(task, pullback, *where, own);
-  velocity->setSaveFloatAsHalf(half);
+  velocity->setSaveFloatAsHalf(half || v.half);
   addOrReplace(carried.grids, velocity);
   // Where programs look the components up they find the same as in the vectors.
   if (v.add && !own.parts.empty())

@@ -33,7 +33,7 @@ struct JobOptions {
   std::string range;
   double framesPerSecond = 24;
   std::string velocity = "vel", velocityUnit = "second";
-  bool conserve = false, addVelocity = false, json = false;
+  bool conserve = false, addVelocity = false, velocityHalf = false, json = false;
   std::vector<std::string> reports;
   int every = 0, between = 0;       ///< of `reconstruct`; 0: not given
   double sliceTime = 0;             ///< of `slice`

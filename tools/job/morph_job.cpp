@@ -160,7 +160,8 @@ LoadOptions loadingOf(const MorphSettings& s, const OptionSet& options) {
 VelocitySettings velocityOf(const OptionSet& options, const MorphSettings& s, bool images) {
   const JobOptions& given = options.values();
   const bool none = s.toPictures() || (images && !options.given("velocity"));
-  return {none ? "none" : given.velocity, given.velocityUnit == "frame", given.addVelocity};
+  return {none ? "none" : given.velocity, given.velocityUnit == "frame", given.addVelocity,
+          given.velocityHalf};
 }
 
 /// Settings that follow from single options.

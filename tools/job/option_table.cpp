@@ -312,6 +312,8 @@ Rows contentRows() {
           .fallback("vel; none for images"),
       Row(kMorph, "velocity-unit", at<&J::velocityUnit>, "", "World units per second or per frame")
           .oneOf({"second", "frame"}),
+      Row(kMorph, "velocity-half", at<&J::velocityHalf>, "",
+          "Velocities in 16-bit floats, also where the inputs have 32"),
       Row(kMorph, "add-velocity", at<&J::addVelocity>, "",
           "Add the inputs' own velocities (vel, v, velocity; world units per second), morphed"),
       Row(kMorph, "report", at<&J::reports>, "FILE.json|FILE.csv|FILE.html",

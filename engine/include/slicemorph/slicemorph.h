@@ -70,6 +70,19 @@ struct PullbackOptions {
   /// Preserve totals: the sum of all values times the voxel volume is the weighted sum of the objects'.
   bool conserve = false;
   double voxelSize = 0;  ///< world units, on the world's axes; 0: as the grids' own
+  /// Leave out what is fainter than anything in the objects' grids: active values of a magnitude below their smallest one
+  /// that is not 0, and zeros. Of float and double grids.
+  bool dropFaint = false;
+};
+
+/// Where velocities are given, and how closely.
+struct VelocityOptions {
+  /// Units of time: velocities are also given where things arrive within it, or come from, since renderers look them
+  /// up there.
+  double reach = 0;
+  /// By how much interpolation between the grid's voxels may be wrong, world units per unit of time: the voxels are up
+  /// to four times as large as the other grid's where the map is smooth enough. 0: voxels as the other grid's.
+  double tolerance = 0;
 };
 
 /// The map of one in-between, which carries everything that belongs to the shapes: density, temperature,
@@ -90,13 +103,12 @@ class Pullback {
   openvdb::GridBase::ConstPtr carry(const std::vector<openvdb::GridBase::ConstPtr>& grids,
                                     const PullbackOptions& options = {});
 
-  /// Velocity, at the active voxels of a grid, of the material there while the weights change by `rate` per
-  /// unit of time (one number per object, summing to 0): world units per that time unit, named "vel"; of the
-  /// forward map. Also defined as far around these voxels as they move within `reach` time units, because
-  /// renderers look up velocities where things arrive. Throws InputError for other rates, a negative `reach`,
-  /// and grid types whose active voxels are not supported.
+  /// Velocity of what is at the active voxels of a grid while the weights change by `rate` per unit of time (one
+  /// number per object, summing to 0): world units per that time unit, named "vel"; of the forward map. What does
+  /// not move is not active, and has the background's value, 0. Throws InputError for other rates, options below
+  /// 0, and grid types whose active voxels are not supported.
   openvdb::Vec3SGrid::Ptr velocity(const openvdb::GridBase& where, const Weights& rate,
-                                   double reach = 0) const;
+                                   const VelocityOptions& options = {}) const;
 
   /// In-between of dense images on a lattice: sum_k w_k V_k(M_k(p)), trilinear; beyond an image its smallest
   /// value. Has the images' number type if they share one (integers are rounded), else one that holds all. At

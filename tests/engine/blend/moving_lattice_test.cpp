@@ -1,6 +1,8 @@
 // The moving lattice: at the objects' weights it is the objects', between them nodes move on straight paths,
 // and interpolation in it is exact for affine maps.
 #include "engine/blend/moving_lattice.h"
+
+#include "engine/blend/box_nodes.h"
 #include "tests/support/fields.h"
 #include "tests/support/with_threads.h"
 
@@ -178,6 +180,10 @@ TEST(MovingLattice, FoldsAreCounted) {
   EXPECT_GT(lattice.nodesNearSurface(lattice.poseAt({0.5, 0.5}), *voxels(0.06), 4).foldShare, 0.1);
 }
 
+std::vector<char> allNodes(const NodeMap& map) {
+  return std::vector<char>(size_t(map.size[0]) * map.size[1] * map.size[2], 1);
+}
+
 /// The velocity at a position while t grows by one per unit of time: d/dt of position(t) for a
 /// rigid motion with growth.
 TEST(MovingLattice, VelocitiesAreTheMotions) {
@@ -186,8 +192,10 @@ TEST(MovingLattice, VelocitiesAreTheMotions) {
   const double t = 0.4;
   const Transform::Ptr transform = voxels(0.1);
   const openvdb::CoordBBox box({-10, -10, -10}, {40, 20, 10});
-  const NodeMap nodes =
-      lattice.velocitiesWithin(box, {1 - t, t}, {-2, 2}, lattice.poseAt({1 - t, t}), *transform, 4);
+  const MovingLattice::Pose pose = lattice.poseAt({1 - t, t});
+  const NodeMap empty = emptyNodes(box, 4);
+  const LatticeMotion motion = lattice.motionAt({1 - t, t}, {-2, 2}, pose);
+  const NodeMap nodes = lattice.velocityFinder(motion, pose, *transform, 4).find(empty, allNodes(empty));
   const auto at = [&](double time, const Vec3d& s) {
     return time * Vec3d(4, 1, 0) + (1 + 0.5 * time) * (rotationFromVector({0, 0, 0.6 * time}) * s);
   };
@@ -202,12 +210,36 @@ TEST(MovingLattice, VelocitiesAreTheMotions) {
       }
 }
 
+/// Some nodes have the values that they have among all, and the others none.
+TEST(MovingLattice, SomeNodesAreAsAllAre) {
+  const Pair pair = ballsApart(0.1);
+  const MovingLattice lattice(pair.map, pair.fields, pair.charts);
+  const MovingLattice::Pose pose = lattice.poseAt({0.5, 0.5});
+  const LatticeMotion motion = lattice.motionAt({0.5, 0.5}, {-1, 1}, pose);
+  const NodeMap empty = emptyNodes({{-10, -10, -10}, {40, 20, 10}}, 4);
+  std::vector<char> some = allNodes(empty);
+  for (size_t n = 0; n < some.size(); ++n) some[n] = n % 7 == 0;
+  const Transform::Ptr transform = voxels(0.1);
+  NodeFinder finder = lattice.velocityFinder(motion, pose, *transform, 4);
+  const NodeMap whole = finder.find(empty, allNodes(empty)), part = finder.find(empty, some);
+  for (size_t n = 0; n < some.size(); ++n) {
+    EXPECT_EQ(bool(part.known[n]), bool(some[n]));
+    EXPECT_TRUE(whole.known[n]);
+    if (some[n]) {
+      EXPECT_EQ(part.at[n], whole.at[n]);
+    }
+  }
+}
+
 /// Rates of zero give velocities of zero.
 TEST(MovingLattice, WhatDoesNotChangeHasNoVelocity) {
   const Pair pair = ballsApart(0.1);
   const MovingLattice lattice(pair.map, pair.fields, pair.charts);
-  const NodeMap nodes = lattice.velocitiesWithin({{-5, -5, -5}, {5, 5, 5}}, {0.5, 0.5}, {0, 0},
-                                                 lattice.poseAt({0.5, 0.5}), *voxels(0.1), 4);
+  const MovingLattice::Pose pose = lattice.poseAt({0.5, 0.5});
+  const NodeMap empty = emptyNodes({{-5, -5, -5}, {5, 5, 5}}, 4);
+  const LatticeMotion motion = lattice.motionAt({0.5, 0.5}, {0, 0}, pose);
+  const Transform::Ptr transform = voxels(0.1);
+  const NodeMap nodes = lattice.velocityFinder(motion, pose, *transform, 4).find(empty, allNodes(empty));
   for (const openvdb::Vec3s& v : nodes.at) EXPECT_EQ(v, openvdb::Vec3s(0.f));
 }
 

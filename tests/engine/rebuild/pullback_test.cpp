@@ -168,7 +168,7 @@ void expectContinuity(const std::vector<GridBase::ConstPtr>& grids, const char* 
                             now = at(0.5, grids);
   const FloatGrid::ConstPtr a = at(0.5, {grids[0], nullptr}),
                             b = at(0.5, {nullptr, grids[1]});  // each times 0.5
-  const openvdb::Vec3SGrid::Ptr v = plan.pullback({0.5, 0.5}).velocity(*now, {-1, 1}, 0.05);
+  const openvdb::Vec3SGrid::Ptr v = plan.pullback({0.5, 0.5}).velocity(*now, {-1, 1}, {0.05});
   const auto flow = [&](const openvdb::Coord& c, int axis) {
     return double(now->tree().getValue(c)) * v->tree().getValue(c)[axis];
   };
@@ -214,6 +214,36 @@ TEST(Carry, MassFlowsAsTheVelocitiesSay) {
   expectContinuity(grids, "smoke", 0.25);
 }
 
+/// Voxels of velocities that are as large as a tolerance of a tenth of a voxel per frame (of `step` units of time) allows:
+/// they move points as fine ones do to within that, with fewer voxels, none of which is 0, and are active wherever a
+/// point is within half a frame.
+void expectCoarseVelocities(const Pullback& pullback, const FloatGrid& here, const Mesh& points,
+                            const openvdb::Vec3SGrid& fine, double step) {
+  const double h = here.voxelSize()[0], most = 0.1 * h / step;
+  const openvdb::Vec3SGrid::Ptr coarse = pullback.velocity(here, {-1, 1}, {step / 2, most});
+  EXPECT_GE(coarse->voxelSize()[0], 2 * h);
+  EXPECT_LE(4 * coarse->activeVoxelCount(), fine.activeVoxelCount());
+  for (auto value = coarse->cbeginValueOn(); value; ++value) ASSERT_NE(*value, openvdb::Vec3s(0.f));
+  double worst = 0;
+  size_t uncovered = 0;
+  for (const openvdb::Vec3s& p : points.points) {
+    const Vec3d at(p);
+    const Vec3d fineValue(openvdb::tools::BoxSampler::sample(fine.tree(), fine.worldToIndex(at)));
+    const Vec3d value(openvdb::tools::BoxSampler::sample(coarse->tree(), coarse->worldToIndex(at)));
+    worst = std::max(worst, (value - fineValue).length());
+    for (int s = -4; s <= 4; ++s) {
+      const openvdb::Coord cell =
+          openvdb::Coord::floor(coarse->worldToIndex(at + s / 4.0 * step / 2 * fineValue));
+      for (int corner = 0; corner < 8; ++corner)
+        uncovered += !coarse->tree().isValueOn(cell.offsetBy(corner & 1, corner >> 1 & 1, corner >> 2));
+    }
+  }
+  std::printf("  coarse velocities: voxels %.0f times as large, wrong by up to %.3f voxels per frame\n",
+              coarse->voxelSize()[0] / h, worst * step / h);
+  EXPECT_LE(worst, most);
+  EXPECT_EQ(uncovered, 0u);
+}
+
 /// Points of a frame moved by their velocities arrive on the next frame.
 TEST(Carry, FramesFollowTheirVelocities) {
   constexpr int kFrames = 24;
@@ -227,7 +257,9 @@ TEST(Carry, FramesFollowTheirVelocities) {
     const Mesh points = surfaceOf(*plan.frame({1 - t, t}).surface);
     const FloatGrid::Ptr next = plan.frame({1 - t - step, t + step}).surface;
     const FloatGrid::Ptr here = plan.frame({1 - t, t}).surface;
-    const openvdb::Vec3SGrid::Ptr v = plan.pullback({1 - t, t}).velocity(*here, {-1, 1});
+    const Pullback pullback = plan.pullback({1 - t, t});
+    const openvdb::Vec3SGrid::Ptr v = pullback.velocity(*here, {-1, 1});
+    expectCoarseVelocities(pullback, *here, points, *v, step);
     double worst = 0, farthest = 0;
     for (const openvdb::Vec3s& p : points.points) {
       const Vec3d at = here->worldToIndex(Vec3d(p));
@@ -343,7 +375,7 @@ TEST(Carry, RatesThatAreNoneAreRefused) {
   EXPECT_EQ(refusalOf([&] { pullback.velocity(*a, {}); }), "0 rates were given for 2 objects");
   EXPECT_NE(refusalOf([&] { pullback.velocity(*a, {-1, std::nan("")}); }), "");
   EXPECT_NE(refusalOf([&] { pullback.velocity(*a, {0.5, 0.5}); }).find("must sum to 0"), std::string::npos);
-  EXPECT_NE(refusalOf([&] { pullback.velocity(*a, {-1, 1}, -0.1); }), "");
+  EXPECT_NE(refusalOf([&] { pullback.velocity(*a, {-1, 1}, {-0.1}); }), "");
   // Derivatives of spline weights sum to 0 up to rounding.
   EXPECT_EQ(refusalOf([&] { pullback.velocity(*a, {-24.1, 24.1 + 1e-12}); }), "");
 }
