@@ -7,6 +7,7 @@
 #include "io/paths.h"
 #include "io/vdb/grid_choice.h"
 #include "slicemorph/errors.h"
+#include "slicemorph/io/placing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,8 +17,9 @@
 namespace slicemorph {
 namespace {
 
-MeshInfo describeMesh(const InputSpec& input) {
-  const StoredMesh stored = readPolygons(input);
+MeshInfo describeMesh(const InputSpec& input, const Placing& placing) {
+  StoredMesh stored = readPolygons(input);
+  place(stored.mesh.points, {placing.scale, placing.rotation});
   const MeshTopology found = inspectMesh(stored.mesh);
   MeshInfo info;
   info.points = stored.points;
@@ -32,8 +34,9 @@ MeshInfo describeMesh(const InputSpec& input) {
   openvdb::BBoxd box;
   for (const std::uint32_t corner : stored.mesh.corners) box.expand(Vec3d(stored.mesh.points[corner]));
   if (!stored.mesh.corners.empty()) {
-    info.boxMin = box.min() + stored.origin;
-    info.boxMax = box.max() + stored.origin;
+    const Vec3d origin = placing(stored.origin);
+    info.boxMin = box.min() + origin;
+    info.boxMax = box.max() + origin;
   }
   try {
     info.notes = checkSolid(input.path, stored, {});
@@ -96,13 +99,13 @@ void describeScalars(const FloatGrid& grid, GridInfo& info) {
   info.reading = how.str();
 }
 
-GridInfo describeGrid(const VdbFile& file, size_t index) {
+GridInfo describeGrid(const VdbFile& file, size_t index, const Placing& placing) {
   GridInfo info;
   info.name = file.entries()[index].name;
   info.type = file.entries()[index].type;
   info.halfFloat = file.entries()[index].halfFloat;
   try {
-    const openvdb::GridBase::Ptr header = file.readHeader(index);
+    const openvdb::GridBase::Ptr header = placed(file.readHeader(index), placing);
     if (!header) throw IoError("of a type that this OpenVDB does not know");
     info.type = header->valueType();
     info.gridClass = openvdb::GridBase::gridClassToString(header->getGridClass());
@@ -111,7 +114,7 @@ GridInfo describeGrid(const VdbFile& file, size_t index) {
       describeTransform(*header, describeStatistics(*header, info), info);
       return info;
     }
-    const FloatGrid::ConstPtr grid = asFloatGrid(file.read(index));
+    const FloatGrid::ConstPtr grid = asFloatGrid(placed(file.read(index), placing));
     info.activeVoxels = grid->activeVoxelCount();
     describeTransform(*grid, grid->evalActiveVoxelBoundingBox(), info);
     describeScalars(*grid, info);
@@ -136,17 +139,17 @@ void chooseGridOf(const VdbFile& file, const std::string& path, VdbInfo& info) {
   }
 }
 
-VdbInfo describeVdb(const InputSpec& input) {
+VdbInfo describeVdb(const InputSpec& input, const Placing& placing) {
   const VdbFile file(input.path);
   VdbInfo info;
   info.fileVersion = file.fileVersion();
   info.libraryVersion = file.libraryVersion();
   if (!input.selection.empty()) {
-    info.grids.push_back(describeGrid(file, findGrid(file, input)));
+    info.grids.push_back(describeGrid(file, findGrid(file, input), placing));
     if (info.grids[0].problem.empty()) info.chosen = info.grids[0].name;
     return info;
   }
-  for (size_t i = 0; i < file.entries().size(); ++i) info.grids.push_back(describeGrid(file, i));
+  for (size_t i = 0; i < file.entries().size(); ++i) info.grids.push_back(describeGrid(file, i, placing));
   chooseGridOf(file, input.path, info);
   return info;
 }
@@ -186,8 +189,10 @@ ImageInfo describeImage(const ImageFile& file) {
 
 }  // namespace
 
-FileInfo describeFile(const InputSpec& input, const ImageOptions& options) {
+FileInfo describeFile(const InputSpec& given, const ImageOptions& options) {
   initialiseVdb();
+  const InputSpec input = stillInput(given);
+  const Placing placing = placingOf(input.placing, options.up);
   FileInfo info;
   info.contents = input.contents;
   info.path = input.path;
@@ -201,9 +206,9 @@ FileInfo describeFile(const InputSpec& input, const ImageOptions& options) {
   if (input.contents != Contents::kMesh && input.contents != Contents::kGrids) refuseAsShape(input);
   info.format = input.format->name;
   if (input.isGrids())
-    info.vdb = describeVdb(input);
+    info.vdb = describeVdb(input, placing);
   else
-    info.mesh = describeMesh(input);
+    info.mesh = describeMesh(input, placing);
   return info;
 }
 

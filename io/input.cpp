@@ -71,6 +71,8 @@ void requireForBand(const SolidMesh& solid, double voxelSize, const MemoryLimit&
 
 LoadedObject loadMesh(const InputSpec& input, const LoadOptions& options) {
   StoredMesh stored = readPolygons(input);
+  if (stored.mesh.points.empty() && stored.mesh.faceCount() == 0)
+    throw NothingError(input.path, "holds no points and no faces: it is empty");
   // What lies far away keeps its digits: only its grids are moved to its place.
   const Placing placing = placingFor(input, options);
   const bool far = stored.origin != Vec3d(0.0);
@@ -344,8 +346,9 @@ template <typename Error>
 
 }  // namespace
 
-LoadedObject loadObject(const InputSpec& input, const LoadOptions& options) {
+LoadedObject loadObject(const InputSpec& given, const LoadOptions& options) {
   initialiseVdb();
+  const InputSpec input = stillInput(given);
   try {
     return load(input, options);
   } catch (const NothingError& error) {

@@ -16,7 +16,7 @@ bool isWanted(const std::string& name, const std::vector<std::string>& wanted) {
 
 /// Adds the grids of a VDB that can be sliced and have voxels; where the input names a grid, that one alone.
 /// `surface`: a grid `surface` will be added later, so the name is known.
-void addVdb(const InputSpec& input, const std::vector<std::string>& wanted, bool surface,
+void addVdb(const InputSpec& input, const std::vector<std::string>& wanted, bool surface, char up,
             InputGrids& result) {
   const VdbFile file(input.path);
   result.metadata = file.metadata();
@@ -36,7 +36,7 @@ void addVdb(const InputSpec& input, const std::vector<std::string>& wanted, bool
                                     file.entries()[i].type + " cannot be sliced");
       continue;
     }
-    const openvdb::GridBase::Ptr grid = placed(file.readDelayed(i), placingOf(input.placing, 'y'));
+    const openvdb::GridBase::Ptr grid = placed(file.readDelayed(i), placingOf(input.placing, up));
     if (objectBoxes(*grid).empty()) {
       result.notes.emplace_back("vdb.grid-left-out", Severity::kNote, "",
                                 "grid '" + own + "' is left out: it is empty");
@@ -60,14 +60,15 @@ void checkNames(const std::string& input, const std::vector<std::string>& wanted
 
 }  // namespace
 
-InputGrids readInputGrids(const InputSpec& input, const std::vector<std::string>& wanted,
+InputGrids readInputGrids(const InputSpec& given, const std::vector<std::string>& wanted,
                           const LoadOptions& options, bool needsShape) {
   initialiseVdb();
+  const InputSpec input = stillInput(given);
   const bool image = input.isImage(), vdb = input.isGrids();
   const bool surface = (!image && !vdb) || options.isoGiven;
   InputGrids result;
   result.units = image ? "mm" : "world units";
-  if (vdb) addVdb(input, wanted, surface, result);
+  if (vdb) addVdb(input, wanted, surface, options.image.up, result);
   LoadedObject loaded;
   if (image || needsShape || (surface && isWanted("surface", wanted))) {
     loaded = loadObject(input, options);

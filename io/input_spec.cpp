@@ -137,6 +137,14 @@ std::vector<InputFrame> framesOf(const InputSpec& input) {
   return frames;
 }
 
+InputSpec stillInput(const InputSpec& input) {
+  if (!input.isMoving()) return input;
+  const std::vector<InputFrame> frames = framesOf(input);
+  if (frames.size() == 1) return frames[0].input;
+  throw InputError(input.text, "is a sequence of " + std::to_string(frames.size()) +
+                                   " files, and one is needed: " + frames[0].input.text + " for example");
+}
+
 std::vector<std::string> filesOfInput(const InputSpec& input) {
   namespace fs = std::filesystem;
   std::vector<std::string> files;

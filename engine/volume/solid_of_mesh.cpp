@@ -167,9 +167,13 @@ void noteSheets(SolidMesh& mesh, const SolidOptions& options) {
   if (mesh.sheets.triangles.empty()) return;
   std::ostringstream text;
   const double voxelSize = voxelSizeOf(mesh, options);
-  text << mesh.sheetShells << " of " << countOf(mesh.shells, "shell")
-       << (mesh.sheetShells == 1 ? " is a sheet that encloses nothing" : " are sheets that enclose nothing")
-       << " (area " << roughly(areaOf(mesh.sheets)) << "): ";
+  const bool one = mesh.sheetShells == 1, all = mesh.sheetShells == mesh.shells;
+  if (all)
+    text << (one ? "its only shell" : "all its " + countOf(mesh.shells, "shell"));
+  else
+    text << mesh.sheetShells << " of " << countOf(mesh.shells, "shell");
+  text << (one ? " is a sheet that encloses nothing" : " are sheets that enclose nothing") << " (area "
+       << roughly(areaOf(mesh.sheets)) << "): ";
   if (options.shell > 0)
     text << "made " << options.shell << " thick";
   else
@@ -229,8 +233,11 @@ void refuseSheets(const SolidMesh& mesh, const SolidOptions& options) {
     throw InputError(why.str());
   }
   if (shell > 0 || !mesh.mesh.triangles.empty()) return;
-  why << mesh.open << "; it is a sheet that encloses nothing: --shell " << roughly(kGoodShell * voxelSize)
-      << " makes it a solid of that thickness (" << kGoodShell << " voxels)";
+  const bool one = mesh.shells == 1;
+  why << mesh.open
+      << (one ? "; it is a sheet that encloses nothing" : "; they are sheets that enclose nothing")
+      << ": --shell " << roughly(kGoodShell * voxelSize) << " makes " << (one ? "it a solid" : "them solids")
+      << " of that thickness (" << kGoodShell << " voxels)";
   throw GeometryError(why.str());
 }
 

@@ -217,6 +217,21 @@ FileSlices readFile(const std::string& path, const Chosen& chosen) {
   });
 }
 
+/// Bytes of the pixels of a file's slices, by its header.
+double bytesOfSlices(const std::string& path, const Chosen& chosen) {
+  return guarded(path, [&] {
+    Imf::MultiPartInputFile file(path.c_str(), 0);
+    double channels = 0, pixels = 0;
+    for (size_t g = 0; g < chosen.names.size(); ++g)
+      channels += double(sliceChannels(chosen.names[g], *chosen.prototypes[g]).size());
+    for (int n = 0; n < file.parts(); ++n) {
+      const SectionPlane plane = Part(path, n, file.header(n)).plane();
+      pixels += double(plane.width) * plane.height;
+    }
+    return pixels * channels * sizeof(float);
+  });
+}
+
 std::vector<std::string> pathsOf(const InputSpec& input) {
   if (!input.isSequence) return {input.path};
   std::vector<std::string> paths;
@@ -226,7 +241,8 @@ std::vector<std::string> pathsOf(const InputSpec& input) {
 
 }  // namespace
 
-ExrSlices readSliceExrs(const InputSpec& input, const std::vector<std::string>& wanted) {
+ExrSlices readSliceExrs(const InputSpec& input, const std::vector<std::string>& wanted,
+                        const MemoryLimit& memory) {
   initialiseVdb();
   const std::vector<std::string> paths = pathsOf(input);
   sizeOfInput(paths[0]);
@@ -237,6 +253,10 @@ ExrSlices readSliceExrs(const InputSpec& input, const std::vector<std::string>& 
     part.plane();
     return chosenGrids(part, wanted);
   });
+  double bytes = 0;
+  for (const std::string& path : paths) bytes += bytesOfSlices(path, chosen);
+  memory.require(bytes, input.text, "its slices",
+                 "take fewer or smaller ones, or only some grids by --grids");
   std::vector<FileSlices> files(paths.size());
   tbb::parallel_for(size_t(0), paths.size(), [&](size_t n) { files[n] = readFile(paths[n], chosen); });
 

@@ -278,11 +278,14 @@ DicomSeries chooseDicomSeries(const std::string& path, const std::string& wanted
   return std::move(found.series[0]);
 }
 
-ImageFile readDicomSeries(const std::string& folder, const DicomSeries& series) {
+ImageFile readDicomSeries(const std::string& folder, const DicomSeries& series, const SizeCheck& check) {
   gdcm::Trace::WarningOff(), gdcm::Trace::ErrorOff(), gdcm::Trace::DebugOff();
   itk::Object::GlobalWarningDisplayOff();
   std::vector<DicomSlice> slices(series.files.size());
   slices[0] = readSlice(series.files[0]);
+  const int* size = slices[0].size;
+  check({size[0], size[1], size[2] > 1 ? size[2] : int(slices.size())},
+        double(size[0]) * size[1] * size[2] * double(slices.size()) * slices[0].type.bytes);
   tbb::parallel_for(size_t(1), slices.size(), [&](size_t i) { slices[i] = readSlice(series.files[i]); });
   ImageFile file;
   if (slices.size() == 1) {

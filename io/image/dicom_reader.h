@@ -1,5 +1,6 @@
 #pragma once
 
+#include "io/image/raw_values.h"
 #include "slicemorph/io/image_file.h"
 #include "slicemorph/note.h"
 
@@ -23,8 +24,8 @@ DicomFolder scanDicomFolder(const std::string& folder);
 /// Reads a series: slices in the order of their positions, values rescaled (CT: Hounsfield units), axes from
 /// its direction cosines. Slices of a tilted gantry or with uneven gaps are resampled from their stored
 /// positions (see straighten); notes report missing and duplicate slices. Throws IoError naming the file,
-/// InputError where slices contradict each other.
-ImageFile readDicomSeries(const std::string& folder, const DicomSeries& series);
+/// InputError where slices contradict each other, and what `check` throws.
+ImageFile readDicomSeries(const std::string& folder, const DicomSeries& series, const SizeCheck& check);
 
 /// Finds a series. `path`: a folder, of which `series` chooses by number (from 1) or UID; or one .dcm file,
 /// which stands for the series that it belongs to. Throws InputError, which lists the series, where there are

@@ -31,11 +31,21 @@ bool isFolder(const std::string& path) {
   return std::filesystem::is_directory(path, ignored);
 }
 
+/// Throws MemoryError for images that would not fit.
+SizeCheck checkOf(const InputSpec& input, const ImageOptions& options) {
+  return [&input, &options](const openvdb::Coord& size, double bytes) {
+    options.memory.require(bytes, input.text,
+                           "an image of " + std::to_string(size[0]) + " x " + std::to_string(size[1]) +
+                               " x " + std::to_string(size[2]) + " voxels",
+                           "crop it or make it coarser");
+  };
+}
+
 /// The DICOM series that is selected, or the only one.
-ImageFile readOneSeries(const InputSpec& input) {
+ImageFile readOneSeries(const InputSpec& input, const ImageOptions& options) {
   Notes notes;
   const DicomSeries series = itkReaders().chooseSeries(input.path, input.selection, notes);
-  ImageFile file = itkReaders().dicomSeries(input.path, series);
+  ImageFile file = itkReaders().dicomSeries(input.path, series, checkOf(input, options));
   file.notes.insert(file.notes.begin(), notes.begin(), notes.end());
   return file;
 }
@@ -50,30 +60,32 @@ bool isImageStack(const std::string& path) {
   return (extension == ".png" || extension == ".exr") && isNumbered(path);
 }
 
-ImageFile readNiftiImage(const InputSpec& input, const ImageOptions&) {
-  return readNifti(input.path, volumeOf(input));
+ImageFile readNiftiImage(const InputSpec& input, const ImageOptions& options) {
+  return readNifti(input.path, volumeOf(input), checkOf(input, options));
 }
 
-ImageFile readNrrdImage(const InputSpec& input, const ImageOptions&) {
-  return itkReaders().nrrd(input.path, volumeOf(input));
+ImageFile readNrrdImage(const InputSpec& input, const ImageOptions& options) {
+  return itkReaders().nrrd(input.path, volumeOf(input), checkOf(input, options));
 }
 
-ImageFile readMetaImageFile(const InputSpec& input, const ImageOptions&) {
-  return itkReaders().metaImage(input.path, volumeOf(input));
+ImageFile readMetaImageFile(const InputSpec& input, const ImageOptions& options) {
+  return itkReaders().metaImage(input.path, volumeOf(input), checkOf(input, options));
 }
 
-ImageFile readDicomImage(const InputSpec& input, const ImageOptions&) { return readOneSeries(input); }
+ImageFile readDicomImage(const InputSpec& input, const ImageOptions& options) {
+  return readOneSeries(input, options);
+}
 
-std::vector<ImageFile> listDicomImages(const InputSpec& input, const ImageOptions&) {
+std::vector<ImageFile> listDicomImages(const InputSpec& input, const ImageOptions& options) {
   if (!input.selection.empty() || !isFolder(input.path)) {
-    ImageFile file = readOneSeries(input);
+    ImageFile file = readOneSeries(input, options);
     file.name = input.text;
     return {std::move(file)};
   }
   const DicomFolder folder = itkReaders().dicomFolder(input.path);
   std::vector<ImageFile> files;
   for (size_t i = 0; i < folder.series.size(); ++i) {
-    files.push_back(itkReaders().dicomSeries(input.path, folder.series[i]));
+    files.push_back(itkReaders().dicomSeries(input.path, folder.series[i], checkOf(input, options)));
     files.back().name = input.path + ":" + std::to_string(i + 1);
     if (i == 0) files[0].notes.insert(files[0].notes.begin(), folder.notes.begin(), folder.notes.end());
   }

@@ -61,8 +61,9 @@ void describe(const std::string& path, const Io& io, int volume, ImageFile& file
 /// Reads all volumes and keeps one. In the file the components of a voxel are interleaved and times
 /// follow each other.
 ImageValues chosenValues(RawType type, const Io& io, const ImageFile& file, int volume,
-                         const std::function<void(void*)>& readAll) {
+                         const SizeCheck& check, const std::function<void(void*)>& readAll) {
   const size_t count = file.image.lattice.count(), components = io.GetNumberOfComponents();
+  check(file.image.lattice.size, double(count) * type.bytes * (file.volumes == 1 ? 1 : file.volumes + 1));
   if (file.volumes == 1) return readValues(type, count, readAll);
   std::vector<char> bytes(count * size_t(file.volumes) * size_t(type.bytes));
   readAll(bytes.data());
@@ -241,7 +242,7 @@ void placeWithoutSpace(const std::string& space, ImageFile& file) {
 
 }  // namespace
 
-ImageFile readNrrd(const std::string& path, int volume) {
+ImageFile readNrrd(const std::string& path, int volume, const SizeCheck& check) {
   sizeOfInput(path);
   const OddNrrdHeader odd = oddHeaderOf(path);
   std::optional<ScratchFolder> scratch;
@@ -259,11 +260,12 @@ ImageFile readNrrd(const std::string& path, int volume) {
   describe(path, *io, volume, file);
   if (!odd.space.empty()) placeWithoutSpace(odd.space, file);
   const RawType type = rawTypeOf(path, io->GetComponentType());
-  file.image.values = chosenValues(type, *io, file, volume, [&](void* to) { readWhole(path, *io, to); });
+  file.image.values =
+      chosenValues(type, *io, file, volume, check, [&](void* to) { readWhole(path, *io, to); });
   return file;
 }
 
-ImageFile readMetaImage(const std::string& path, int volume) {
+ImageFile readMetaImage(const std::string& path, int volume, const SizeCheck& check) {
   const auto io = itk::MetaImageIO::New();
   readHeader(path, *io, "MetaImage");
   ImageFile file;
@@ -272,7 +274,7 @@ ImageFile readMetaImage(const std::string& path, int volume) {
   const RawType type = rawTypeOf(path, io->GetComponentType());
   const MetaHeader header = metaHeader(path);
   const size_t all = file.image.lattice.count() * size_t(file.volumes);
-  file.image.values = chosenValues(type, *io, file, volume,
+  file.image.values = chosenValues(type, *io, file, volume, check,
                                    [&](void* to) { readMetaData(path, header, type, all, *io, file, to); });
   return file;
 }

@@ -116,7 +116,7 @@ void readVolume(const std::string& path, nifti_image& header, size_t volume, voi
 
 }  // namespace
 
-ImageFile readNifti(const std::string& path, int volume) {
+ImageFile readNifti(const std::string& path, int volume, const SizeCheck& check) {
   sizeOfInput(path);
   nifti_set_debug_level(0);
   const NiftiHeader header(nifti_image_read(path.c_str(), 0));
@@ -139,6 +139,7 @@ ImageFile readNifti(const std::string& path, int volume) {
   place(path, *header, file);
   const RawType type = rawTypeOfNifti(path, header->datatype);
   const size_t count = file.image.lattice.count();
+  check(size, double(count) * type.bytes);
   const double slope = header->scl_slope, intercept = header->scl_inter;
   const bool scaled = slope != 0 && std::isfinite(slope) && std::isfinite(intercept);
   file.image.values = readValues(type, count, [&](void* to) {

@@ -17,6 +17,10 @@ struct RawType {
 /// all values fit, else to double.
 ImageValues readValues(RawType type, size_t count, const std::function<void(void*)>& read);
 
+/// Called with an image's size and the bytes that its values will take, before they are taken; throws where these are
+/// too many.
+using SizeCheck = std::function<void(const openvdb::Coord& size, double bytes)>;
+
 /// value * slope + intercept. Integers become the smallest integer type (16 or 32 bits) that holds the
 /// result where slope and intercept are whole numbers; else values become float, and 32-bit integers
 /// and doubles double.

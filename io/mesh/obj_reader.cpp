@@ -3,9 +3,11 @@
 #include "io/mesh/obj_materials.h"
 #include "io/mesh/texture_set.h"
 #include "io/whole_file.h"
+#include "slicemorph/io/nothing.h"
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace slicemorph {
 namespace {
@@ -36,6 +38,13 @@ class ObjReader {
   }
 
  private:
+  /// Whether lines of OBJ files begin so, also of those that hold no surface.
+  static bool isObjWord(const std::string& kind) {
+    static const char* const kWords[] = {"v", "vt", "vn", "vp", "f",  "fo",     "l",
+                                         "p", "o",  "g",  "s",  "mg", "mtllib", "usemtl"};
+    return std::find(std::begin(kWords), std::end(kWords), kind) != std::end(kWords);
+  }
+
   static bool endsInBackslash(std::string_view line) {
     line = trimmed(line);
     return !line.empty() && line.back() == '\\';
@@ -48,6 +57,7 @@ class ObjReader {
     if (kind == "vt") texturePoint(tokens);
     if (kind == "f" || kind == "fo") face(tokens);
     if (kind == "l" || kind == "p") ++stored_.skipped;
+    if (!kind.empty() && kind[0] != '#' && !isObjWord(kind)) foreign_ = true;
     if (kind == "mtllib") libraries_.emplace_back(trimmed(tokens.rest()));
     if (kind == "usemtl") material_ = materialNamed(std::string(trimmed(tokens.rest())));
   }
@@ -129,6 +139,9 @@ class ObjReader {
 
   void checkWhole() const {
     const size_t points = stored_.mesh.points.size();
+    // Programs write a mesh without points as comments and names alone.
+    if (points == 0 && stored_.mesh.faceCount() == 0 && !foreign_ && !stored_.endsInLine)
+      throw NothingError(path_, "holds no vertices: it is empty");
     if (points == 0) refuse(path_, "holds no vertices: it is no OBJ mesh, or cut short");
     if (stored_.mesh.faceCount() == 0)
       refuse(path_,
@@ -205,6 +218,7 @@ class ObjReader {
   size_t bare_ = 0;                             ///< faces with a texture but without coordinates
   std::vector<std::string> names_, libraries_;  ///< of materials that are used, and of .mtl files
   std::vector<int> materialOfFace_;             ///< index into names_; -1: none
+  bool foreign_ = false;                        ///< there are lines that no OBJ file has
   int material_ = -1;
   std::uint64_t highest_ = 0;
   size_t highestLine_ = 0;

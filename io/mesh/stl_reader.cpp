@@ -1,5 +1,6 @@
 #include "io/mesh/mesh_reader.h"
 #include "io/mesh/mesh_text.h"
+#include "slicemorph/io/nothing.h"
 
 #include <algorithm>
 #include <cstring>
@@ -40,6 +41,8 @@ class StlText {
       if (word == "vertex") vertex();
       if (word == "endfacet") endFacet();
     }
+    if (facets_ == 0 && solids_ > 0 && solids_ == endedSolids_)
+      throw NothingError(path_, "holds no facets: it is empty");
     if (facets_ == 0) refuse(path_, "holds no facets: it is no STL mesh, or cut short");
     // A solid may have no first line, but each that begins must end.
     if (facets_ != ended_ || solids_ > endedSolids_ || endedSolids_ > std::max<size_t>(solids_, 1))
@@ -124,6 +127,7 @@ StoredMesh readStlBytes(const std::string& path, std::string_view bytes) {
   if (bytes.size() < size)
     refuseTruncated(path, "the header says " + std::to_string(count) + " triangles, which take " +
                               std::to_string(size) + " bytes; the file has " + std::to_string(bytes.size()));
+  if (count == 0 && bytes.size() == size) throw NothingError(path, "holds no triangles: it is empty");
   if (count == 0) refuse(path, "holds no triangles: it is no STL mesh, or damaged");
   StoredMesh stored;
   for (size_t t = 0; t < count; ++t) {

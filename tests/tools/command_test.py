@@ -109,6 +109,9 @@ BAD_INPUT = [
     ("empty vdb", "convert {d}/empty.vdb -o {o}/m.obj", 1, "empty.vdb", ""),
     ("no triangles", "convert {d}/points.obj -o {o}/m.vdb", 1, "points.obj", ""),
     ("truncated obj", "convert {d}/cut.obj -o {o}/m.vdb", 1, "cut.obj", ""),
+    ("obj cut after a face", "convert {d}/half.obj -o {o}/m.vdb --resolution 40", 0, ["half.obj", "the surface is open"], "m.vdb"),
+    ("obj cut before its points", "convert {d}/early.obj -o {o}/m.vdb", 1, ["early.obj", "refers to vertex"], ""),
+    ("one sheet", "convert {d}/sheet.obj -o {o}/m.vdb --resolution 40 --shell 0.12", 0, "its only shell is a sheet", "m.vdb"),
     ("truncated ply", "convert {d}/cut.ply -o {o}/m.vdb", 1, "cut.ply", ""),
     ("truncated stl", "convert {d}/cut.stl -o {o}/m.vdb", 1, "cut.stl", ""),
     ("truncated vdb", "convert {d}/cut.vdb -o {o}/m.obj", 1, "cut.vdb", ""),
@@ -260,6 +263,9 @@ def make_inputs(d):
     write(d + "/points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n")
     # Cut in the list of faces, within a line: half the surface is missing.
     write(d + "/cut.obj", a[: a.index("f ") + (len(a) - a.index("f ")) // 2])
+    # After a whole face, which looks like an open surface; and faces of points that are not there.
+    write(d + "/half.obj", a[: a.index("\n", a.index("f ") + (len(a) - a.index("f ")) // 2) + 1])
+    write(d + "/early.obj", a[: a.index("v ", len(a) // 4)] + a[a.index("f "):])
     sheet = ([(0, 0, 2), (2, 0, 2), (2, 1, 2), (0, 1, 2)], [(0, 1, 2), (0, 2, 3)])
     bowl = [f for f in faces if all(points[i][2] < 0.2 for i in f)]
     write(d + "/sheet.obj", obj_text(*sheet))

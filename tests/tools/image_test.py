@@ -187,13 +187,14 @@ def case_round_trip():
         values = random.randint(low, top, (9, 12, 11)).astype(dtype) if whole else random.randn(9, 12, 11).astype(dtype)
         save_nifti("in.nii", values, affine)
         stored = nib.load("in.nii").affine
-        for extension in ("vdb", "nrrd", "mha", "nii"):
-            run("convert", "in.nii", "-o", "way." + extension, "--image", "grey")
-            run("convert", "way." + extension, "-o", "back.nii.gz", "--image", "grey")
-            back = nib.load("back.nii.gz")
-            assert back.get_data_dtype() == dtype, (extension, dtype, back.get_data_dtype())
-            assert np.array_equal(np.asanyarray(back.dataobj), values), (extension, dtype)
-            assert np.array_equal(back.affine, stored), (extension, dtype, back.affine - stored)
+        # From each to the next, so that a loss anywhere is seen in what comes back.
+        way = ["in.nii", "way.vdb", "way.nrrd", "way.mha", "way.nii", "back.nii.gz"]
+        for source, target in zip(way, way[1:]):
+            run("convert", source, "-o", target, "--image", "grey")
+        back = nib.load("back.nii.gz")
+        assert back.get_data_dtype() == dtype, (dtype, back.get_data_dtype())
+        assert np.array_equal(np.asanyarray(back.dataobj), values), dtype
+        assert np.array_equal(back.affine, stored), (dtype, back.affine - stored)
     labels = np.zeros((8, 9, 10), np.uint16)
     labels[2:5, 3:6, 4:8], labels[5:7, 3:6, 4:8] = 7, 60001
     save_nifti("labels.nii.gz", labels, affine)
@@ -422,7 +423,7 @@ def case_grey_morph():
     a = ball((90, 90, 40), a_affine, (15, 5, 50), 22, ramp=3)
     b = ball((70, 80, 80), b_affine, (-12, 15, 40), 30, ramp=3)
     save_nifti("a.nii", a, a_affine), save_nifti("b.nii", b, b_affine)
-    run("morph", "a.nii", "b.nii", "-o", "m.##.nii.gz", "--frames", 5, "--iso", -50, "--report", "r.json", "--report", "r.csv")
+    run("morph", "a.nii", "b.nii", "-o", "m.##.nii.gz", "--frames", 3, "--iso", -50, "--report", "r.json", "--report", "r.csv")
     first, affine = lps("m.01.nii.gz")
     offset = np.rint((np.linalg.inv(affine) @ a_affine)[:3, 3]).astype(int)
     assert np.allclose(affine[:3, :3], a_affine[:3, :3]) and (offset >= 0).all()
@@ -433,9 +434,9 @@ def case_grey_morph():
     assert (first[rest] == a.min()).all()
     rows = json.load(open("r.json"))["frames"]
     lines = open("r.csv").read().splitlines()
-    assert len(lines) == 6 and lines[0].startswith("frame,t,file,label,voxels,volume_ml"), lines
+    assert len(lines) == 4 and lines[0].startswith("frame,t,file,label,voxels,volume_ml"), lines
     for n, row in enumerate(rows):
-        t = n / 4
+        t = n / 2
         values, affine = lps("m.%02d.nii.gz" % (n + 1))
         index = np.argwhere(values > -50)
         volume = len(index) * abs(np.linalg.det(affine[:3, :3]))
@@ -521,16 +522,16 @@ def case_label_morph():
     a = halves((80, 80, 54), affine, (38, 36, 40), 20)
     b = halves((80, 80, 54), affine, (42, 44, 38), 26)
     save_nifti("a.nii.gz", a, affine), save_nifti("b.nii.gz", b, affine)
-    run("morph", "a.nii.gz", "b.nii.gz", "-o", "l.##.nii.gz", "--frames", 5, "--report", "r.json")
+    run("morph", "a.nii.gz", "b.nii.gz", "-o", "l.##.nii.gz", "--frames", 4, "--report", "r.json")
     rows = json.load(open("r.json"))["frames"]
     counts = []
-    for n in range(5):
+    for n in range(4):
         values, found = lps("l.%02d.nii.gz" % (n + 1))
         assert np.allclose(found, affine) and values.shape == a.shape and values.dtype == np.uint8
         assert sorted(np.unique(values)) == [0, 3, 17, 200], np.unique(values)
-        if n in (0, 4):
+        if n in (0, 3):
             assert np.array_equal(values, a if n == 0 else b)
-        t = n / 4
+        t = n / 3
         radius, middle = 20 + 6 * t, np.array([38, 36, 40]) * (1 - t) + np.array([42, 44, 38]) * t
         index = np.stack(np.meshgrid(*[np.arange(k) for k in values.shape], indexing="ij"), -1) @ affine[:3, :3].T
         d = np.linalg.norm(index - middle, axis=-1)
@@ -547,9 +548,9 @@ def case_label_morph():
     b2 = b.copy()
     b2[60:66, 60:66, 20:24] = 9
     save_nifti("b2.nii.gz", b2, affine)
-    run("morph", "a.nii.gz", "b2.nii.gz", "-o", "g.#.nii.gz", "--at", "0.2,0.5,0.8,1", "--align", "none")
-    nine = [np.count_nonzero(lps("g.%d.nii.gz" % n)[0] == 9) for n in (1, 2, 3, 4)]
-    assert nine == sorted(nine) and nine[0] < nine[1] < nine[2] < nine[3] == 144, nine
+    run("morph", "a.nii.gz", "b2.nii.gz", "-o", "g.#.nii.gz", "--at", "0.3,0.7,1", "--align", "none")
+    nine = [np.count_nonzero(lps("g.%d.nii.gz" % n)[0] == 9) for n in (1, 2, 3)]
+    assert nine[0] < nine[1] < nine[2] == 144, nine
     refused("morph", "a.nii.gz", "b.nii.gz", "-o", "x.nii", "--at", "0.5", "--image", "mesh", says=["--image"])
 
 
@@ -558,7 +559,7 @@ def case_lungs():
     a, b = data("lung/3DCT_lung_baseline_mask.mha"), data("lung/3DCT_lung_followup_mask.mha")
     points = data("lung/baseline_points.txt") + "," + data("lung/followup_points.txt")
     def landmarks(*options):
-        run("morph", a, b, "-o", "lung.##.nii.gz", "--frames", 5, "--report", "r.json", *options)
+        run("morph", a, b, "-o", "lung.##.nii.gz", "--frames", 3, "--report", "r.json", *options)
         return json.load(open("r.json"))
     plain = landmarks("--check-landmarks", points)
     volumes = [f["labels"][0]["volumeMl"] for f in plain["frames"]]
@@ -584,7 +585,7 @@ def case_lungs():
         assert half["checkLandmarks"]["mean"] < without, half["checkLandmarks"]
     # The same landmarks as lists in a job file.
     pairs = [[[float(v) for v in rows[k][i].split()] for k in (0, 1)] for i in range(0, 51, 10)]
-    open("job.toml", "w").write("inputs = [%r, %r]\noutput = 'job.nii'\nat = 0.5\nlandmarks = %r\n" % (a, b, pairs))
+    open("job.toml", "w").write("inputs = [%r, %r]\noutput = 'job.nii'\nat = 0.5\nresolution = 32\nlandmarks = %r\n" % (a, b, pairs))
     run("morph", "--config", "job.toml", "--quiet")
     refused("morph", a, b, "-o", "x.nii", "--at", "0.5", "--landmarks", "part0_0.txt,part1_1.txt", says=["26", "25"])
     refused("morph", a, b, "-o", "x.nii", "--at", "0.5", "--landmarks", "part0_0.txt", says=["one per input"])

@@ -59,10 +59,10 @@ size_t gridForImage(const VdbFile& file, const InputSpec& name) {
 }
 
 Image imageOfGrid(const ConvertSettings& s) {
-  const InputSpec name = parseInput(s.input);
+  const InputSpec name = stillInput(parseInput(s.input));
   const VdbFile file(name.path);
   const openvdb::GridBase::Ptr grid =
-      placed(file.read(gridForImage(file, name)), placingOf(name.placing, 'y'));
+      placed(file.read(gridForImage(file, name)), placingOf(name.placing, s.load.image.up));
   require(s.load.memory, s.input, needOfDenseGrid(*grid));
   return imageOf(*grid);
 }

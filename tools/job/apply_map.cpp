@@ -236,12 +236,21 @@ ApplyJob applyJob(const OptionSet& options) {
     if (parseInput(input).placing.given())
       options.refuse("inputs",
                      input +
-                         ": apply carries points in the inputs' own coordinates; braces are for morph, "
-                         "convert, compare and render");
+                         ": apply carries what is in the objects' own coordinates, which braces would "
+                         "change; leave them out");
     if (isMovingInput(input))
       options.refuse("inputs",
                      input + " is a sequence; apply takes still objects, one of its files for example");
     checkInputExists(input);
+  }
+  if (!job.field() && !isImageInput(job.what)) {
+    const InputSpec what = parseInput(job.what);
+    if (what.placing.given())
+      options.refuse("inputs", job.what +
+                                   ": the result is a copy with other positions, which braces cannot "
+                                   "place; leave them out");
+    if (what.isSequence)
+      options.refuse("inputs", job.what + " is a sequence; apply carries one file at a time");
   }
   if (!job.field()) checkInputExists(job.what);
   if (!job.like.empty()) checkInputExists(job.like);

@@ -2,6 +2,7 @@
 
 #include "tools/job/option_values.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -27,6 +28,21 @@ Vec3d parseSpacing(const std::string& text) {
   return {s[0], s[1], s[2]};
 }
 
+/// Throws InputError where braces ask to fit an input to the first one and the command has none: only morph does.
+void checkFits(const OptionSet& options) {
+  const JobOptions& given = options.values();
+  const auto& rows = options.rows();
+  const bool fits =
+      std::any_of(rows.begin(), rows.end(), [](const OptionRow* row) { return row->name == "fit"; });
+  std::vector<std::string> names = fits ? std::vector<std::string>() : given.inputs;
+  names.insert(names.end(), {given.input, given.other, given.like});
+  for (const std::string& name : names)
+    if (!name.empty() && !parseInput(name).placing.fit.empty())
+      throw InputError(name +
+                       ": fit= brings an input of morph to its first one, and here is none; scale= and "
+                       "upright= work everywhere");
+}
+
 /// Of what is free when the program starts; the rest is for others.
 constexpr double kShareOfFree = 0.8;
 
@@ -44,6 +60,7 @@ MemoryLimit memorySettings(const OptionSet& options) {
 }
 
 LoadOptions loadSettings(const OptionSet& options) {
+  checkFits(options);
   const JobOptions& given = options.values();
   LoadOptions load = given.load;
   const std::string up = given.upright == "auto" ? given.glbUp : given.upright;

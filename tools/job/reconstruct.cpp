@@ -11,8 +11,17 @@ namespace slicemorph {
 namespace {
 
 /// EXR images are slices with planes of their own, unless --spacing says that they are a stack of labels.
-bool isOfSlices(const ReconstructJob& job) {
-  return extensionOf(job.input) == ".exr" && job.image.spacing[0] == 0;
+bool isOfSlices(const ReconstructJob& job, const InputSpec& input) {
+  return extensionOf(input.path) == ".exr" && job.image.spacing[0] == 0;
+}
+
+/// Throws InputError for braces behind slices and contours, whose own attributes say where they lie.
+void refusePlacing(const InputSpec& input) {
+  if (input.placing.given())
+    throw InputError(
+        input.text +
+        ": slices and contours are put where their file says that they lie; leave the braces out, "
+        "and give them to the file that is made, as convert made.vdb{scale=2}");
 }
 
 /// Throws InputError for options that have no effect on EXR slices.
@@ -30,14 +39,18 @@ void refuseForSlices(const ReconstructJob& job) {
 }  // namespace
 
 void reconstruct(const ReconstructJob& job, JobEvents& events) {
-  if (isOfSlices(job)) {
+  const InputSpec input = parseInput(job.input);
+  if (isOfSlices(job, input)) {
     refuseForSlices(job);
+    refusePlacing(input);
     return reconstructSlices(job, events);
   }
   if (job.grids) throw InputError("--grids is for EXR slices; " + job.input + " are none");
-  const InputSpec input = parseInput(job.input);
   if (!input.isImage()) filesOfInput(input);  // says so where the file is missing, which helps more
-  if (input.contents == Contents::kContours) return reconstructContours(job, input, events);
+  if (input.contents == Contents::kContours) {
+    refusePlacing(input);
+    return reconstructContours(job, stillInput(input), events);
+  }
   if (!input.isImage())
     throw InputError(
         job.input +

@@ -63,7 +63,7 @@ void writeGridsTo(const ReconstructJob& job, const openvdb::GridCPtrVec& grids) 
 void reconstructSlices(const ReconstructJob& job, JobEvents& events) {
   events.report("reading", 0);
   const ExrSlices slices =
-      readSliceExrs(parseInput(job.input), job.grids.value_or(std::vector<std::string>()));
+      readSliceExrs(parseInput(job.input), job.grids.value_or(std::vector<std::string>()), job.memory);
   events.notes(about(job.input, slices.notes));
   if (extensionOf(job.output) != ".vdb") checkOne(slices, job);
   openvdb::GridCPtrVec grids;

@@ -328,6 +328,13 @@ TEST_F(Textures, OfGlb) {
   // (0, 1) -> (0, 3) -> (3, 0) -> (3.25, 0.5); (1, 1) -> (2, 3) -> (3, -2).
   EXPECT_TRUE(moved[0].eq(openvdb::Vec2s(3.25f, 0.5f), 1e-5f)) << moved[0];
   EXPECT_TRUE(moved[1].eq(openvdb::Vec2s(3.25f, -1.5f), 1e-5f)) << moved[1];
+  // The specification's own example: the lower left quadrant of the picture, turned clockwise.
+  turned["pbrMetallicRoughness"]["baseColorTexture"]["extensions"]["KHR_texture_transform"] = {
+      {"offset", {0, 1}}, {"rotation", std::acos(-1) / 2}, {"scale", {0.5, 0.5}}};
+  write("s.glb", squareGlb(turned, json::object(), uvs, picture));
+  const auto quadrant = read("s.glb").mesh.uvs;
+  EXPECT_TRUE(quadrant[0].eq(openvdb::Vec2s(0.5f, 1), 1e-5f)) << quadrant[0];  // of (0, 1)
+  EXPECT_TRUE(quadrant[2].eq(openvdb::Vec2s(0, 0.5f), 1e-5f)) << quadrant[2];  // of (1, 0)
   json glossy = {{"extensions",
                   {{"KHR_materials_pbrSpecularGlossiness",
                     {{"diffuseFactor", {1, 0.5, 1, 1}}, {"diffuseTexture", {{"index", 0}}}}}}}};

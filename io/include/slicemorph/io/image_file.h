@@ -25,12 +25,12 @@ struct ImageOptions {
       0, 0,
       0};  ///< millimetres between voxels along i, j, k, for image stacks, which hold none; zero: none given
   char up = 'y';       ///< the axis that points up in the job, to which one in braces behind a name is turned
-  MemoryLimit memory;  ///< for stacks, whose pictures tell their size before they are read
+  MemoryLimit memory;  ///< what does not fit is refused before its values are read
 };
 
 /// Reads one image: .nii .nii.gz .nrrd .nhdr .mha .mhd .dcm, a folder of DICOM slices, an image stack, a .tif
 /// of several pages. Throws, naming the file, IoError where it is missing, damaged or truncated, and
-/// InputError for a wrong or missing choice of volume, series or spacing.
+/// InputError for a wrong or missing choice of volume, series or spacing; MemoryError where its values would not fit.
 ImageFile readImage(const InputSpec& input, const ImageOptions& options = {});
 ImageFile readImage(const std::string& text, const ImageOptions& options = {});
 

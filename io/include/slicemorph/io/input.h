@@ -4,6 +4,7 @@
 #include "slicemorph/io/image_file.h"
 #include "slicemorph/io/input_spec.h"
 #include "slicemorph/io/memory.h"
+#include "slicemorph/io/nothing.h"
 #include "slicemorph/io/placing.h"
 #include "slicemorph/io/vdb_reader.h"
 #include "slicemorph/note.h"
@@ -38,11 +39,6 @@ struct LoadOptions {
   Placing placing;  ///< after that of the input's own name
   bool matching =
       false;  ///< the shape is to be matched: what lies many times its size away is left out of it
-};
-
-/// A VDB file that is fine but whose grid holds nothing: no active voxels, or none inside a surface.
-struct NothingError : GeometryError {
-  using GeometryError::GeometryError;
 };
 
 /// The options with the iso values of one input (index from 0) set from `isosByInput`.

@@ -57,6 +57,10 @@ struct InputFrame {
 /// naming those of a range that are missing.
 std::vector<InputFrame> framesOf(const InputSpec& input);
 
+/// An input for what takes one file: of a moving input with one file (name.####.vdb@12) that file, else the input
+/// itself. Throws InputError for one of several files, IoError where there is none.
+InputSpec stillInput(const InputSpec& input);
+
 /// The files of an input: of a sequence, of a folder, or the one file. Throws IoError where one is missing,
 /// empty or unreadable.
 std::vector<std::string> filesOfInput(const InputSpec& input);
