@@ -159,7 +159,7 @@ def run_example(job, o):
     # Another method, or fewer slices and voxels, are quicker, where the job takes them; all other settings have to be
     # the same.
     own = re.search(r"^\[\[|^interpolation", text, re.M)
-    changed = {"slices": 16, "resolution": 12} if own else {"method": "sdf"}
+    changed = {"slices": 16, "resolution": 20} if own else {"method": "sdf"}
     quick = [word for key, value in changed.items() for word in ("--" + key, value)]
     done("morph", "--config", copy, "-o", "again/" + output, "--report", "b.json", *quick, cwd=o)
     first, again = settings_of(os.path.join(o, "r.json")), settings_of(os.path.join(o, "b.json"))
