@@ -38,8 +38,6 @@ constexpr double kHopeless = 0.05;
 constexpr double kAnyResidual = 1e9;
 /// Parts that turn by more on the way from the middle to an object are carried round in several steps.
 constexpr double kTurnOfStep = 0.6;
-/// Objects that lie on each other so well already are not bent.
-constexpr double kNeedsNoBending = 0.96;
 
 /// A chart's position, directions and mean size alone: lengths and angles in it are the world's.
 Chart rigidPart(const Chart& chart) {
@@ -222,7 +220,7 @@ Bending coupled(const MatchObjects& objects, const std::vector<Body>& bodies, co
 std::optional<Bending> bentOntoEachOther(
     const MatchObjects& objects, const Matching& matching,
     const std::function<const std::vector<Matching>&()>& limbCandidates) {
-  if (objects.count() != 2 || !objects.features.empty() || matching.overlap > kNeedsNoBending)
+  if (objects.count() != 2 || !objects.features.empty() || matching.overlap > kLieOnEachOther)
     return std::nullopt;
   // Charts along curved spines bend the objects already.
   for (const Chart& chart : objects.charts)

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace slicemorph {
 
@@ -48,10 +49,9 @@ struct Side {
   Column weight, still;  ///< per point; still: how little it swings
 };
 
-Side sideOf(const BodyGraph& graph, size_t count) {
+Side sideOf(const BodyGraph& graph, InnerPoints points) {
   Side side;
-  side.points =
-      innerPoints({graph.share, graph.deepest, [&](size_t i) { return graph.distancesFrom(i); }}, count);
+  side.points = std::move(points);
   const InnerPoints& p = side.points;
   const size_t n = p.node.size();
   if (n == 0) return side;
@@ -261,8 +261,13 @@ BodyCoupling coupleBodies(const BodyGraph& a, const BodyGraph& b) {
   BodyCoupling result;
   const BodyGraph* graphs[2] = {&a, &b};
   Side few[2], many[2];
-  tbb::parallel_for(
-      0, 4, [&](int i) { (i < 2 ? few : many)[i % 2] = sideOf(*graphs[i % 2], i < 2 ? kFew : kMany); });
+  tbb::parallel_for(0, 2, [&](int k) {
+    const BodyGraph& graph = *graphs[k];
+    InnerPoints points =
+        innerPoints({graph.share, graph.deepest, [&](size_t i) { return graph.distancesFrom(i); }}, kMany);
+    few[k] = sideOf(graph, fewerOf(points, kFew, graph.share));
+    many[k] = sideOf(graph, std::move(points));
+  });
   if (few[0].at.empty() || few[1].at.empty()) return result;
   const Coupling finding(few[0], few[1]), refining(many[0], many[1]);
   const Table found = finding.refined(finding.byPosition(), kFinding);

@@ -4,6 +4,8 @@
 #include "engine/numerics/nearest_rotation.h"
 #include "engine/spine/chart.h"
 
+#include <Eigen/Core>
+
 #include <nanoflann.hpp>
 
 #include <algorithm>
@@ -40,7 +42,15 @@ constexpr double kLikeNeighbours =
 constexpr double kAround = 0.15, kMostRatio = 1.8;
 constexpr float kHold = 1e-6f;  ///< keeps nodes that nothing else holds where they are
 
-using Columns = std::vector<float>;  // three numbers per node
+using Four = Eigen::Array4f;
+using Columns = std::vector<float>;  // kStride numbers per node: three, and a zero that fills up a register
+constexpr size_t kStride = 4;
+
+Four fourOf(const Columns& x, int node) { return Four::Map(&x[kStride * size_t(node)]); }
+void addTo(Columns& x, int node, const Four& more) {
+  Four::MapType at(&x[kStride * size_t(node)]);
+  at += more;
+}
 
 /// Points for a search of the nearest ones.
 struct PointSet {
@@ -99,14 +109,14 @@ class NearestPoints {
 
 /// What draws one sample: sum of weight * (n n^T + sliding) over its partners, and that times their positions.
 struct Pull {
-  float matrix[3][3] = {};
+  Four column[3] = {Four::Zero(), Four::Zero(), Four::Zero()};  ///< of the matrix
   double vector[3] = {};
 
   void toPlane(const Vec3d& at, const Vec3d& normal) {
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 3; ++c) {
         const double m = normal[r] * normal[c] + (r == c ? double(kSliding) : 0);
-        matrix[r][c] += float(m), vector[r] += m * at[c];
+        column[c][r] += float(m), vector[r] += m * at[c];
       }
   }
 };
@@ -118,17 +128,17 @@ class BodySystem {
              float stiffness)
       : graph_(graph), points_(points), pulls_(pulls), stiffness_(stiffness), diagonal_(size(), kHold) {
     for (const BodyGraph::Edge& e : graph_.edges)
-      for (int node : {e.from, e.to})
-        for (int c = 0; c < 3; ++c) diagonal_[size_t(3 * node + c)] += stiffness_ * e.weight;
+      for (int node : {e.from, e.to}) addTo(diagonal_, node, Four(stiffness_ * e.weight));
     for (size_t i = 0; i < pulls_.size(); ++i)
       for (int k = 0; k < BodyGraph::Binding::kNodes; ++k) {
         const BodyGraph::Binding& b = points_.binding[i];
         for (int c = 0; c < 3; ++c)
-          diagonal_[size_t(3 * b.node[k] + c)] += b.weight[k] * b.weight[k] * pulls_[i].matrix[c][c];
+          diagonal_[kStride * size_t(b.node[k]) + size_t(c)] +=
+              b.weight[k] * b.weight[k] * pulls_[i].column[c][c];
       }
   }
 
-  size_t size() const { return 3 * graph_.position.size(); }
+  size_t size() const { return kStride * graph_.position.size(); }
   size_t node(size_t i) const { return i; }
   float diagonal(size_t i) const { return diagonal_[i]; }
   Grain grain() const { return {std::numeric_limits<size_t>::max()}; }
@@ -136,23 +146,16 @@ class BodySystem {
   void apply(const Columns& x, Columns& y) const {
     for (size_t i = 0; i < y.size(); ++i) y[i] = kHold * x[i];
     for (const BodyGraph::Edge& e : graph_.edges) {
-      const float w = stiffness_ * e.weight;
-      const float *a = &x[size_t(3 * e.from)], *b = &x[size_t(3 * e.to)];
-      float *ya = &y[size_t(3 * e.from)], *yb = &y[size_t(3 * e.to)];
-      for (int c = 0; c < 3; ++c) {
-        const float d = w * (a[c] - b[c]);
-        ya[c] += d, yb[c] -= d;
-      }
+      const Four difference = (stiffness_ * e.weight) * (fourOf(x, e.from) - fourOf(x, e.to));
+      addTo(y, e.from, difference), addTo(y, e.to, -difference);
     }
     for (size_t i = 0; i < pulls_.size(); ++i) {
       const BodyGraph::Binding& b = points_.binding[i];
-      float p[3] = {}, f[3];
-      for (int k = 0; k < BodyGraph::Binding::kNodes; ++k)
-        for (int c = 0; c < 3; ++c) p[c] += b.weight[k] * x[size_t(3 * b.node[k] + c)];
-      for (int r = 0; r < 3; ++r)
-        f[r] = pulls_[i].matrix[r][0] * p[0] + pulls_[i].matrix[r][1] * p[1] + pulls_[i].matrix[r][2] * p[2];
-      for (int k = 0; k < BodyGraph::Binding::kNodes; ++k)
-        for (int c = 0; c < 3; ++c) y[size_t(3 * b.node[k] + c)] += b.weight[k] * f[c];
+      Four p = Four::Zero();
+      for (int k = 0; k < BodyGraph::Binding::kNodes; ++k) p += b.weight[k] * fourOf(x, b.node[k]);
+      const Pull& pull = pulls_[i];
+      const Four f = pull.column[0] * p[0] + pull.column[1] * p[1] + pull.column[2] * p[2];
+      for (int k = 0; k < BodyGraph::Binding::kNodes; ++k) addTo(y, b.node[k], b.weight[k] * f);
     }
   }
 
@@ -169,18 +172,19 @@ void solvePositions(const BodyGraph& graph, const BoundPoints& points, const std
                     const std::vector<Vec3d>& turned, const std::vector<Vec3d>& wanted, float stiffness,
                     const GradientSettings& settings, std::vector<Vec3d>& position) {
   BodySystem system(graph, points, pulls, stiffness);
-  Columns x(system.size()), residual(system.size());
+  Columns x(system.size(), 0.f), residual(system.size());
   // Positions relative to a node: single precision is then enough for objects far off.
   const Vec3d origin = position[0];
   for (size_t i = 0; i < position.size(); ++i)
-    for (int c = 0; c < 3; ++c) x[3 * i + size_t(c)] = float(position[i][c] - origin[c]);
+    for (size_t c = 0; c < 3; ++c) x[kStride * i + c] = float(position[i][int(c)] - origin[int(c)]);
   system.apply(x, residual);
   std::vector<double> right(system.size());
+  const auto rightOf = [&](int node, int c) -> double& { return right[kStride * size_t(node) + size_t(c)]; };
   for (size_t i = 0; i < right.size(); ++i) right[i] = double(kHold) * x[i];
   for (size_t e = 0; e < graph.edges.size(); ++e)
     for (int c = 0; c < 3; ++c) {
       const double f = double(stiffness) * graph.edges[e].weight * wanted[e][c];
-      right[size_t(3 * graph.edges[e].to + c)] += f, right[size_t(3 * graph.edges[e].from + c)] -= f;
+      rightOf(graph.edges[e].to, c) += f, rightOf(graph.edges[e].from, c) -= f;
     }
   for (size_t i = 0; i < pulls.size(); ++i) {
     // Drawn is the sample, which is `turned` away from its nodes' mean.
@@ -188,16 +192,16 @@ void solvePositions(const BodyGraph& graph, const BoundPoints& points, const std
     double f[3];
     for (int r = 0; r < 3; ++r) {
       f[r] = pull.vector[r];
-      for (int c = 0; c < 3; ++c) f[r] -= double(pull.matrix[r][c]) * (turned[i][c] + origin[c]);
+      for (int c = 0; c < 3; ++c) f[r] -= double(pull.column[c][r]) * (turned[i][c] + origin[c]);
     }
     const BodyGraph::Binding& b = points.binding[i];
     for (int k = 0; k < BodyGraph::Binding::kNodes; ++k)
-      for (int c = 0; c < 3; ++c) right[size_t(3 * b.node[k] + c)] += double(b.weight[k]) * f[c];
+      for (int c = 0; c < 3; ++c) rightOf(b.node[k], c) += double(b.weight[k]) * f[c];
   }
   for (size_t i = 0; i < residual.size(); ++i) residual[i] = float(right[i] - double(residual[i]));
   conjugateGradients<float>(system, settings, std::move(residual), x);
   for (size_t i = 0; i < position.size(); ++i)
-    for (int c = 0; c < 3; ++c) position[i][c] = origin[c] + double(x[3 * i + size_t(c)]);
+    for (size_t c = 0; c < 3; ++c) position[i][int(c)] = origin[int(c)] + double(x[kStride * i + c]);
 }
 
 std::vector<Vec3d> offsetsOf(const BodyGraph& graph, const BoundPoints& points,
@@ -224,7 +228,7 @@ std::vector<Mat3d> fittedRotations(const BodyGraph& graph, const ElasticFit& fit
   }
   std::vector<Mat3d> rotations(sums.size());
   for (size_t i = 0; i < sums.size(); ++i)
-    rotations[i] = graph.neighbours[i].empty() ? fit.rotation[i] : nearestRotation(sums[i]);
+    rotations[i] = graph.neighbours[i].empty() ? fit.rotation[i] : nearestRotation(sums[i], fit.rotation[i]);
   return rotations;
 }
 

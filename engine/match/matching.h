@@ -5,6 +5,11 @@
 
 namespace slicemorph {
 
+/// Objects that overlap by more than this lie on each other: neither bending nor soft matches, which find partners far
+/// away, are tried. On balls, ellipsoids, boxes and people whose charts alone bring them so far no soft match was ever
+/// taken.
+constexpr double kLieOnEachOther = 0.96;
+
 /// The state of the matching, passed from step to step.
 struct Matching {
   Displacements map;                       ///< free of folds

@@ -63,6 +63,7 @@ GainWanted gainWanted(const MatchObjects& objects, const Round& round) {
 }  // namespace
 
 Matching refined(const MatchObjects& objects, Matching matching, const Round& round) {
+  if (round.kind == Round::Kind::kSoft && matching.overlap > kLieOnEachOther) return matching;
   std::vector<Correspondence> points = roundPoints(objects, matching, round);
   if (points.empty()) return matching;
   points.insert(points.end(), matching.limbPoints.begin(), matching.limbPoints.end());

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace slicemorph {
 
@@ -52,6 +53,24 @@ std::vector<std::array<double, 2>> fullnessOf(const InnerPoints& points, const s
   return fullness;
 }
 
+/// Completes points of which the nodes and their distances to all nodes are known.
+InnerPoints measured(InnerPoints points, const std::vector<double>& share) {
+  points.weight = weightsOf(points, share);
+  double squares = 0;
+  const size_t found = points.node.size();
+  points.distance.assign(found, std::vector<double>(found, 0));
+  for (size_t i = 0; i < found; ++i)
+    for (size_t j = 0; j < found; ++j) {
+      const double d = 0.5 * (points.toNodes[i][points.node[j]] + points.toNodes[j][points.node[i]]);
+      points.distance[i][j] = d, squares += points.weight[i] * points.weight[j] * d * d;
+    }
+  points.unit = std::sqrt(squares);
+  for (auto& row : points.distance)
+    for (double& d : row) d /= points.unit;
+  points.fullness = fullnessOf(points, share);
+  return points;
+}
+
 }  // namespace
 
 InnerPoints innerPoints(const InnerNodes& nodes, size_t count) {
@@ -70,21 +89,16 @@ InnerPoints innerPoints(const InnerNodes& nodes, size_t count) {
       nearest[i] =
           points.node.size() == 1 ? points.toNodes[0][i] : std::min(nearest[i], points.toNodes.back()[i]);
   }
-  if (points.node.empty()) return points;
-  points.weight = weightsOf(points, share);
-  double squares = 0;
-  const size_t found = points.node.size();
-  points.distance.assign(found, std::vector<double>(found, 0));
-  for (size_t i = 0; i < found; ++i)
-    for (size_t j = 0; j < found; ++j) {
-      const double d = 0.5 * (points.toNodes[i][points.node[j]] + points.toNodes[j][points.node[i]]);
-      points.distance[i][j] = d, squares += points.weight[i] * points.weight[j] * d * d;
-    }
-  points.unit = std::sqrt(squares);
-  for (auto& row : points.distance)
-    for (double& d : row) d /= points.unit;
-  points.fullness = fullnessOf(points, share);
-  return points;
+  return points.node.empty() ? points : measured(std::move(points), share);
+}
+
+InnerPoints fewerOf(const InnerPoints& points, size_t count, const std::vector<double>& share) {
+  InnerPoints fewer;
+  count = std::min(count, points.node.size());
+  if (count == 0) return fewer;
+  fewer.node.assign(points.node.begin(), points.node.begin() + std::ptrdiff_t(count));
+  fewer.toNodes.assign(points.toNodes.begin(), points.toNodes.begin() + std::ptrdiff_t(count));
+  return measured(std::move(fewer), share);
 }
 
 }  // namespace slicemorph

@@ -34,4 +34,7 @@ struct InnerPoints {
 /// At most `count` points, fewer where there are fewer nodes; none where no node counts.
 InnerPoints innerPoints(const InnerNodes& nodes, size_t count);
 
+/// What innerPoints finds for a smaller `count`, by the paths known already. `share`: that of the nodes.
+InnerPoints fewerOf(const InnerPoints& points, size_t count, const std::vector<double>& share);
+
 }  // namespace slicemorph
