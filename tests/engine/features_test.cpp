@@ -119,7 +119,7 @@ TEST(Features, PointsInALineTurnItToo) {
 }
 
 TEST(Features, AFarOneChangesNothing) {
-  const Object a = fish(1), b = quadruped({0, 0, 0, 0}, 64);
+  const Object a = fish(1), b = fish(0.7);
   const FloatGrid::Ptr without = MorphPlan({a, b}).frame({0.5, 0.5}).surface;
   for (double far : {2.0, 10.0}) {
     MorphOptions options;

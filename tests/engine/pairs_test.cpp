@@ -1,6 +1,6 @@
 // Pairs of models, with the limits that the project promises: its own from assets/, and real ones from
 // ../shared/data/mesh; without these they are skipped. The promise is 256 voxels and 25 times (SLICEMORPH_ALL_TESTS=1);
-// otherwise fewer times.
+// otherwise half as many voxels, and fewer times.
 #include "engine/frame/align.h"
 #include "engine/measure/measure.h"
 #include "engine/render/render.h"
@@ -90,9 +90,10 @@ class OwnPair : public testing::TestWithParam<Pair> {};
 
 /// Resolution in space and time.
 struct Effort {
-  double voxels = 256;  ///< along the longest side
-  int times = 11;
+  double voxels;  ///< along the longest side
+  int times;
 };
+const Effort kEffort = allTests() ? Effort{256, 25} : Effort{128, 7};
 
 /// The vertices of a mesh on the surface of the solid that it bounds. Self-overlapping folds (the man's
 /// groin, the horse's mouth) and slits narrower than a voxel are inside the solid and left out.
@@ -186,12 +187,10 @@ TEST_P(RealPair, StaysOneSolidThing) {
   const Pair& pair = GetParam();
   if (!allTests() && pair.again) GTEST_SKIP() << "much like another; SLICEMORPH_ALL_TESTS=1 runs it";
   if (!std::filesystem::exists(kMeshes / pair.from)) GTEST_SKIP() << kMeshes / pair.from << " is not there";
-  expectOneSolidThing(pair, kMeshes, {256, allTests() ? 25 : 9});
+  expectOneSolidThing(pair, kMeshes, kEffort);
 }
 
-TEST_P(OwnPair, StaysOneSolidThing) {
-  expectOneSolidThing(GetParam(), kSource / "assets", {allTests() ? 256.0 : 128.0, allTests() ? 25 : 9});
-}
+TEST_P(OwnPair, StaysOneSolidThing) { expectOneSolidThing(GetParam(), kSource / "assets", kEffort); }
 
 // Where sizes differ, the largest change over the mean is only printed, since it depends on the size.
 INSTANTIATE_TEST_SUITE_P(Assets, OwnPair,
