@@ -147,12 +147,11 @@ TEST(Morph, UnsymmetricBarTurnsBy120) {
 }
 
 FloatGrid::Ptr ballGrid() {
-  return shapes::levelSet(shapes::sphere({0, 0, 0}, 1), shapes::cube({0, 0, 0}, 1), 2.6 / resolution());
+  return shapes::levelSet(shapes::sphere({0, 0, 0}, 1), shapes::cube({0, 0, 0}, 1), 2 / resolution());
 }
 
 FloatGrid::Ptr torusGrid() {
-  return shapes::levelSet(shapes::torus({0, 0, 0}, 0.9, 0.4), shapes::cube({0, 0, 0}, 1.4),
-                          2.6 / resolution());
+  return shapes::levelSet(shapes::torus({0, 0, 0}, 0.8, 0.3), shapes::cube({0, 0, 0}, 1.2), 2 / resolution());
 }
 
 /// The plan from a ball to a torus, made once for several tests.
