@@ -3,11 +3,11 @@
 #include "engine/numerics/conjugate_gradients.h"
 #include "engine/numerics/lattice_cell.h"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <Eigen/Core>
 
 #include <algorithm>
-#include <limits>
 
 namespace slicemorph {
 
@@ -29,6 +29,10 @@ namespace {
 using Four = Eigen::Array4f;
 using FourDoubles = Eigen::Array4d;
 using Column = std::vector<Four>;
+
+/// What one task has, so that starting it takes no time against its work: of a lattice's layers, and of all nodes.
+constexpr int kLayersPerTask = 8;
+constexpr size_t kNodesPerTask = 16384;
 
 /// The operator of the normal equations, W^T W + stiffness L^T L + 1e-5 I; the last term only makes it
 /// definite. W: interpolation at the sites, times the roots of their weights; L: Laplacian. A column holds
@@ -85,11 +89,16 @@ class NormalOperator {
     float w[8];
   };
 
-  /// Calls body(n, end) for every row, with the index of its first node and the one past its last.
+  /// Calls body(n, end) for every row, with the index of its first node and the one past its last; a task has a few
+  /// layers of rows.
   template <typename Body>
   void forEachRow(const Body& body) const {
-    for (int z = 0; z < lattice_.size[2]; ++z)
-      for (int y = 0; y < lattice_.size[1]; ++y) body(index(0, y, z), index(lattice_.size[0], y, z));
+    tbb::parallel_for(tbb::blocked_range<int>(0, lattice_.size[2], kLayersPerTask),
+                      [&](const tbb::blocked_range<int>& layers) {
+                        for (int z = layers.begin(); z < layers.end(); ++z)
+                          for (int y = 0; y < lattice_.size[1]; ++y)
+                            body(index(0, y, z), index(lattice_.size[0], y, z));
+                      });
   }
 
   void laplacian(const Column& x, Column& y) const {
@@ -115,8 +124,7 @@ class ColumnSystem {
   size_t size() const { return scratch_.size(); }
   size_t node(size_t i) const { return i; }
   float diagonal(size_t) const { return 1; }
-  /// No parallelism inside: one task per four columns.
-  Grain grain() const { return {std::numeric_limits<size_t>::max()}; }
+  Grain grain() const { return {kNodesPerTask}; }
   void apply(const Column& x, Column& product) { op_(x, scratch_, product); }
 
  private:
