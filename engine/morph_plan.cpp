@@ -1,5 +1,6 @@
 #include "engine/blend/surface_stretch.h"
 #include "engine/pipeline.h"
+#include "engine/plan_decisions.h"
 #include "engine/rebuild/pullback.h"
 #include "slicemorph/errors.h"
 #include "slicemorph/slicemorph.h"
@@ -48,9 +49,22 @@ MorphPlan::MorphPlan(std::vector<Object> objects, const MorphPlan& before, Progr
   if (objects.size() != before.objectCount())
     throw InputError(std::to_string(objects.size()) + " objects were given to follow a plan of " +
                      std::to_string(before.objectCount()));
+  if (before.impl_->plan.lattice && before.impl_->plan.registration.base.of.empty())
+    throw InputError("a plan that was decided before cannot be followed by another");
   Progress none;
   impl_.reset(new Impl{planNext(objects, before.impl_->plan, progress ? *progress : none)});
 }
+
+MorphPlan::MorphPlan(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+MorphPlan MorphPlan::decidedBefore(std::vector<Object> objects, const MorphOptions& options,
+                                   const std::string& decisions, Progress* progress) {
+  Progress none;
+  Plan plan = planDecided(objects, options, decisions, progress ? *progress : none);
+  return MorphPlan(std::unique_ptr<Impl>(new Impl{std::move(plan)}));
+}
+
+std::string MorphPlan::decisions() const { return bytesOfDecisions(impl_->plan); }
 
 MorphPlan::~MorphPlan() = default;
 MorphPlan::MorphPlan(MorphPlan&&) noexcept = default;

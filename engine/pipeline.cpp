@@ -4,6 +4,7 @@
 #include "engine/frame/track.h"
 #include "engine/match/choose_frames.h"
 #include "engine/mean/match_through_mean.h"
+#include "engine/plan_decisions.h"
 #include "engine/rebuild/in_between.h"
 #include "engine/rebuild/small_components.h"
 #include "engine/volume/same_grid.h"
@@ -106,6 +107,19 @@ Plan planNext(const std::vector<Object>& objects, const Plan& before, Progress& 
           progress);
     plan.registration = std::move(*next);
   }
+  const std::shared_ptr<const RegionShares> shares = regionShares(plan);
+  return withLattice(std::move(plan), shares);
+}
+
+Plan planDecided(const std::vector<Object>& objects, const MorphOptions& options,
+                 const std::string& decisions, Progress& progress) {
+  checkObjects(objects, options);
+  progress.report("measure distances", 0);
+  Plan plan;
+  plan.options = options;
+  plan.shapes = measureShapes(objects, options, nullptr);
+  plan = withDecisions(std::move(plan), decisions);
+  if (plan.shapes.fields.size() < 2) return plan;
   const std::shared_ptr<const RegionShares> shares = regionShares(plan);
   return withLattice(std::move(plan), shares);
 }

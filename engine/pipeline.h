@@ -23,6 +23,11 @@ Plan planMorph(const std::vector<Object>& objects, const MorphOptions& options, 
 /// The plan of a sequence's next frame, continued from the one before, or made anew where that does not fit.
 Plan planNext(const std::vector<Object>& objects, const Plan& before, Progress& progress);
 
+/// The plan of a morph of which all but the objects' own measures was decided before, by plan_decisions.h; see
+/// MorphPlan::decidedBefore.
+Plan planDecided(const std::vector<Object>& objects, const MorphOptions& options,
+                 const std::string& decisions, Progress& progress);
+
 /// The in-between of these weights of the objects.
 InBetween makeInBetween(const Plan& plan, const Weights& weights);
 

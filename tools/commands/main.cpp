@@ -4,6 +4,7 @@
 #include "tools/commands/convert_command.h"
 #include "tools/commands/info_command.h"
 #include "tools/commands/morph_command.h"
+#include "tools/commands/plan_command.h"
 #include "tools/commands/reconstruct_command.h"
 #include "tools/commands/render_command.h"
 #include "tools/commands/slice_command.h"
@@ -54,6 +55,7 @@ int run(int argc, char** argv) {
   program.require_subcommand(1);
   program.get_formatter()->column_width(34);
   slicemorph::addMorphCommand(program);
+  slicemorph::addPlanCommand(program);
   slicemorph::addApplyCommand(program);
   slicemorph::addConvertCommand(program);
   slicemorph::addCompareCommand(program);

@@ -6,6 +6,7 @@
 #include "tools/job/job_file.h"
 #include "tools/job/morph_checks.h"
 #include "tools/job/morph_job.h"
+#include "tools/job/plan_file.h"
 #include "tools/job/run_morph.h"
 
 #include <cstdio>
@@ -17,6 +18,7 @@ namespace {
 /// --print-config prints a job file instead.
 void runMorphCommand(OptionSet& options) {
   const JobOptions& given = options.values();
+  printNotes("", applyPlanFile(options), given.quiet, given.verbose);
   if (!given.config.empty()) applyJobFile(given.config, options);
   MorphJob job;
   // --print-config alone prints an empty job file to be filled in, for which no inputs are needed.

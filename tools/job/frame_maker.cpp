@@ -1,8 +1,10 @@
 #include "tools/job/frame_maker.h"
 
+#include "slicemorph/errors.h"
 #include "tools/job/carry_image.h"
 #include "tools/job/memory_need.h"
 #include "tools/job/one_world.h"
+#include "tools/job/plan_file.h"
 #include "tools/job/stopwatch.h"
 #include "tools/report/dump_slices.h"
 
@@ -11,6 +13,16 @@ namespace {
 
 /// Share of reading in the time for reading and planning; only the progress display depends on it.
 constexpr double kReadShare = 0.4;
+
+/// What an action returns; its errors in decisions name the file that they are from.
+template <typename Action>
+MethodPlan inFile(const std::string& file, const Action& action) {
+  try {
+    return action();
+  } catch (const InputError& error) {
+    throw IoError(file, error.what());
+  }
+}
 
 }  // namespace
 
@@ -50,9 +62,17 @@ void FrameMaker::moveTo(size_t index, double from, double to) {
     require(settings_.load.memory, settings_.output, needOfImage(plan_.images.lattice, 1));
   planning.report("planning", 0);
   const MethodPlan* before = planned_ ? &plan_.method : nullptr;
-  plan_.method =
-      methodNamed(settings_.method).plan({settings_, inputs(), job.number, before, planning, &options_});
-  events_.notes(plan_.method.notes);
+  MethodTask task{settings_, inputs(), job.number, before, planning, &options_};
+  std::string decisions;
+  if (!settings_.planFile.empty()) {
+    const std::string file = OutputName(settings_.planFile).path(job.number);
+    decisions = readPlanFile(file).decisions, task.decisions = &decisions;
+    plan_.method = inFile(file, [&] { return methodNamed(settings_.method).plan(task); });
+  } else {
+    plan_.method = methodNamed(settings_.method).plan(task);
+  }
+  // Of plans that were decided before each has the notes of all.
+  if (!planned_ || settings_.planFile.empty()) events_.notes(plan_.method.notes);
   if (!planned_ && plan_.method.slices && !settings_.sliceFolder.empty())
     dumpSlices(settings_.sliceFolder, plan_.method.slices->slicePictures(), settings_.inputs);
   planned_ = true;

@@ -30,7 +30,7 @@ struct JobOptions {
   // Outputs
   std::string output, at, weights, keys, timing = "linear", ease = "linear", grids, sliceFolder, like;
   int frames = 24, start = 1;
-  std::string range;
+  std::string range, planFile;
   double framesPerSecond = 24;
   std::string velocity = "vel", velocityUnit = "second";
   bool conserve = false, addVelocity = false, velocityHalf = false, json = false;

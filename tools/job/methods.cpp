@@ -20,14 +20,18 @@ MethodPlan planSlices(const MethodTask& task) {
   std::vector<Object> objects;
   for (const LoadedObject& input : task.inputs) objects.push_back(input.object);
   MethodPlan plan;
-  if (task.before && task.before->slices) {
+  const MorphOptions& options = task.options ? *task.options : task.settings.plan;
+  if (task.decisions) {
+    plan.slices = std::make_shared<MorphPlan>(
+        MorphPlan::decidedBefore(objects, options, *task.decisions, &task.progress));
+    plan.notes = plan.slices->notes();
+  } else if (task.before && task.before->slices) {
     plan.slices = std::make_shared<MorphPlan>(objects, *task.before->slices, &task.progress);
     for (const Note& note : plan.slices->notes())
       if (note.code == "sequence.planned-anew")
         plan.notes = about("frame " + std::to_string(task.frame), {note});
   } else {
-    plan.slices = std::make_shared<MorphPlan>(objects, task.options ? *task.options : task.settings.plan,
-                                              &task.progress);
+    plan.slices = std::make_shared<MorphPlan>(objects, options, &task.progress);
     plan.notes = plan.slices->notes();
   }
   plan.shape = [slices = plan.slices](const FrameJob& job) { return slices->frame(job.weights); };

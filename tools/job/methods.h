@@ -35,6 +35,7 @@ struct MethodTask {
   Progress& progress;
   /// The settings', completed by what was found in the inputs; null: as they are.
   const MorphOptions* options = nullptr;
+  const std::string* decisions = nullptr;  ///< of an earlier plan, see MorphPlan::decidedBefore; null: none
 };
 
 /// What a method can do. Options that need more are refused; for what is left out of inputs there are notes.

@@ -121,6 +121,14 @@ void checkEssentials(const OptionSet& options) {
 
 void checkPurposes(const MorphSettings& s, const OptionSet& options) {
   checkMethods(s, options);
+  if (!s.planFile.empty() && !s.sliceFolder.empty())
+    options.refuse("dump-slices", "--dump-slices " + s.sliceFolder +
+                                      ": a --plan holds no contours; draw them where it is planned anew");
+  if (!s.planFile.empty() && OutputName(s.planFile).isSequence() != s.moving())
+    options.refuse("plan",
+                   "--plan " + s.planFile +
+                       (s.moving() ? ": of inputs that are sequences each frame has a plan (name.####.plan)"
+                                   : ": one plan serves all frames; give that file"));
   const bool slices = s.exrContent == ExrContent::kSlices;
   if (!s.toPictures())
     checkTarget(options, OptionTarget::kPictures,

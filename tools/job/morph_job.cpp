@@ -171,7 +171,7 @@ MorphSettings plainSettings(const OptionSet& options) {
   s.options = given;
   s.inputs = given.inputs, s.output = given.output, s.method = given.method;
   s.framesPerSecond = given.framesPerSecond, s.reports = given.reports, s.sliceFolder = given.sliceFolder;
-  s.quiet = given.quiet, s.resume = given.resume;
+  s.quiet = given.quiet, s.resume = given.resume, s.planFile = given.planFile;
   s.conserve = given.conserve, s.like = given.like;
   if (options.given("grids"))
     s.grids = options.about("grids", [&] { return parseNames("--grids", given.grids); });

@@ -67,6 +67,7 @@ struct MorphSettings {
   VelocitySettings velocity;
   std::vector<std::string> reports;  ///< .json, .csv, .html
   std::string sliceFolder;           ///< empty: none
+  std::string planFile;              ///< by which frames are made; of sequences a pattern; empty: none
   std::string like;                  ///< image whose voxels in-between images get; empty: the first input's
   GlbSpace glb;                      ///< of .glb outputs
   ExrContent exrContent = ExrContent::kPicture;

@@ -497,6 +497,13 @@ Rows farmRows() {
           "message")
           .fallback("80% of what is free")
           .notInFrames(),
+      Row(kMorph, "plan", at<&J::planFile>, "FILE.plan",
+          "Take inputs, matching and the options that decide it from a file that `slicemorph plan` wrote; "
+          "frames are the "
+          "same bytes; name.####.plan for inputs that are sequences")
+          .needs(&MethodTraits::guided)
+          .notInFiles()
+          .basic(),
       Row(kMorph, "resume", at<&J::resume>, "", "Go on with an interrupted sequence of the same settings")
           .notInFrames()
           .basic(),

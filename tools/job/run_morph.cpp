@@ -120,10 +120,12 @@ void runMorph(const MorphSettings& settings, JobEvents& caller) {
   // through: of sequences the plan of each follows that of the one before.
   for (size_t i = 0; i < end; ++i) {
     const FrameSteps steps = stepsOf(settings, i);
+    const bool nextIsMade = i + 1 < end && jobs[i + 1].wanted && !isDone(i + 1);
+    // The first frame tells how inputs are placed, and which options they ask for.
+    if (!settings.planFile.empty() && i > 0 && !jobs[i].wanted && !(nextIsMade && report.wanted())) continue;
     maker.moveTo(i, steps.from, steps.planned);
     if (i == 0) writer.prepare(maker, steps.planned);
     events.throwIfCancelled();
-    const bool nextIsMade = i + 1 < end && jobs[i + 1].wanted && !isDone(i + 1);
     const bool kept = jobs[i].wanted && isDone(i);
     if (jobs[i].wanted && !kept && (settings.oneGlb() || claims.take(jobs[i]))) {
       events.report("making frames", steps.made);

@@ -185,6 +185,11 @@ class MorphPlan {
   /// start (a cut), the objects are planned anew, and notes() says so. Throws InputError for a different
   /// number of objects, GeometryError as above.
   MorphPlan(std::vector<Object> objects, const MorphPlan& before, Progress* progress = nullptr);
+  /// A plan by the decisions() of an earlier one, of the same objects and options: frames are the same bytes, and planning
+  /// takes only the time to measure the objects. It has no slicePictures() and cannot be the plan `before` of another.
+  /// Throws InputError for decisions that are damaged, of another version or of other objects; GeometryError as above.
+  static MorphPlan decidedBefore(std::vector<Object> objects, const MorphOptions& options,
+                                 const std::string& decisions, Progress* progress = nullptr);
   ~MorphPlan();
   MorphPlan(MorphPlan&&) noexcept;
   MorphPlan& operator=(MorphPlan&&) noexcept;
@@ -212,6 +217,9 @@ class MorphPlan {
   /// Of the warped objects in the middle space, intersection over union, 0 to 1.
   double overlap() const;
 
+  /// How the objects are laid, and the map between them, as bytes for decidedBefore(): a few megabytes.
+  std::string decisions() const;
+
   size_t objectCount() const;
   std::vector<SlicePicture> slicePictures() const;
   /// What was decided, one sentence each (axes, alignment, share of trusted pairs).
@@ -219,6 +227,7 @@ class MorphPlan {
 
  private:
   struct Impl;
+  explicit MorphPlan(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
 

@@ -1,0 +1,150 @@
+#include "tools/job/plan_file.h"
+
+#include "io/atomic_file.h"
+#include "io/sequence.h"
+#include "io/whole_file.h"
+#include "slicemorph/errors.h"
+#include "slicemorph/io/output.h"
+#include "tools/job/program_build.h"
+
+#include <nlohmann/json.hpp>
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <filesystem>
+
+namespace slicemorph {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+/// Begins the file; the number is raised whenever what follows changes.
+const std::string kPlanMark = "slicemorph plan ", kPlanVersion = "1\n";
+/// Most bytes of decisions: a lattice of a million nodes and ten objects takes 120 million.
+constexpr std::uint64_t kMostDecisions = std::uint64_t(1) << 32;
+
+/// Options that name files, but for the inputs.
+bool isPath(const std::string& name) { return name == "config"; }
+
+bool decidesPlans(const OptionRow& row) {
+  if (row.name == "config") return true;
+  if (row.name == "plan" || row.name == "check-landmarks") return false;
+  return row.group == OptionGroup::kInputs || row.group == OptionGroup::kShape ||
+         row.group == OptionGroup::kMatching || (row.group == OptionGroup::kImages && row.name != "like");
+}
+
+/// An input or file by its whole path; what follows a file's name, as a grid's, stays behind it.
+std::string wholePath(const std::string& text) {
+  return text.empty() || text[0] == '/' ? text : (fs::current_path() / text).string();
+}
+
+std::string joined(const std::vector<std::string>& texts) {
+  std::string all;
+  for (const std::string& text : texts) all += (all.empty() ? "" : " ") + text;
+  return all;
+}
+
+}  // namespace
+
+PlanFile planFileOf(const OptionSet& options) {
+  PlanFile plan;
+  plan.program = programBuild();
+  for (const OptionRow* row : options.rows()) {
+    std::vector<std::string> texts = options.texts(row->name);
+    if (!decidesPlans(*row) || texts.empty()) continue;
+    if (row->name == "inputs" || isPath(row->name))
+      for (std::string& text : texts) text = wholePath(text);
+    plan.options.emplace_back(row->name, std::move(texts));
+  }
+  return plan;
+}
+
+void writePlanFile(const std::string& path, const PlanFile& plan) {
+  Json head = {{"program", plan.program}, {"options", Json::object()}, {"bytes", plan.decisions.size()}};
+  for (const auto& [name, texts] : plan.options) head["options"][name] = texts;
+  uLongf size = compressBound(uLong(plan.decisions.size()));
+  std::string packed(size, '\0');
+  if (compress2(reinterpret_cast<Bytef*>(&packed[0]), &size,
+                reinterpret_cast<const Bytef*>(plan.decisions.data()), uLong(plan.decisions.size()),
+                Z_DEFAULT_COMPRESSION) != Z_OK)
+    throw IoError(path, "cannot be compressed: there is too little memory");
+  packed.resize(size);
+  AtomicFile file(path);
+  file.write(kPlanMark + kPlanVersion);
+  file.write(head.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
+  file.write(packed);
+  file.commit();
+}
+
+PlanFile readPlanFile(const std::string& path) {
+  const std::string bytes = readWholeFile(path);
+  if (bytes.compare(0, kPlanMark.size(), kPlanMark) != 0)
+    throw IoError(path, "is no plan; `slicemorph plan` writes them");
+  if (bytes.compare(kPlanMark.size(), kPlanVersion.size(), kPlanVersion) != 0)
+    throw IoError(path, "is a plan of another version of slicemorph; make it anew");
+  const auto damaged = [&]() -> IoError { return IoError(path, "is damaged or cut off; make it anew"); };
+  const size_t from = kPlanMark.size() + kPlanVersion.size(), end = bytes.find('\n', from);
+  if (end == std::string::npos) throw damaged();
+  const Json head = Json::parse(bytes.substr(from, end - from), nullptr, false);
+  if (!head.is_object() || !head.contains("options") || !head["options"].is_object() ||
+      !head.contains("bytes") || !head["bytes"].is_number_unsigned())
+    throw damaged();
+  PlanFile plan;
+  plan.program = head.value("program", std::string("unknown"));
+  for (const auto& [name, texts] : head["options"].items()) {
+    if (!texts.is_array() ||
+        !std::all_of(texts.begin(), texts.end(), [](const Json& t) { return t.is_string(); }))
+      throw damaged();
+    plan.options.emplace_back(name, texts.get<std::vector<std::string>>());
+  }
+  const std::uint64_t whole = head["bytes"].get<std::uint64_t>();
+  // zlib makes nothing smaller than by a factor of 1032, so a short file cannot ask for much memory.
+  if (whole > kMostDecisions || whole > 1032 * std::uint64_t(bytes.size())) throw damaged();
+  plan.decisions.resize(size_t(whole));
+  uLongf size = uLongf(whole);
+  const int state =
+      uncompress(reinterpret_cast<Bytef*>(&plan.decisions[0]), &size,
+                 reinterpret_cast<const Bytef*>(bytes.data() + end + 1), uLong(bytes.size() - end - 1));
+  if (state != Z_OK || size != whole) throw damaged();
+  return plan;
+}
+
+Notes applyPlanFile(OptionSet& options) {
+  const std::string& name = options.values().planFile;
+  if (name.empty()) return {};
+  std::string path = name;
+  if (OutputName(name).isSequence()) path = framesOf(parseInput(name)).front();
+  const PlanFile plan = readPlanFile(path);
+  for (const auto& [key, texts] : plan.options) {
+    const auto row = std::find_if(options.rows().begin(), options.rows().end(),
+                                  [&, key = key](const OptionRow* r) { return r->name == key; });
+    if (row == options.rows().end())
+      throw IoError(path, "has an option that this version does not know, '" + key + "'; make it anew");
+    if (key == "inputs" && options.given(key)) continue;
+    if (!options.given(key)) {
+      options.set(**row, texts);
+      continue;
+    }
+    std::vector<std::string> given = options.texts(key);
+    if (isPath(key))
+      for (std::string& text : given) text = wholePath(text);
+    if (given != texts)
+      options.refuse(key, spelledName(**row) + " " + joined(given) + ": the plan " + path +
+                              " was made with " + joined(texts) +
+                              "; leave the option out, or make the plan anew");
+  }
+  for (const OptionRow* row : options.rows())
+    if (decidesPlans(*row) && row->name != "inputs" && row->name != "config" && options.given(row->name) &&
+        std::none_of(plan.options.begin(), plan.options.end(),
+                     [&](const auto& option) { return option.first == row->name; }))
+      options.refuse(row->name, spelledName(*row) + ": the plan " + path +
+                                    " was made without it; leave it out, or make the plan anew");
+  if (plan.program == programBuild()) return {};
+  return {{"plan.other-program", Severity::kNote, path,
+           "was made by version " + plan.program + ", and this is " + programBuild() +
+               ": frames may differ in their last digits"}};
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "slicemorph/note.h"
+#include "tools/job/option_set.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace slicemorph {
+
+/// A plan on disk, by which frames are made at once, in any order, on any machine that has the inputs: a line that names
+/// the format, a line of JSON, and the compressed decisions.
+struct PlanFile {
+  std::string program;  ///< version and build that made it
+  /// Options on which the plan depends and that were given, with their texts; files by their whole paths.
+  std::vector<std::pair<std::string, std::vector<std::string>>> options;
+  std::string decisions;  ///< see MorphPlan::decisions
+};
+
+/// The options of `morph` on which plans depend, among those that are given.
+PlanFile planFileOf(const OptionSet& options);
+
+/// Whole or not at all. Throws IoError.
+void writePlanFile(const std::string& path, const PlanFile& plan);
+
+/// Throws IoError for what is no plan, is damaged, or is of another version of the format.
+PlanFile readPlanFile(const std::string& path);
+
+/// Sets the options of the plan named by --plan, where there is one; of a numbered sequence of plans those of the first
+/// file that is there. Inputs that were given stay, as they may have moved. Throws InputError where another option was
+/// given with another value than the plan's; IoError as readPlanFile.
+Notes applyPlanFile(OptionSet& options);
+
+}  // namespace slicemorph
