@@ -65,7 +65,7 @@ def case_keys_and_job_files(o):
     """Plans of several inputs, by a job file with a feature."""
     with open(o + "/job.toml", "w") as job:
         job.write('inputs = ["%s", "%s", "%s"]\noutput = "m.####.vdb"\nframes = 3\nresolution = 24\nslices = 16\nsamples = 32\n'
-                  '[[feature]]\nname = "top"\npoints = [[0, 0.5, 0], [0, 0.5, 0], [0, 0.2, 0]]\n' % (DIE, OCTAHEDRON, RING))
+                  '[[feature]]\nname = "top"\npoint = [[0, 0.5, 0], [0, 0.5, 0], [0, 0.2, 0]]\n' % (DIE, OCTAHEDRON, RING))
     whole, planned = folder(o, "whole"), folder(o, "planned")
     run(whole, "morph", "--config", o + "/job.toml")
     run(o, "plan", "--config", "job.toml", "-o", "x.plan")

@@ -8,6 +8,7 @@
 #include "tools/job/job_file.h"
 #include "tools/job/morph_checks.h"
 #include "tools/job/morph_job.h"
+#include "tools/job/option_values.h"
 #include "tools/job/run_plan.h"
 
 namespace slicemorph {

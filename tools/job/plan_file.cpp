@@ -40,7 +40,7 @@ std::string wholePath(const std::string& text) {
   return text.empty() || text[0] == '/' ? text : (fs::current_path() / text).string();
 }
 
-std::string joined(const std::vector<std::string>& texts) {
+std::string spokenTexts(const std::vector<std::string>& texts) {
   std::string all;
   for (const std::string& text : texts) all += (all.empty() ? "" : " ") + text;
   return all;
@@ -115,7 +115,7 @@ Notes applyPlanFile(OptionSet& options) {
   const std::string& name = options.values().planFile;
   if (name.empty()) return {};
   std::string path = name;
-  if (OutputName(name).isSequence()) path = framesOf(parseInput(name)).front();
+  if (OutputName(name).isSequence()) path = framesOf(parseInput(name)).front().input.path;
   const PlanFile plan = readPlanFile(path);
   for (const auto& [key, texts] : plan.options) {
     const auto row = std::find_if(options.rows().begin(), options.rows().end(),
@@ -131,8 +131,8 @@ Notes applyPlanFile(OptionSet& options) {
     if (isPath(key))
       for (std::string& text : given) text = wholePath(text);
     if (given != texts)
-      options.refuse(key, spelledName(**row) + " " + joined(given) + ": the plan " + path +
-                              " was made with " + joined(texts) +
+      options.refuse(key, spelledName(**row) + " " + spokenTexts(given) + ": the plan " + path +
+                              " was made with " + spokenTexts(texts) +
                               "; leave the option out, or make the plan anew");
   }
   for (const OptionRow* row : options.rows())
