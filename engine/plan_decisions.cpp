@@ -22,6 +22,7 @@ class DecisionWriter {
   }
   void addCount(size_t count) { add(std::uint64_t(count)); }
   void add(const std::string& text) { addCount(text.size()), bytes_ += text; }
+  void addRaw(const std::string& bytes) { bytes_ += bytes; }
   void add(const Vec3d& v) {
     for (int c = 0; c < 3; ++c) add(v[c]);
   }
@@ -63,8 +64,9 @@ class DecisionReader {
     if (count > (bytes_.size() - at_) / each) refuseDecisions();
     return size_t(count);
   }
-  std::string text() {
-    const size_t size = count(1);
+  std::string text() { return raw(count(1)); }
+  std::string raw(size_t size) {
+    if (!holds(size)) refuseDecisions();
     at_ += size;
     return bytes_.substr(at_ - size, size);
   }
@@ -134,12 +136,89 @@ Chart chartFrom(DecisionReader& reader) {
   return chart;
 }
 
+/// A float's bits as a number that grows with it, so that floats next to each other differ by little.
+std::uint32_t orderOf(float value) {
+  std::uint32_t bits;
+  std::memcpy(&bits, &value, sizeof bits);
+  return bits & 0x80000000u ? ~bits : bits | 0x80000000u;
+}
+
+float ofOrder(std::uint32_t order) {
+  const std::uint32_t bits = order & 0x80000000u ? order & 0x7fffffffu : ~order;
+  float value;
+  std::memcpy(&value, &bits, sizeof value);
+  return value;
+}
+
+/// What the neighbours before a node say of its value where a field is smooth: the Lorenzo predictor [ILRS03].
+float predicted(const Lattice& lattice, const std::vector<float>& value, int x, int y, int z) {
+  const auto at = [&](int dx, int dy, int dz) {
+    return x < dx || y < dy || z < dz ? 0.f : value[lattice.index(x - dx, y - dy, z - dz)];
+  };
+  return at(1, 0, 0) + at(0, 1, 0) + at(0, 0, 1) - at(1, 1, 0) - at(1, 0, 1) - at(0, 1, 1) + at(1, 1, 1);
+}
+
+/// Calls visit(node, x, y, z) for every node, in an order in which the neighbours that predict it come first.
+template <typename Visit>
+void visitInOrder(const Lattice& lattice, const Visit& visit) {
+  for (int z = 0; z < lattice.size[2]; ++z)
+    for (int y = 0; y < lattice.size[1]; ++y)
+      for (int x = 0; x < lattice.size[0]; ++x) visit(lattice.index(x, y, z), x, y, z);
+}
+
+/// The field's numbers as differences to what is predicted, small ones near 0, byte by byte: the first bytes of all,
+/// then the second ones ..., as this is what a compressor makes small. `about`: a field that it is like.
+void addField(DecisionWriter& writer, const Lattice& lattice, const VectorField& field,
+              const VectorField& about) {
+  const size_t count = lattice.count();
+  std::vector<float> off(count);
+  std::string bytes(4 * count, '\0');
+  for (int c = 0; c < 3; ++c) {
+    visitInOrder(lattice, [&](size_t node, int x, int y, int z) {
+      const float expected = about[node][c] + predicted(lattice, off, x, y, z);
+      off[node] = field[node][c] - about[node][c];
+      const std::uint32_t difference = orderOf(field[node][c]) - orderOf(expected);
+      const std::uint32_t folded = difference & 0x80000000u ? ~(difference << 1) : difference << 1;
+      for (size_t b = 0; b < 4; ++b) bytes[b * count + node] = char(folded >> 8 * b & 0xff);
+    });
+    writer.addRaw(bytes);
+  }
+}
+
+VectorField fieldFrom(DecisionReader& reader, const Lattice& lattice, const VectorField& about) {
+  const size_t count = lattice.count();
+  VectorField field(count);
+  std::vector<float> off(count);
+  for (int c = 0; c < 3; ++c) {
+    const std::string bytes = reader.raw(4 * count);
+    visitInOrder(lattice, [&](size_t node, int x, int y, int z) {
+      std::uint32_t folded = 0;
+      for (size_t b = 0; b < 4; ++b) folded |= std::uint32_t(std::uint8_t(bytes[b * count + node])) << 8 * b;
+      const float expected = about[node][c] + predicted(lattice, off, x, y, z);
+      field[node][c] = ofOrder(orderOf(expected) + (folded & 1 ? ~(folded >> 1) : folded >> 1));
+      off[node] = field[node][c] - about[node][c];
+    });
+  }
+  return field;
+}
+
+/// The field that would make the sum of all 0, as the last one does where points move straight.
+VectorField restOf(const std::vector<VectorField>& fields, size_t count) {
+  VectorField rest(count, openvdb::Vec3s(0.f));
+  for (const VectorField& field : fields)
+    for (size_t i = 0; i < count; ++i) rest[i] -= field[i];
+  return rest;
+}
+
 void addMap(DecisionWriter& writer, const Displacements& map) {
+  const size_t count = map.lattice.count();
   writer.add(map.lattice.origin), writer.add(map.lattice.spacing);
   for (int c = 0; c < 3; ++c) writer.add(std::int32_t(map.lattice.size[c]));
-  for (const VectorField& field : map.of)
-    for (const openvdb::Vec3s& v : field)
-      for (int c = 0; c < 3; ++c) writer.add(v[c]);
+  for (size_t k = 0; k < map.of.size(); ++k) {
+    const bool last = k > 0 && k + 1 == map.of.size();
+    const std::vector<VectorField> before(map.of.begin(), map.of.begin() + (last ? std::ptrdiff_t(k) : 0));
+    addField(writer, map.lattice, map.of[k], restOf(before, count));
+  }
 }
 
 Displacements mapFrom(DecisionReader& reader, size_t objects) {
@@ -150,11 +229,12 @@ Displacements mapFrom(DecisionReader& reader, size_t objects) {
     map.lattice.size[c] = reader.number<std::int32_t>();
     if (map.lattice.size[c] < 1 || map.lattice.size[c] > kMost) refuseDecisions();
   }
+  const size_t count = map.lattice.count();
   for (size_t k = 0; k < objects; ++k) {
-    if (!reader.holds(map.lattice.count() * 3 * sizeof(float))) refuseDecisions();
-    map.of.emplace_back(map.lattice.count());
-    for (openvdb::Vec3s& v : map.of.back())
-      for (int c = 0; c < 3; ++c) v[c] = reader.number<float>();
+    if (!reader.holds(count * 3 * sizeof(float))) refuseDecisions();
+    const bool last = k > 0 && k + 1 == objects;
+    map.of.push_back(
+        fieldFrom(reader, map.lattice, restOf(last ? map.of : std::vector<VectorField>(), count)));
   }
   return map;
 }

@@ -101,8 +101,12 @@ class Cluster:
         return result
 
     def busy(self):
-        """Whether a job waits or runs."""
-        return bool(subprocess.run(["squeue", "-h"], env=self.environment, capture_output=True, text=True).stdout.strip())
+        """Whether a job waits or runs. Jobs that are queued again wait for two minutes, which are not waited for here."""
+        jobs = subprocess.run(["squeue", "-h", "-o", "%i %r"], env=self.environment, capture_output=True, text=True).stdout.split("\n")
+        for job in jobs:
+            if job.endswith(" BeginTime"):
+                subprocess.run(["scontrol", "update", "JobId=" + job.split()[0], "StartTime=now"], env=self.environment)
+        return any(jobs)
 
 
 def sums(o):
@@ -148,7 +152,7 @@ def case_an_array_of_tasks(o):
                 time.sleep(0.05)
             assert sums(farm) == wanted, (sorted(os.listdir(farm)), kills)
             assert sorted(os.listdir(farm)) == sorted([*wanted, "r.json", "sheet.png"]), os.listdir(farm)
-            frames = lambda folder: [[frame[key] for key in ("number", "volume", "area")]
+            frames = lambda folder: [[frame[key] for key in ("frame", "volume", "area")]
                                      for frame in json.load(open(os.path.join(folder, "r.json")))["frames"]]
             assert frames(farm) == frames(whole), frames(farm)
             assert kills == 0 or killed > 0

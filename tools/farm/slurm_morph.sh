@@ -48,13 +48,13 @@ done
 # Hidden, beside the output: plans, logs and the reports of parts.
 hidden=$(dirname "$output")/.$(basename "$output" | tr -d '#').farm
 mkdir -p "$hidden"
-plan=$hidden/${moving:+####}.plan
+plan=$hidden/morph${moving:+.####}.plan
 quoted() { printf '%q ' "$@"; }
 morph=$(quoted "$program" morph --plan "$plan" "${options[@]}" -o "$output" --resume --quiet)
 part_report=
 [ -z "$report" ] || part_report="--report $(quoted "$hidden")/part.\$SLURM_ARRAY_TASK_ID.json"
 
-submit() { sbatch --parsable --requeue --output "$hidden/%x.%A_%a.log" ${sbatch_options[@]+"${sbatch_options[@]}"} "$@"; }
+submit() { sbatch --parsable --requeue --kill-on-invalid-dep=yes --output "$hidden/%x.%A_%a.log" ${sbatch_options[@]+"${sbatch_options[@]}"} "$@"; }
 # What ends by a signal is queued again, three times at most; sbatch itself does so when a machine is lost.
 again='code=$?
 if [ $code -gt 128 ] && [ "${SLURM_RESTART_COUNT:-0}" -lt 3 ]; then scontrol requeue "$SLURM_JOB_ID" && sleep 600; fi
