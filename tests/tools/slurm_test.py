@@ -136,7 +136,7 @@ def case_an_array_of_tasks(o):
     assert len(wanted) == 9
     times = random.Random(7)
     with Cluster() as cluster:
-        for kills in (0, 3):
+        for kills in ((0, 3) if os.environ.get("SLICEMORPH_ALL_TESTS") else (2,)):
             farm = os.path.join(o, "farm%d" % kills)
             os.mkdir(farm)
             cluster.call("bash", SCRIPT, "--tasks", 3, "--report", "r.json", "--sheet", "sheet.png", "--", *WORDS, "-o", "m.####.vdb", cwd=farm)
