@@ -55,13 +55,13 @@ MorphPlan::MorphPlan(std::vector<Object> objects, const MorphPlan& before, Progr
   impl_.reset(new Impl{planNext(objects, before.impl_->plan, progress ? *progress : none)});
 }
 
-MorphPlan::MorphPlan(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+MorphPlan::MorphPlan(Made, std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 MorphPlan MorphPlan::decidedBefore(std::vector<Object> objects, const MorphOptions& options,
                                    const std::string& decisions, Progress* progress) {
   Progress none;
   Plan plan = planDecided(objects, options, decisions, progress ? *progress : none);
-  return MorphPlan(std::unique_ptr<Impl>(new Impl{std::move(plan)}));
+  return MorphPlan(Made(), std::unique_ptr<Impl>(new Impl{std::move(plan)}));
 }
 
 std::string MorphPlan::decisions() const { return bytesOfDecisions(impl_->plan); }

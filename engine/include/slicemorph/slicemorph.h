@@ -227,7 +227,8 @@ class MorphPlan {
 
  private:
   struct Impl;
-  explicit MorphPlan(std::unique_ptr<Impl> impl);
+  struct Made {};  ///< so that MorphPlan({}) means no objects
+  MorphPlan(Made, std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
 
