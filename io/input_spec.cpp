@@ -86,7 +86,9 @@ void splitRange(InputSpec& spec) {
   const std::string before = spec.path.substr(0, at), range = spec.path.substr(at + 1, end - at - 1);
   // Names of files may hold this mark, too.
   if (range.find_first_of("./") != std::string::npos) return;
-  if (numbersOfRange(range).empty())
+  // Names of files have no negative numbers.
+  const std::vector<int> numbers = numbersOfRange(range);
+  if (numbers.empty() || numbers.front() < 0)
     throw InputError(spec.text, "'@" + range +
                                     "' is no range of frames; for example @10-40, each second of these "
                                     "@10-40x2, or @1,5,10-20");

@@ -39,6 +39,8 @@ std::string refusal(const std::string& name, const std::string& bytes) {
     read(name, bytes);
   } catch (const IoError& error) {
     return error.note().text;
+  } catch (const GeometryError& error) {
+    return error.note().text;
   }
   return "it was read";
 }
