@@ -26,6 +26,17 @@ def write(path, *grids, **metadata):
     return path
 
 
+def puff(path, middle, radius, h=0.1):
+    """Writes a ball of density 1 with a soft rim, on 24 voxels a side around 0."""
+    n = 24
+    x, y, z = np.meshgrid(*[(np.arange(n) - n / 2) * h] * 3, indexing="ij")
+    distance = np.sqrt((x - middle[0]) ** 2 + (y - middle[1]) ** 2 + (z - middle[2]) ** 2) - radius
+    grid = vdb.FloatGrid(background=0.0)
+    grid.copyFromArray(np.clip(0.5 - distance / (3 * h), 0, 1).astype(np.float32))
+    grid.name, grid.gridClass, grid.transform = "density", vdb.GridClass.FOG_VOLUME, vdb.createLinearTransform(h)
+    return write(path, grid)
+
+
 def names(path):
     """Grids of a file with their types, by vdb_print, which knows all types."""
     out = subprocess.run(["vdb_print", "-l", path], capture_output=True, text=True).stdout

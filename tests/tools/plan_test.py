@@ -5,18 +5,16 @@ usage: plan_test.py PATH/TO/slicemorph REPOSITORY [NAME...]     (NAME: only the 
 
 Needs Debian's python3-openvdb.
 """
-import hashlib
 import os
 import subprocess
 import sys
 
 sys.path.append("/usr/lib/python3/dist-packages")
-import numpy as np
-import pyopenvdb as vdb
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
 from cases import named_cases, run_cases
-from grids import write
+from frames import folder, sums
+from grids import puff
 
 if len(sys.argv) < 3:
     sys.exit(__doc__)
@@ -29,16 +27,6 @@ def run(o, *words, code=0):
     result = subprocess.run([PROGRAM, *map(str, words)], cwd=o, capture_output=True, text=True, timeout=600)
     assert result.returncode == code, "%s: exit %d\n%s" % (" ".join(map(str, words)), result.returncode, result.stderr)
     return result
-
-
-def sums(o, ending):
-    return {name: hashlib.sha256(open(os.path.join(o, name), "rb").read()).hexdigest()
-            for name in sorted(os.listdir(o)) if name.endswith(ending)}
-
-
-def folder(o, name):
-    os.mkdir(os.path.join(o, name))
-    return os.path.join(o, name)
 
 
 def case_frames_are_the_same(o):
@@ -71,16 +59,6 @@ def case_keys_and_job_files(o):
     run(o, "plan", "--config", "job.toml", "-o", "x.plan")
     run(planned, "morph", "--plan", o + "/x.plan")
     assert sums(whole, ".vdb") == sums(planned, ".vdb") and len(sums(whole, ".vdb")) == 3
-
-
-def puff(path, middle, radius, h=0.1):
-    n = 24
-    x, y, z = np.meshgrid(*[(np.arange(n) - n / 2) * h] * 3, indexing="ij")
-    distance = np.sqrt((x - middle[0]) ** 2 + (y - middle[1]) ** 2 + (z - middle[2]) ** 2) - radius
-    grid = vdb.FloatGrid(background=0.0)
-    grid.copyFromArray(np.clip(0.5 - distance / (3 * h), 0, 1).astype(np.float32))
-    grid.name, grid.gridClass, grid.transform = "density", vdb.GridClass.FOG_VOLUME, vdb.createLinearTransform(h)
-    return write(path, grid)
 
 
 def case_sequences(o):

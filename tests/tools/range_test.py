@@ -5,7 +5,6 @@ usage: range_test.py PATH/TO/slicemorph REPOSITORY [NAME...]     (NAME: only the
 
 Needs Debian's python3-openvdb.
 """
-import hashlib
 import json
 import os
 import signal
@@ -21,7 +20,9 @@ import pyopenvdb as vdb
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
 from cases import Skip, named_cases, run_cases
-from grids import write
+import frames
+from frames import folder
+from grids import puff
 
 if len(sys.argv) < 3:
     sys.exit(__doc__)
@@ -44,16 +45,10 @@ def run(o, *words, code=0):
 
 
 def sums(o, ending=".vdb"):
-    """Names and SHA-256 of the frames of a folder, whose hidden files must all be gone."""
+    """Those of the frames of a folder, whose hidden files must all be gone."""
     hidden = [name for name in os.listdir(o) if name.startswith(".")]
     assert not hidden, hidden
-    return {name: hashlib.sha256(open(os.path.join(o, name), "rb").read()).hexdigest()
-            for name in sorted(os.listdir(o)) if name.endswith(ending)}
-
-
-def folder(o, name):
-    os.mkdir(os.path.join(o, name))
-    return os.path.join(o, name)
+    return frames.sums(o, ending)
 
 
 def same_in_parts(o, words, ranges, names, ending=".vdb", pattern="m.####"):
@@ -79,16 +74,6 @@ def case_times_and_keys(o):
     """Frames of --at, which need not be in order and far from even, have the velocities that they have in the whole."""
     same_in_parts(o, [DIE, OCTAHEDRON, RING, *SMALL, "--at", "0.1,0.9,0.2,0.25", "--keys", "die@0 ring@0.4 octahedron@1", "--timing",
                       "catmull-rom", "--start", -1], ["0", "-1,1-2"], ["m.%s.vdb" % n for n in ("-0001", "0000", "0001", "0002")])
-
-
-def puff(path, middle, radius, h=0.1):
-    n = 24
-    x, y, z = np.meshgrid(*[(np.arange(n) - n / 2) * h] * 3, indexing="ij")
-    distance = np.sqrt((x - middle[0]) ** 2 + (y - middle[1]) ** 2 + (z - middle[2]) ** 2) - radius
-    grid = vdb.FloatGrid(background=0.0)
-    grid.copyFromArray(np.clip(0.5 - distance / (3 * h), 0, 1).astype(np.float32))
-    grid.name, grid.gridClass, grid.transform = "density", vdb.GridClass.FOG_VOLUME, vdb.createLinearTransform(h)
-    return write(path, grid)
 
 
 def case_sequences(o):

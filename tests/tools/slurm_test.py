@@ -5,7 +5,6 @@ usage: slurm_test.py PATH/TO/slicemorph REPOSITORY [NAME...]     (NAME: only the
 
 Needs root and Debian's slurmctld, slurmd, slurm-client and munge; skipped, with a message, where these are not there.
 """
-import hashlib
 import json
 import os
 import random
@@ -19,6 +18,7 @@ import time
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
 from cases import Skip, named_cases, run_cases
+from frames import sums
 
 if len(sys.argv) < 3:
     sys.exit(__doc__)
@@ -110,11 +110,6 @@ class Cluster:
         return any(jobs)
 
 
-def sums(o):
-    return {name: hashlib.sha256(open(os.path.join(o, name), "rb").read()).hexdigest()
-            for name in sorted(os.listdir(o)) if name.endswith(".vdb")}
-
-
 def makers(o):
     """Processes that make frames in a folder."""
     found = []
@@ -133,7 +128,7 @@ def case_an_array_of_tasks(o):
     whole = os.path.join(o, "whole")
     os.mkdir(whole)
     subprocess.run([PROGRAM, "morph", *WORDS, "-o", "m.####.vdb", "--report", "r.json", "--quiet"], cwd=whole, check=True, timeout=300)
-    wanted = sums(whole)
+    wanted = sums(whole, ".vdb")
     assert len(wanted) == 9
     times = random.Random(7)
     with Cluster() as cluster:
@@ -151,11 +146,11 @@ def case_an_array_of_tasks(o):
                         os.kill(process, signal.SIGKILL)
                         killed += 1
                 time.sleep(0.05)
-            assert sums(farm) == wanted, (sorted(os.listdir(farm)), kills)
+            assert sums(farm, ".vdb") == wanted, (sorted(os.listdir(farm)), kills)
             assert sorted(os.listdir(farm)) == sorted([*wanted, "r.json", "sheet.png"]), os.listdir(farm)
-            frames = lambda folder: [[frame[key] for key in ("frame", "volume", "area")]
+            figures = lambda folder: [[frame[key] for key in ("frame", "volume", "area")]
                                      for frame in json.load(open(os.path.join(folder, "r.json")))["frames"]]
-            assert frames(farm) == frames(whole), frames(farm)
+            assert figures(farm) == figures(whole), figures(farm)
             assert kills == 0 or killed > 0
 
 
