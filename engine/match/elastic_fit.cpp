@@ -75,9 +75,12 @@ class NearestPoints {
   size_t facing(const Vec3d& p, const Vec3d& normal, const std::vector<Vec3d>& normals, double reach) const {
     std::uint32_t index[kCandidates];
     double squared[kCandidates];
-    const size_t found = tree_.knnSearch(p.asPointer(), kCandidates, index, squared);
-    for (size_t i = 0; i < found && squared[i] < reach * reach; ++i)
-      if (normals[index[i]].dot(normal) > kSameSide) return index[i];
+    // Mostly the nearest one does already, and is found much sooner than several.
+    for (size_t candidates : {size_t(1), kCandidates}) {
+      const size_t found = tree_.knnSearch(p.asPointer(), candidates, index, squared);
+      for (size_t i = 0; i < found && squared[i] < reach * reach; ++i)
+        if (normals[index[i]].dot(normal) > kSameSide) return index[i];
+    }
     return set_.points.size();
   }
 

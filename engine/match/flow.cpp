@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace slicemorph {
 
@@ -18,6 +19,11 @@ namespace {
 constexpr int kMaxSteps = 16;
 /// The same for positions on the way, which need not be met exactly.
 constexpr int kStepsOnTheWay = 4;
+/// A step that brings the sites nearer by less than this share, root mean square, is the last.
+constexpr double kLeastGain = 0.05;
+/// Of a step's fit: what it leaves over is left to the next one. Steps that went on to twice as many met the limbs of a
+/// creature, a blade, a die and an octahedron no better.
+constexpr int kFitSteps = 40;
 /// A step squeezes no tetrahedron below this share of its volume.
 constexpr double kLeastRatio = 0.4;
 /// Of a step's fit, see fitFields.
@@ -28,16 +34,19 @@ constexpr float kStillWeight = 0.3f;
 /// Adds steps that carry the sites to the targets, and carries them.
 void addSteps(Sites& sites, const std::vector<Vec3d>& target, const Lattice& lattice, int most,
               std::vector<Displacements>& steps) {
+  const Displacements none{lattice, {VectorField(lattice.count(), openvdb::Vec3s(0.f))}};
+  double before = std::numeric_limits<double>::max();
   for (int count = 0; count < most; ++count) {
     sites.value[0].clear();
-    double farthest = 0;
+    double farthest = 0, squares = 0;
     for (size_t i = 0; i < target.size(); ++i) {
-      sites.value[0].push_back(target[i] - sites.position[i]);
-      farthest = std::max(farthest, sites.value[0].back().length());
+      const Vec3d way = target[i] - sites.position[i];
+      sites.value[0].push_back(way);
+      farthest = std::max(farthest, way.length()), squares += way.lengthSqr();
     }
-    if (farthest < 0.1 * lattice.spacing) break;
-    Displacements step =
-        fitFields(lattice, sites, kStiffness, {lattice, {VectorField(lattice.count(), openvdb::Vec3s(0.f))}});
+    if (farthest < 0.1 * lattice.spacing || std::sqrt(squares) > (1 - kLeastGain) * before) break;
+    before = std::sqrt(squares);
+    Displacements step = fitFields(lattice, sites, kStiffness, none, kFitSteps);
     for (int halvings = 0; leastRatio(step) < kLeastRatio && halvings < 12; ++halvings)
       for (auto& d : step.of[0]) d *= 0.7f;
     for (Vec3d& p : sites.position) p += step.at(0, p);
@@ -83,7 +92,7 @@ Displacements flowed(const Displacements& map, const std::vector<Correspondence>
   }
   const Lattice coarse = Lattice::over(room, spacing);
   Displacements result{lattice, std::vector<VectorField>(map.of.size(), VectorField(lattice.count()))};
-  for (size_t k = 0; k < map.of.size(); ++k) {
+  tbb::parallel_for(size_t(0), map.of.size(), [&](size_t k) {
     const std::vector<std::vector<Vec3d>> way = ways.empty() ? std::vector<std::vector<Vec3d>>() : ways[k];
     const std::vector<Displacements> steps = stepsOf(map, k, points, still, coarse, way);
     tbb::parallel_for(0, int(lattice.size[2]), [&](int z) {
@@ -95,7 +104,7 @@ Displacements flowed(const Displacements& map, const std::vector<Correspondence>
           result.of[k][lattice.index(x, y, z)] = openvdb::Vec3s(p + map.at(k, p) - s);
         }
     });
-  }
+  });
   return result;
 }
 
