@@ -19,11 +19,9 @@ namespace {
 constexpr int kMaxSteps = 16;
 /// The same for positions on the way, which need not be met exactly.
 constexpr int kStepsOnTheWay = 4;
-/// A step that brings the sites nearer by less than this share, root mean square, is the last.
+/// A step that brings the sites nearer by less than this share, root mean square, is the last. Fits of half the default's
+/// steps are no way to save more: a horse's tail and a hoof then go astray.
 constexpr double kLeastGain = 0.05;
-/// Of a step's fit: what it leaves over is left to the next one. Steps that went on to twice as many met the limbs of a
-/// creature, a blade, a die and an octahedron no better.
-constexpr int kFitSteps = 40;
 /// A step squeezes no tetrahedron below this share of its volume.
 constexpr double kLeastRatio = 0.4;
 /// Of a step's fit, see fitFields.
@@ -46,7 +44,7 @@ void addSteps(Sites& sites, const std::vector<Vec3d>& target, const Lattice& lat
     }
     if (farthest < 0.1 * lattice.spacing || std::sqrt(squares) > (1 - kLeastGain) * before) break;
     before = std::sqrt(squares);
-    Displacements step = fitFields(lattice, sites, kStiffness, none, kFitSteps);
+    Displacements step = fitFields(lattice, sites, kStiffness, none);
     for (int halvings = 0; leastRatio(step) < kLeastRatio && halvings < 12; ++halvings)
       for (auto& d : step.of[0]) d *= 0.7f;
     for (Vec3d& p : sites.position) p += step.at(0, p);

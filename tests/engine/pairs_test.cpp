@@ -187,11 +187,11 @@ TEST_P(RealPair, StaysOneSolidThing) {
   const Pair& pair = GetParam();
   if (!allTests() && pair.again) GTEST_SKIP() << "much like another; SLICEMORPH_ALL_TESTS=1 runs it";
   if (!std::filesystem::exists(kMeshes / pair.from)) GTEST_SKIP() << kMeshes / pair.from << " is not there";
-  expectOneSolidThing(pair, kMeshes, {256, allTests() ? 25 : 7});
+  expectOneSolidThing(pair, kMeshes, {256, allTests() ? 25 : 6});
 }
 
 TEST_P(OwnPair, StaysOneSolidThing) {
-  expectOneSolidThing(GetParam(), kSource / "assets", {allTests() ? 256.0 : 128.0, allTests() ? 25 : 7});
+  expectOneSolidThing(GetParam(), kSource / "assets", {allTests() ? 256.0 : 128.0, allTests() ? 25 : 6});
 }
 
 // Where sizes differ, the largest change over the mean is only printed, since it depends on the size.
@@ -221,9 +221,11 @@ struct Facing {
 /// 0.44 of its length from the nose to the horns; its tail is a whole length away.
 TEST(Facing, RealHeadsMeet) {
   const Vec3d horseNose(0, 0.812, 0.484), spotNose(0, 0.301, -0.669), bunnyNose(-0.095, 0.124, 0.02);
-  for (const Facing& pair : {Facing{"horse_ref.obj", horseNose, "spot.obj", spotNose},
-                             Facing{"spot.obj", spotNose, "horse_ref.obj", horseNose},
-                             Facing{"stanford-bunny.obj", bunnyNose, "spot.obj", spotNose}}) {
+  std::vector<Facing> pairs{{"spot.obj", spotNose, "horse_ref.obj", horseNose},
+                            {"stanford-bunny.obj", bunnyNose, "spot.obj", spotNose}};
+  // Which object comes first does not matter, as others show with less work.
+  if (allTests()) pairs.push_back({"horse_ref.obj", horseNose, "spot.obj", spotNose});
+  for (const Facing& pair : pairs) {
     const std::string from = kMeshes / pair.from, to = kMeshes / pair.to;
     if (!std::filesystem::exists(from)) GTEST_SKIP() << from << " is not there";
     LoadOptions coarse;
@@ -303,12 +305,13 @@ Object animal(double ahead, double legs, double thick, double neck, const Mat3d&
                            openvdb::BBoxd(Vec3d(-0.6, -1.6, -1.6), Vec3d(0.6, 1.6, 1.6)), 2.0 / 64)};
 }
 
-/// With either axis given as up.
+/// Along the axis that is given as up.
 TEST(Facing, StandingAnimalsTurnTheirHeads) {
   const Vec3d nose(0, 0.45, 0.75 + 0.3 + 0.11), tail(0, -0.2, -0.85);
   const Vec3d stoutNose(0, 0.25, -(0.75 + 0.18 + 0.165)), stoutTail(0, -0.2, 0.85);
   const Mat3d standing = Mat3d::identity(), onZ(1, 0, 0, 0, 0, -1, 0, 1, 0);
-  for (const auto& [turned, up] : {std::pair(standing, Vec3d(0, 1, 0)), std::pair(onZ, Vec3d(0, 0, 1))}) {
+  for (const auto& [turned, up] : {std::pair(onZ, Vec3d(0, 0, 1)), std::pair(standing, Vec3d(0, 1, 0))}) {
+    if (!allTests() && turned == standing) continue;  // the other pairs stand along y
     const Object tall = animal(1, 0.75, 1, 0.5, turned), stout = animal(-1, 0.45, 1.5, 0.3, turned);
     MorphOptions options;
     options.up = up;

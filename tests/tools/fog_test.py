@@ -201,7 +201,9 @@ def velocity_of_a_turning_bar(d):
             return np.sqrt(sum(np.maximum(p, 0) ** 2 for p in q)) + np.minimum(np.maximum.reduce(q), 0)
         return solid(distance, (0, 0, 0), 1.8, 0.04)
     a, b = write(d + "/a.vdb", bar(0)), write(d + "/b.vdb", bar(math.pi / 3))
-    run("morph", a, b, "-o", d + "/m.####.vdb", "--frames", 5, "--fps", FPS, "--quiet")
+    run("plan", a, b, "-o", d + "/x.plan", "--quiet")
+    planned = ["morph", "--plan", d + "/x.plan", "--frames", 5, "--quiet"]
+    run(*planned, "-o", d + "/m.####.vdb", "--fps", FPS)
     omega = math.pi / 3 * FPS / 4
     for path in frames(d):
         band, vel = vdb.read(path, "surface"), vdb.read(path, "vel")
@@ -217,7 +219,7 @@ def velocity_of_a_turning_bar(d):
         # The band is six voxels thick, and half a frame's way to both sides is twelve at most: eighteen, of which a voxel of four
         # times the size takes 64, and once more as many as there are, for the corners of what is cut: 18 / 6 / 64 * 2 < 1 / 8.
         assert 8 * vel.activeVoxelCount() <= band.activeVoxelCount(), (path, vel.activeVoxelCount(), band.activeVoxelCount())
-    run("morph", a, b, "-o", d + "/h.####.vdb", "--frames", 5, "--velocity-half", "--quiet")
+    run(*planned, "-o", d + "/h.####.vdb", "--velocity-half")
     for path, half in zip(frames(d), frames(d, "h")):
         assert metadata(half, "vel")["is_saved_as_half_float"] and not metadata(path, "vel")["is_saved_as_half_float"]
         assert not metadata(half, "surface")["is_saved_as_half_float"]

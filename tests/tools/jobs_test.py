@@ -10,6 +10,7 @@ import json
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 
@@ -146,9 +147,12 @@ def run_example(job, o):
     output = re.search(r'^output = "(.*?)"', text, re.M).group(1)
     for folder in ("frames", "again"):
         os.mkdir(os.path.join(o, folder))
-    done("plan", "--config", job, "-o", "x.plan", cwd=o)
-    by_plan = ["--plan", "x.plan"]
-    made = done("morph", "--config", job, "-o", "frames/" + output, "--report", "r.json", *by_plan, cwd=o).stdout.split("\n")[:-1]
+    # Plans know their job file by its name.
+    here = os.path.join(o, "job.toml")
+    shutil.copy(job, here)
+    done("plan", "--config", here, "-o", "x.plan", cwd=o)
+    by_plan = ["--config", here, "--plan", "x.plan"]
+    made = done("morph", "-o", "frames/" + output, "--report", "r.json", *by_plan, cwd=o).stdout.split("\n")[:-1]
     files = [os.path.join(o, line) for line in made]
     assert files and all(os.path.getsize(f) > 0 for f in files), made
     report = json.load(open(os.path.join(o, "r.json")))
@@ -159,8 +163,8 @@ def run_example(job, o):
         assert abs(sum(frame["weights"]) - 1) < 1e-9, frame["weights"]
     if "keyed" in job:
         check_keyed(report)
-    copy = round_trip(o, "--config", job)
-    done("morph", "--config", copy, "-o", "again/" + output, "--report", "b.json", *by_plan, cwd=o)
+    os.replace(round_trip(o, "--config", job), here)
+    done("morph", "-o", "again/" + output, "--report", "b.json", *by_plan, cwd=o)
     first, again = settings_of(os.path.join(o, "r.json")), settings_of(os.path.join(o, "b.json"))
     assert first and first == again, (first, again)
     ending = os.path.splitext(output)[1]

@@ -4,6 +4,7 @@
 #include "engine/volume/distance_field.h"
 #include "engine/volume/voxelise.h"
 #include "slicemorph/slicemorph.h"
+#include "tests/support/all_tests.h"
 #include "tests/support/quadruped.h"
 #include "tests/support/same_values.h"
 #include "tests/support/section_parts.h"
@@ -26,8 +27,8 @@ using shapes::joined;
 using shapes::quadruped;
 using shapes::Quadruped;
 
-Object object(const Distance& distance) {
-  const double h = 1.9 / 128;
+Object object(const Distance& distance, int voxels = 128) {
+  const double h = 1.9 / voxels;
   return {"quadruped", shapes::levelSet(distance, shapes::quadrupedBox(), h)};
 }
 
@@ -61,8 +62,9 @@ TEST(Limbs, QuadrupedWalksOnFourLegs) {
   const MorphPlan plan({standing, walking});
   const double volumeA = measureShape(*standing.levelSet).volume,
                volumeB = measureShape(*walking.levelSet).volume;
-  for (int i = 0; i < 25; ++i) {
-    const double t = i / 24.0;
+  const int last = allTests() ? 24 : 8;
+  for (int i = 0; i <= last; ++i) {
+    const double t = double(i) / last;
     const FloatGrid::Ptr frame = plan.frame({1 - t, t}).surface;
     const ShapeMeasures m = measureShape(*frame);
     const double volume = m.volume / ((1 - t) * volumeA + t * volumeB);
@@ -153,8 +155,9 @@ TEST(Limbs, OneBranchBecomesSeveral) {
     const Object a = alongX(fork(from)), b = alongX(fork(to));
     const MorphPlan plan({a, b});
     const double volumeA = measureShape(*a.levelSet).volume, volumeB = measureShape(*b.levelSet).volume;
-    for (int i = 0; i <= 8; ++i) {
-      const double t = i / 8.0;
+    const int last = allTests() ? 8 : 5;
+    for (int i = 0; i <= last; ++i) {
+      const double t = double(i) / last;
       const FloatGrid::Ptr frame = plan.frame({1 - t, t}).surface;
       const ShapeMeasures m = measureShape(*frame);
       int prongs = 0;
@@ -174,7 +177,8 @@ TEST(Limbs, OneBranchBecomesSeveral) {
 }
 
 TEST(Limbs, ThreadsDoNotChangeAValue) {
-  const Object standing = object(quadruped({0, 0, 0, 0})), walking = object(quadruped({30, -30, -30, 30}));
+  const Object standing = object(quadruped({0, 0, 0, 0}), 72),
+               walking = object(quadruped({30, -30, -30, 30}), 72);
   FloatGrid::Ptr first;
   for (size_t threads : {1, 4})
     withThreads(threads, [&] {
