@@ -554,6 +554,13 @@ def case_label_morph():
     refused("morph", "a.nii.gz", "b.nii.gz", "-o", "x.nii", "--at", "0.5", "--image", "mesh", says=["--image"])
 
 
+def case_memory_of_a_series():
+    """What a series takes is known before it is taken."""
+    write_series("large", [(0, 0, i) for i in range(60)], size=(512, 512), spacing=(1, 1), value=lambda p: 40 + 0 * p[..., 0])
+    # Its numbers alone are 31 MB, the program some 70.
+    refused("convert", "large", "-o", "large.nii", "--memory", "100M", says=["large", "512 x 512 x 60 voxels", "--memory"])
+
+
 def case_lungs():
     """Lung masks at two times on different grids: volume is monotonic; prescribed landmarks arrive nearer."""
     a, b = data("lung/3DCT_lung_baseline_mask.mha"), data("lung/3DCT_lung_followup_mask.mha")

@@ -168,7 +168,8 @@ def empty_meshes_are_nothing(d):
     """Meshes without points and faces, as programs write them, are nothing as empty grids are; what is cut short is refused."""
     empty = {"obj": b"# written by a program\no nothing\n", "ply": b"ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\n"
              b"property float y\nproperty float z\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n",
-             "stl": bytes(84), "off": b"OFF\n0 0 0\n"}
+             "stl": bytes(84), "off": b"OFF\n0 0 0\n",
+             "glb": struct.pack("<4sIII4s", b"glTF", 2, 48, 28, b"JSON") + b'{"asset":{"version":"2.0"}} '}
     ball_ = sphere_obj(d + "/b.obj", 0.8, n=8)
     whole = sphere_obj(d + "/whole.obj", 0.6, n=8)
     for kind, data in empty.items():
@@ -595,6 +596,8 @@ def memory_is_told(d):
     assert "fine.exr" in error and "its slices" in error and "--memory" in error, error
     for wrong in ("4", "x", "-1G", "0M", "4Q"):
         assert "expected a size" in run("info", a, "--memory", wrong, code=2).stderr
+    for little in ("1K", "60M", "99M", "0.0001%"):
+        assert "give it 100M or more" in run("info", a, "--memory", little, code=2).stderr
     for right in ("4G", "2000M", "1.5GiB", "50%"):
         run("info", a, "--memory", right)
 

@@ -33,7 +33,7 @@ openvdb::MaskGrid::Ptr boxGrid(const openvdb::BBoxd& box) {
 /// Pixels along the longest side of slices whose pixels' size nobody asked for: this many, or so many times the
 /// voxels along any of the inputs, so that only inputs of very different sizes get coarser pixels than the finest
 /// voxels.
-constexpr double kUsualPixels = 2048, kPixelsPerVoxel = 4;
+constexpr double kUsualPixels = 1024, kPixelsPerVoxel = 4;
 
 /// The size of pixels that --pixel-size leaves open: that of the finest voxels, unless these are dust in the whole.
 double slicePixelOf(const FrameMaker& maker, double finest, const openvdb::BBoxd& all, Notes& notes) {

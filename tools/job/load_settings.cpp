@@ -45,6 +45,9 @@ void checkFits(const OptionSet& options) {
 
 /// Of what is free when the program starts; the rest is for others.
 constexpr double kShareOfFree = 0.8;
+/// Least memory that may be asked for: the program with its libraries and threads takes 50 to 80 MB before it holds anything,
+/// and where threads cannot start it cannot even say so.
+constexpr double kLeastMemory = 100 * 1024.0 * 1024.0;
 
 }  // namespace
 
@@ -53,7 +56,13 @@ MemoryLimit memorySettings(const OptionSet& options) {
   const double free = freeMemory();
   MemoryLimit limit;
   if (!said.empty())
-    limit.bytes = options.about("memory", [&] { return parseBytes("--memory", said, free); });
+    limit.bytes = options.about("memory", [&] {
+      const double bytes = parseBytes("--memory", said, free);
+      if (bytes < kLeastMemory)
+        throw InputError("--memory " + said + ": is " + describeBytes(bytes) +
+                         ", about what the program takes without any input; give it 100M or more");
+      return bytes;
+    });
   else if (std::isfinite(free))
     limit.bytes = kShareOfFree * free + takenMemory();
   return limit;
