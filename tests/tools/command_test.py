@@ -37,7 +37,7 @@ USAGE = [
     ("exr slices of png", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.png --exr slices", 2, ["--exr slices", ".png"], ""),
     ("exr content", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.exr --exr depth", 2, "--exr", ""),
     ("exr slices none", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.exr --exr slices --exr-slices 0", 2, ["--exr-slices 0", "1 to"], ""),
-    ("exr plane", "morph {d}/a.obj {d}/b.obj -o {o}/m.exr --at 0.5 --exr slices --exr-plane 0,0,99/0,0,1", 2, "0,0,99", ""),
+    ("exr plane", "morph {d}/a.obj {d}/b.obj -o {o}/m.exr --at 0.5 --resolution 24 --exr slices --exr-plane 0,0,99/0,0,1", 2, "0,0,99", ""),
     ("exr size", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.exr --size 0x10", 2, "--size 0x10", ""),
     ("exr one file", "morph {d}/a.obj {d}/b.obj -o {o}/m.exr", 2, "####", ""),
     ("exr folder", "morph {d}/a.obj {d}/b.obj -o {o}/no/m.####.exr", 1, "{o}/no", ""),
