@@ -9,16 +9,16 @@
 namespace slicemorph {
 namespace {
 
-constexpr double kVoxel = 0.04;
+constexpr double kStretchVoxel = 0.04;
 
 Object egg(const char* name, double scale, const Mat3d& turn = Mat3d::identity()) {
   const shapes::Distance own =
       shapes::joined({shapes::sphere({0.3, 0, 0}, 0.7), shapes::sphere({-0.5, 0.2, 0}, 0.5),
                       shapes::box({0.9, 0.3, 0.5}, 0.15)});
   const double reach = 1.3 * scale;
-  return {name,
-          shapes::levelSet(shapes::placed(own, turn, {1, 2, 3}, scale),
-                           {Vec3d(1, 2, 3) - Vec3d(reach), Vec3d(1, 2, 3) + Vec3d(reach)}, scale * kVoxel)};
+  return {name, shapes::levelSet(shapes::placed(own, turn, {1, 2, 3}, scale),
+                                 {Vec3d(1, 2, 3) - Vec3d(reach), Vec3d(1, 2, 3) + Vec3d(reach)},
+                                 scale * kStretchVoxel)};
 }
 
 /// A shape twice as large is not stretched: what changes is its size. The matching slides points along the surface by some
@@ -40,9 +40,9 @@ TEST(SurfaceStretch, OfSizeAloneIsNone) {
 /// size, 2, that is 2 both ways; half way 2.5 and 1 make the root of 2.5. Its round ends are stretched less.
 TEST(SurfaceStretch, OfARodThatGrows) {
   const auto rod = [](const char* name, double half) {
-    return Object{name,
-                  shapes::levelSet(shapes::capsule({-half, 0, 0}, {half, 0, 0}, 0.2),
-                                   {Vec3d(-half - 0.2, -0.2, -0.2), Vec3d(half + 0.2, 0.2, 0.2)}, kVoxel)};
+    return Object{
+        name, shapes::levelSet(shapes::capsule({-half, 0, 0}, {half, 0, 0}, 0.2),
+                               {Vec3d(-half - 0.2, -0.2, -0.2), Vec3d(half + 0.2, 0.2, 0.2)}, kStretchVoxel)};
   };
   const MorphPlan plan({rod("short", 0.6), rod("long", 2.4)});
   const double whole = plan.strain({0, 1}).meanStretch, half = plan.strain({0.5, 0.5}).meanStretch;

@@ -12,7 +12,7 @@
 namespace slicemorph {
 namespace {
 
-constexpr double kVoxel = 0.03;
+constexpr double kFrameVoxel = 0.03;
 /// Turns are climbed by steps down to .03 radians, and samples of a turned shape lie elsewhere in their cells.
 constexpr double kTolerance = 0.05;
 
@@ -22,7 +22,7 @@ std::shared_ptr<const DistanceField> animal(const Mat3d& turn) {
   const shapes::Distance own = shapes::quadruped({0, 0, 0, 0});
   const shapes::Distance centred = [=](const Vec3d& p) { return own(p + middle); };
   return shapes::fieldOf(shapes::placed(centred, turn, offset), {offset - Vec3d(1.3), offset + Vec3d(1.3)},
-                         kVoxel);
+                         kFrameVoxel);
 }
 
 MorphOptions straight(const Vec3d& up) {
@@ -83,7 +83,8 @@ TEST(ChooseFrames, TurnsNothingThatIsToKeepItsDirections) {
 TEST(ChooseFrames, TiesKeepDirections) {
   Fields balls;
   for (double radius : {1.0, 0.6})
-    balls.push_back(shapes::fieldOf(shapes::sphere(Vec3d(0.0), radius), {Vec3d(-1.0), Vec3d(1.0)}, kVoxel));
+    balls.push_back(
+        shapes::fieldOf(shapes::sphere(Vec3d(0.0), radius), {Vec3d(-1.0), Vec3d(1.0)}, kFrameVoxel));
   const Frames frames = chooseFrames(balls, kNames, straight(kZ), {});
   EXPECT_LT(apart(turnOf(frames), Mat3d::identity()), 1e-12);
   ASSERT_FALSE(frames.notes.empty());
@@ -103,7 +104,7 @@ TEST(ChooseFrames, SaysWhereItIsNotSure) {
         capsule({0.3, 0, 0}, {0.3, 0, -0.8}, 0.12), capsule({-0.3, 0, 0}, {-0.3, 0, -0.8}, 0.12)};
     parts.push_back(secondHead ? capsule({-0.8, 0, 0.1}, {-1.2, 0, 0.4}, 0.22)
                                : capsule({-0.8, 0, 0.1}, {-1.5, 0, 0.1}, 0.08));
-    return shapes::fieldOf(shapes::joined(parts), {Vec3d(-1.8), Vec3d(1.8)}, kVoxel);
+    return shapes::fieldOf(shapes::joined(parts), {Vec3d(-1.8), Vec3d(1.8)}, kFrameVoxel);
   };
   const Frames frames = chooseFrames({beast(false), beast(true)}, kNames, straight(kZ), {});
   ASSERT_EQ(frames.choices.size(), 1u);

@@ -11,12 +11,12 @@
 namespace slicemorph {
 namespace {
 
-constexpr int kCorners = 240;
+constexpr int kPairCorners = 240;
 
 Contour circle(const Vec2d& middle, double radius, bool hole = false, double first = 0) {
   Contour c;
-  for (int i = 0; i < kCorners; ++i) {
-    const double phase = first + (hole ? -1 : 1) * 2 * M_PI * i / kCorners;
+  for (int i = 0; i < kPairCorners; ++i) {
+    const double phase = first + (hole ? -1 : 1) * 2 * M_PI * i / kPairCorners;
     c.points.push_back(middle + radius * Vec2d(std::cos(phase), std::sin(phase)));
   }
   c.area = (hole ? -1 : 1) * M_PI * radius * radius, c.centroid = middle;

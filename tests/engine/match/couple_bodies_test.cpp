@@ -13,7 +13,7 @@ namespace {
 
 using shapes::capsule;
 
-const openvdb::BBoxd kBox(Vec3d(-1.8), Vec3d(1.8));
+const openvdb::BBoxd kCoupledBox(Vec3d(-1.8), Vec3d(1.8));
 const Vec3d kHinge(0, 0.9, 0);
 
 /// A thick trunk with a stub below and an arm at its upper end, whose direction is `angle` from sideways.
@@ -25,7 +25,7 @@ shapes::Distance figure(double angle) {
 }
 
 BodyGraph graphOf(const shapes::Distance& shape) {
-  return bodyGraph(*shapes::fieldOf(shape, kBox, 0.03), shapes::straightChart());
+  return bodyGraph(*shapes::fieldOf(shape, kCoupledBox, 0.03), shapes::straightChart());
 }
 
 /// An arm that swings by 100 degrees: its nodes go where it is, and the trunk stays. A coupling is blurred by a quarter of

@@ -19,8 +19,8 @@ using shapes::capsule;
 using shapes::Distance;
 using shapes::joined;
 
-const openvdb::BBoxd kBox(Vec3d(-1.4), Vec3d(1.4));
-constexpr double kVoxel = 0.03;
+const openvdb::BBoxd kElasticBox(Vec3d(-1.4), Vec3d(1.4));
+constexpr double kElasticVoxel = 0.03;
 
 Vec3d direction(double degrees) {
   const double a = degrees * M_PI / 180;
@@ -30,7 +30,7 @@ Vec3d direction(double degrees) {
 /// A trunk along y with an arm of length 1 on its right whose shoulder is at (0.25, 0.4, 0); `swing`: degrees from
 /// hanging, in the plane of trunk and arm.
 const Vec3d kShoulder(0.25, 0.4, 0);
-Distance figure(double swing) {
+Distance standingFigure(double swing) {
   return joined(
       {capsule({0, -0.9, 0}, {0, 0.5, 0}, 0.22), capsule(kShoulder, kShoulder + direction(swing), 0.09)});
 }
@@ -49,10 +49,11 @@ bool onArm(const Vec3d& p, double swing) {
   return own.dot(direction(swing)) > 0.3 && own.cross(direction(swing)).length() < 0.12;
 }
 
-/// The fit of a figure with one swing to one with another. `startSwing`: by which the arm is turned to begin with.
+/// The fit of a standingFigure with one swing to one with another. `startSwing`: by which the arm is turned to begin with.
 Bent bentFigure(double from, double to, double startSwing = 0) {
   const Chart chart = shapes::straightChart();
-  const auto a = shapes::fieldOf(figure(from), kBox, kVoxel), b = shapes::fieldOf(figure(to), kBox, kVoxel);
+  const auto a = shapes::fieldOf(standingFigure(from), kElasticBox, kElasticVoxel),
+             b = shapes::fieldOf(standingFigure(to), kElasticBox, kElasticVoxel);
   Bent bent{bodyGraph(*a, chart), {}};
   std::vector<Vec3d> start = bent.graph.position;
   const Mat3d turn = rotationFromVector({0, 0, startSwing * M_PI / 180});
@@ -67,7 +68,8 @@ TEST(BodyGraph, DoesNotJoinAcrossGaps) {
   const Distance fork =
       joined({capsule({-1, 0.2, 0}, {1, 0.2, 0}, 0.1), capsule({-1, -0.2, 0}, {1, -0.2, 0}, 0.1),
               capsule({-1, -0.2, 0}, {-1, 0.2, 0}, 0.1)});
-  const BodyGraph graph = bodyGraph(*shapes::fieldOf(fork, kBox, kVoxel), shapes::straightChart());
+  const BodyGraph graph =
+      bodyGraph(*shapes::fieldOf(fork, kElasticBox, kElasticVoxel), shapes::straightChart());
   ASSERT_GT(graph.position.size(), 50u);
   for (const BodyGraph::Edge& e : graph.edges) {
     const Vec3d &a = graph.position[size_t(e.from)], &b = graph.position[size_t(e.to)];
@@ -78,7 +80,8 @@ TEST(BodyGraph, DoesNotJoinAcrossGaps) {
 }
 
 TEST(BodyGraph, BindingsGivePointsBack) {
-  const BodyGraph graph = bodyGraph(*shapes::fieldOf(figure(0), kBox, kVoxel), shapes::straightChart());
+  const BodyGraph graph =
+      bodyGraph(*shapes::fieldOf(standingFigure(0), kElasticBox, kElasticVoxel), shapes::straightChart());
   const std::vector<Vec3d> points{{0.2, 0, 0}, {0.3, -0.5, 0.02}, {0, 0.7, 0}};
   const std::vector<Vec3d> back = carried(graph, bindPoints(graph, points), graph.position,
                                           std::vector<Mat3d>(graph.position.size(), Mat3d::identity()));
@@ -93,7 +96,7 @@ TEST(ElasticFit, NothingMovesWhereNothingDiffers) {
   double most = 0;
   for (size_t i = 0; i < bent.graph.position.size(); ++i)
     most = std::max(most, (bent.fit.position[i] - bent.graph.position[i]).length());
-  EXPECT_LE(most, 0.5 * kVoxel);
+  EXPECT_LE(most, 0.5 * kElasticVoxel);
 }
 
 /// The arm's nodes go round the shoulder, by 30 degrees from where it is and by 110 from a start that is 25 off: every
@@ -120,7 +123,7 @@ TEST(ElasticFit, HalfWayTheArmHasTurnedByHalf) {
   const double kFrom = 40, swing = 100;
   const Bent bent = bentFigure(kFrom, kFrom + swing, 80);
   const ElasticFit half = partWay(bent.graph, bent.fit, 0.5);
-  // Means of the nodes near the elbow and near the hand: in the figure, in the fit and half way.
+  // Means of the nodes near the elbow and near the hand: in the standingFigure, in the fit and half way.
   struct Ends {
     Vec3d near{0, 0, 0}, far{0, 0, 0};
     Vec3d arm() const { return far - near; }

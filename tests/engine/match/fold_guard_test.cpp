@@ -11,10 +11,11 @@
 namespace slicemorph {
 namespace {
 
-const Lattice kLattice{{0.3, -2, 1}, 0.2, {12, 11, 10}};
+const Lattice kGuardLattice{{0.3, -2, 1}, 0.2, {12, 11, 10}};
 
 Displacements zeroMap(size_t objects) {
-  return {kLattice, std::vector<VectorField>(objects, VectorField(kLattice.count(), openvdb::Vec3s(0.f)))};
+  return {kGuardLattice,
+          std::vector<VectorField>(objects, VectorField(kGuardLattice.count(), openvdb::Vec3s(0.f)))};
 }
 
 Displacements randomMap(size_t objects, float size, unsigned seed) {
@@ -30,15 +31,15 @@ Displacements randomMap(size_t objects, float size, unsigned seed) {
 /// D = sum_k share[k] of[k]: 1 where nothing moves.
 double leastDeterminant(const Displacements& map, const Weights& share) {
   const auto at = [&](const openvdb::Coord& c) {
-    Vec3d p = kLattice.position(c[0], c[1], c[2]);
+    Vec3d p = kGuardLattice.position(c[0], c[1], c[2]);
     for (size_t k = 0; k < share.size(); ++k)
-      p += share[k] * Vec3d(map.of[k][kLattice.index(c[0], c[1], c[2])]);
-    return p / kLattice.spacing;
+      p += share[k] * Vec3d(map.of[k][kGuardLattice.index(c[0], c[1], c[2])]);
+    return p / kGuardLattice.spacing;
   };
   double least = 1e30;
-  for (int z = 0; z + 1 < kLattice.size[2]; ++z)
-    for (int y = 0; y + 1 < kLattice.size[1]; ++y)
-      for (int x = 0; x + 1 < kLattice.size[0]; ++x) {
+  for (int z = 0; z + 1 < kGuardLattice.size[2]; ++z)
+    for (int y = 0; y + 1 < kGuardLattice.size[1]; ++y)
+      for (int x = 0; x + 1 < kGuardLattice.size[0]; ++x) {
         int order[3] = {0, 1, 2};
         do {
           openvdb::Coord c(x, y, z);
@@ -65,10 +66,10 @@ TEST(FoldGuard, NothingMovedIsNotSqueezed) { EXPECT_NEAR(leastRatio(zeroMap(2)),
 TEST(FoldGuard, AffineMapsSqueezeByTheirDeterminant) {
   const Mat3d m(0.1, 0.4, -0.2, 0.3, -0.3, 0.0, 0.2, 0.1, -0.4);
   Displacements map = zeroMap(2);
-  for (int z = 0; z < kLattice.size[2]; ++z)
-    for (int y = 0; y < kLattice.size[1]; ++y)
-      for (int x = 0; x < kLattice.size[0]; ++x)
-        map.of[1][kLattice.index(x, y, z)] = openvdb::Vec3s(m * kLattice.position(x, y, z));
+  for (int z = 0; z < kGuardLattice.size[2]; ++z)
+    for (int y = 0; y < kGuardLattice.size[1]; ++y)
+      for (int x = 0; x < kGuardLattice.size[0]; ++x)
+        map.of[1][kGuardLattice.index(x, y, z)] = openvdb::Vec3s(m * kGuardLattice.position(x, y, z));
   EXPECT_NEAR(leastRatio(map), (Mat3d::identity() + m).det(), 1e-5);
 }
 
@@ -122,15 +123,15 @@ Weights pathAt(double t) { return pathWeights({1 - t, t}); }
 TEST(FoldGuard, AKnownFoldIsSmoothedAway) {
   for (double floor : {0.05, 0.12, 0.3}) {
     Displacements map = zeroMap(2);
-    const size_t node = kLattice.index(3, 4, 4);
-    map.of[0][node] = openvdb::Vec3s(float(1.6 * kLattice.spacing), 0, 0);
+    const size_t node = kGuardLattice.index(3, 4, 4);
+    map.of[0][node] = openvdb::Vec3s(float(1.6 * kGuardLattice.spacing), 0, 0);
     map.of[1][node] = -map.of[0][node];
     // The neighbour along x, one spacing on, is overtaken by 0.6 of it.
     ASSERT_NEAR(leastRatio(map), -0.6, 1e-5);
-    map.of[0][kLattice.index(11, 10, 9)] = openvdb::Vec3s(0.01f);
+    map.of[0][kGuardLattice.index(11, 10, 9)] = openvdb::Vec3s(0.01f);
     EXPECT_GT(removeFolds(map, floor), 0);
     for (double t : {0.0, 0.25, 0.75, 1.0}) EXPECT_GE(leastDeterminant(map, pathAt(t)), floor - 1e-5) << t;
-    EXPECT_EQ(map.of[0][kLattice.index(11, 10, 9)], openvdb::Vec3s(0.01f));
+    EXPECT_EQ(map.of[0][kGuardLattice.index(11, 10, 9)], openvdb::Vec3s(0.01f));
   }
 }
 
@@ -140,7 +141,8 @@ TEST(FoldGuard, TheBoundIsMet) {
   for (double ratio : {0.8 * floor, 1.02 * floor}) {
     Displacements map = zeroMap(1);
     // One node drawn towards its neighbour along x leaves this share of the cells between.
-    map.of[0][kLattice.index(5, 5, 5)] = openvdb::Vec3s(float((1 - ratio) * kLattice.spacing), 0, 0);
+    map.of[0][kGuardLattice.index(5, 5, 5)] =
+        openvdb::Vec3s(float((1 - ratio) * kGuardLattice.spacing), 0, 0);
     ASSERT_NEAR(leastRatio(map), ratio, 1e-5);
     EXPECT_EQ(removeFolds(map, floor) > 0, ratio < floor);
     EXPECT_GE(leastRatio(map), floor - 1e-5);
@@ -149,7 +151,7 @@ TEST(FoldGuard, TheBoundIsMet) {
 
 /// What smoothing alone may not cure.
 TEST(FoldGuard, WildMapsBecomeOneToOne) {
-  Displacements map = randomMap(3, float(5 * kLattice.spacing), 9);
+  Displacements map = randomMap(3, float(5 * kGuardLattice.spacing), 9);
   ASSERT_LT(leastRatio(map), -1);
   removeFolds(map);
   for (size_t k = 0; k < 3; ++k) {

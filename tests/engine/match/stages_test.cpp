@@ -12,7 +12,7 @@
 namespace slicemorph {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846, kVoxel = 1.0 / 32;
+constexpr double kPi = 3.14159265358979323846, kStageVoxel = 1.0 / 32;
 
 /// Spheres of these radii about these middles; chart space is the world.
 struct Sphere {
@@ -24,7 +24,7 @@ MatchObjects spheres(const std::vector<Sphere>& list) {
   Fields fields;
   for (const Sphere& s : list)
     fields.push_back(std::make_shared<DistanceField>(
-        shapes::levelSet(shapes::sphere(s.middle, s.radius), shapes::cube(s.middle, s.radius), kVoxel)));
+        shapes::levelSet(shapes::sphere(s.middle, s.radius), shapes::cube(s.middle, s.radius), kStageVoxel)));
   return measureObjects(fields, {}, std::vector<Chart>(list.size()), {});
 }
 
@@ -55,7 +55,7 @@ constexpr double kOverlapTolerance = 0.006;
 
 TEST(Stages, OverlapOfSpheresInSpheresIsThatOfTheirVolumes) {
   const MatchObjects two = spheres({{{0, 0, 0}, 1}, {{0, 0, 0}, 0.8}});
-  EXPECT_NEAR(two.size, 2, kVoxel);
+  EXPECT_NEAR(two.size, 2, kStageVoxel);
   EXPECT_NEAR(mapOverlap(two, none(two)), std::pow(0.8, 3), kOverlapTolerance);
   // Of all pairs of three: what is common of each pair, by what either has.
   const MatchObjects three = spheres({{{0, 0, 0}, 1}, {{0, 0, 0}, 0.9}, {{0, 0, 0}, 0.7}});
@@ -121,8 +121,8 @@ TEST(Stages, ClosestPointsOfSpheresLieOnTheirRadii) {
     const Vec3d ray = c.middle.unit();
     // Near, and facing the same way but for the noise of normals.
     EXPECT_GT(c.weight, 0.95f);
-    for (size_t k = 0; k < 2; ++k) EXPECT_LE((c.at[k] - list[k].radius * ray).length(), kVoxel);
-    EXPECT_NEAR(c.middle.length(), 0.9, kVoxel);
+    for (size_t k = 0; k < 2; ++k) EXPECT_LE((c.at[k] - list[k].radius * ray).length(), kStageVoxel);
+    EXPECT_NEAR(c.middle.length(), 0.9, kStageVoxel);
   }
   // Beyond the reach nothing is said.
   EXPECT_TRUE(closestPoints(objects.shape.fields, objects.charts, matching.map, samples, 0.15).empty());

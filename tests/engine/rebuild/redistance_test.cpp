@@ -10,7 +10,7 @@
 namespace slicemorph {
 namespace {
 
-constexpr float kVoxel = 0.1f;
+constexpr float kDistanceVoxel = 0.1f;
 
 /// `function` on all leaves within `reach` voxels of the shape's surface, in a box of +-`leaves` leaves about
 /// the world's origin.
@@ -18,19 +18,20 @@ SparseValues valuesOf(const shapes::Distance& shape, const shapes::Distance& fun
   std::vector<openvdb::Coord> origins;
   for (auto c = openvdb::CoordBBox(openvdb::Coord(-leaves), openvdb::Coord(leaves - 1)).begin(); c; ++c) {
     const openvdb::Coord origin((*c)[0] * 8, (*c)[1] * 8, (*c)[2] * 8);
-    if (std::abs(shape(double(kVoxel) * (origin.asVec3d() + Vec3d(3.5)))) < double(kVoxel) * 14)
+    if (std::abs(shape(double(kDistanceVoxel) * (origin.asVec3d() + Vec3d(3.5)))) <
+        double(kDistanceVoxel) * 14)
       origins.push_back(origin);
   }
-  SparseValues values(origins, kVoxel);
+  SparseValues values(origins, kDistanceVoxel);
   for (size_t i = 0; i < origins.size(); ++i)
     for (int n = 0; n < 512; ++n)
       values.leaf(i)[n] =
-          float(function(double(kVoxel) * origins[i].offsetBy(n / 64, n / 8 % 8, n % 8).asVec3d()));
+          float(function(double(kDistanceVoxel) * origins[i].offsetBy(n / 64, n / 8 % 8, n % 8).asVec3d()));
   return values;
 }
 
 FloatGrid::Ptr made(const SparseValues& values) {
-  return redistance(values, *openvdb::math::Transform::createLinearTransform(double(kVoxel)));
+  return redistance(values, *openvdb::math::Transform::createLinearTransform(double(kDistanceVoxel)));
 }
 
 bool everywhere(const Vec3d&) { return true; }
@@ -40,18 +41,18 @@ bool everywhere(const Vec3d&) { return true; }
 void expectDistance(const FloatGrid& grid, const shapes::Distance& shape, double tolerance, double whole,
                     bool (*counts)(const Vec3d&) = everywhere) {
   EXPECT_EQ(grid.getGridClass(), openvdb::GRID_LEVEL_SET);
-  EXPECT_FLOAT_EQ(grid.background(), 3 * kVoxel);
+  EXPECT_FLOAT_EQ(grid.background(), 3 * kDistanceVoxel);
   double most = 0;
   for (auto it = grid.cbeginValueOn(); it; ++it) {
     const Vec3d p = grid.indexToWorld(it.getCoord());
-    EXPECT_LT(std::abs(*it), 3 * kVoxel);
-    if (counts(p)) most = std::max(most, std::abs(double(*it) - shape(p)) / double(kVoxel));
+    EXPECT_LT(std::abs(*it), 3 * kDistanceVoxel);
+    if (counts(p)) most = std::max(most, std::abs(double(*it) - shape(p)) / double(kDistanceVoxel));
   }
   EXPECT_LE(most, tolerance);
   size_t missing = 0, wrongSide = 0;
   for (auto c = openvdb::CoordBBox(openvdb::Coord(-30), openvdb::Coord(30)).begin(); c; ++c) {
     const Vec3d p = grid.indexToWorld(*c);
-    const double d = shape(p) / double(kVoxel);
+    const double d = shape(p) / double(kDistanceVoxel);
     wrongSide += std::abs(d) > 1e-3 && (grid.tree().getValue(*c) < 0) != (d < 0);
     missing += counts(p) && std::abs(d) < whole && !grid.tree().isValueOn(*c);
   }
@@ -72,7 +73,7 @@ TEST(Redistance, PlanesAreExact) {
     double most = 0;
     for (auto it = grid->cbeginValueOn(); it; ++it) {
       const Vec3d p = grid->indexToWorld(it.getCoord());
-      if (within(p)) most = std::max(most, std::abs(double(*it) - plane(p)) / double(kVoxel));
+      if (within(p)) most = std::max(most, std::abs(double(*it) - plane(p)) / double(kDistanceVoxel));
     }
     EXPECT_LE(most, 1e-3) << factor;
   }
@@ -121,13 +122,13 @@ TEST(Redistance, ThinGapsStayOpen) {
 }
 
 TEST(Redistance, NothingIsAnEmptyGrid) {
-  const FloatGrid::Ptr grid = made(SparseValues({}, kVoxel));
+  const FloatGrid::Ptr grid = made(SparseValues({}, kDistanceVoxel));
   EXPECT_EQ(grid->activeVoxelCount(), 0u);
   EXPECT_EQ(grid->getName(), "surface");
 }
 
 TEST(Redistance, LeavesAreFoundByTheirOrigin) {
-  SparseValues values({{0, 0, 0}, {-8, 16, 0}}, kVoxel);
+  SparseValues values({{0, 0, 0}, {-8, 16, 0}}, kDistanceVoxel);
   EXPECT_EQ(values.find({-8, 16, 0}), values.leaf(1));
   EXPECT_EQ(values.find({8, 0, 0}), nullptr);
   EXPECT_EQ(values.leaf(0)[17], SparseValues::kUnknown);

@@ -11,7 +11,7 @@
 namespace slicemorph {
 namespace {
 
-constexpr double kVoxel = 0.1;
+constexpr double kComponentVoxel = 0.1;
 constexpr int kReach = 36;
 
 /// Voxels of every face-connected component within a box that encloses them all.
@@ -42,7 +42,7 @@ std::vector<std::set<openvdb::Coord>> partsOf(const FloatGrid& grid) {
 FloatGrid::Ptr balls(const std::vector<std::pair<Vec3d, double>>& list) {
   std::vector<shapes::Distance> parts;
   for (const auto& [middle, radius] : list) parts.push_back(shapes::sphere(middle, radius));
-  return shapes::levelSet(shapes::joined(parts), shapes::cube({0, 0, 0}, 0.1 * kReach), kVoxel);
+  return shapes::levelSet(shapes::joined(parts), shapes::cube({0, 0, 0}, 0.1 * kReach), kComponentVoxel);
 }
 
 TEST(SmallComponents, PiecesAreThoseOfFloodFill) {
@@ -110,7 +110,7 @@ TEST(SmallComponents, TheSmallestAreRemoved) {
       double nearest = 1e30;
       for (const auto& [middle, radius] : rest)
         nearest = std::min(nearest, (grid->indexToWorld(it.getCoord()) - middle).length() - radius);
-      ASSERT_LT(nearest, (kHalfWidth + 4) * kVoxel) << it.getCoord();
+      ASSERT_LT(nearest, (kHalfWidth + 4) * kComponentVoxel) << it.getCoord();
     }
   }
 }

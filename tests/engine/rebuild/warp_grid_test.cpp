@@ -14,8 +14,8 @@ namespace {
 
 using Transform = openvdb::math::Transform;
 
-constexpr double kVoxel = 0.1;
-const openvdb::CoordBBox kBox({-20, -20, -20}, {20, 20, 20});
+constexpr double kWarpVoxel = 0.1;
+const openvdb::CoordBBox kWarpBox({-20, -20, -20}, {20, 20, 20});
 
 /// Maps the world point p to m[k] p + offset[k] on object k.
 NodeMap affineNodes(const std::vector<Mat3d>& m, const std::vector<Vec3d>& offset) {
@@ -27,14 +27,14 @@ NodeMap affineNodes(const std::vector<Mat3d>& m, const std::vector<Vec3d>& offse
   for (auto c = openvdb::CoordBBox(openvdb::Coord(-7), openvdb::Coord(7)).begin(); c; ++c)
     for (size_t k = 0; k < m.size(); ++k)
       nodes.at[nodes.index((*c)[0], (*c)[1], (*c)[2]) * m.size() + k] =
-          openvdb::Vec3s(m[k] * (4 * kVoxel * (*c).asVec3d()) + offset[k]);
+          openvdb::Vec3s(m[k] * (4 * kWarpVoxel * (*c).asVec3d()) + offset[k]);
   return nodes;
 }
 
 template <typename GridType, typename Function>
-typename GridType::Ptr filled(const Function& f, const openvdb::CoordBBox& box = kBox) {
+typename GridType::Ptr filled(const Function& f, const openvdb::CoordBBox& box = kWarpBox) {
   auto grid = GridType::create();
-  grid->setTransform(Transform::createLinearTransform(kVoxel));
+  grid->setTransform(Transform::createLinearTransform(kWarpVoxel));
   for (auto c = box.begin(); c; ++c) grid->tree().setValue(*c, f(grid->indexToWorld(*c)));
   return grid;
 }
@@ -49,8 +49,8 @@ openvdb::GridBase::Ptr warped(const std::vector<CarriedGrid>& grids, const NodeM
                               bool conserve = false) {
   Weights weights(nodes.objects, 0);
   for (const CarriedGrid& g : grids) weights[g.object] = g.weight;
-  return warpGrids(grids, nodes, LocalWeights(weights, nullptr), *Transform::createLinearTransform(kVoxel),
-                   conserve);
+  return warpGrids(grids, nodes, LocalWeights(weights, nullptr),
+                   *Transform::createLinearTransform(kWarpVoxel), conserve);
 }
 
 const Mat3d kStill = Mat3d::identity(), kTurn = rotationFromVector({0, 0, M_PI / 2});
@@ -67,10 +67,10 @@ TEST(WarpGrid, ValuesAreTheWeightedSumOfTheirs) {
   const auto result =
       openvdb::gridPtrCast<FloatGrid>(warped({carried(a, 0, 0.3), carried(b, 1, 0.7)}, nodes));
   for (auto c = openvdb::CoordBBox(openvdb::Coord(-14), openvdb::Coord(14)).begin(); c; ++c) {
-    const Vec3d p = kVoxel * (*c).asVec3d(), q = kTurn * p - shift;
+    const Vec3d p = kWarpVoxel * (*c).asVec3d(), q = kTurn * p - shift;
     const double wanted = 0.3 * parabola(p + shift) + 0.7 * (3 - q[1] + 0.5 * q[0]);
     // At the parabola's vertex the clamping cuts off at most h^2 / 4.
-    ASSERT_NEAR(result->tree().getValue(*c), wanted, 0.3 * kVoxel * kVoxel / 4 + 1e-4) << *c;
+    ASSERT_NEAR(result->tree().getValue(*c), wanted, 0.3 * kWarpVoxel * kWarpVoxel / 4 + 1e-4) << *c;
     ASSERT_TRUE(result->tree().isValueOn(*c)) << *c;
   }
 }
@@ -112,14 +112,14 @@ TEST(WarpGrid, VectorsTurnButColoursDoNot) {
 /// Integers are labels: the nearest voxel's value is taken.
 TEST(WarpGrid, LabelsAreTheNearestVoxels) {
   const auto label = [](const Vec3d& p) {
-    return int(std::lround(p[0] / kVoxel)) + 100 * int(std::lround(p[1] / kVoxel));
+    return int(std::lround(p[0] / kWarpVoxel)) + 100 * int(std::lround(p[1] / kWarpVoxel));
   };
   const auto a = filled<openvdb::Int32Grid>(label);
   const Vec3d shift(0.137, 0.084, 0);
   const auto result =
       openvdb::gridPtrCast<openvdb::Int32Grid>(warped({carried(a, 0, 1)}, affineNodes({kStill}, {shift})));
   for (auto c = openvdb::CoordBBox(openvdb::Coord(-10), openvdb::Coord(10)).begin(); c; ++c)
-    ASSERT_EQ(result->tree().getValue(*c), label(kVoxel * (*c).asVec3d() + shift)) << *c;
+    ASSERT_EQ(result->tree().getValue(*c), label(kWarpVoxel * (*c).asVec3d() + shift)) << *c;
   EXPECT_THROW(
       warped({carried(a, 0, 0.5), carried(a, 1, 0.5)}, affineNodes({kStill, kStill}, {shift, shift})),
       InputError);
@@ -172,7 +172,7 @@ TEST(WarpGrid, AStillObjectKeepsItsBox) {
   const NodeMap nodes = carryingNodes(box, still, a->transform(), 4);
   for (int i : {-1, 0, 1, 2}) {
     const Vec3d position = Vec3d(nodes.at[nodes.index(i, 1, 2)]) + still.anchor;
-    EXPECT_LE((position - kVoxel * 4 * Vec3d(i, 1, 2)).length(), 1e-6);
+    EXPECT_LE((position - kWarpVoxel * 4 * Vec3d(i, 1, 2)).length(), 1e-6);
   }
 }
 

@@ -1,6 +1,7 @@
 // Dense images carried by known maps: linear ones are reproduced exactly.
 #include "engine/rebuild/warp_image.h"
 #include "tests/support/fields.h"
+#include "tests/support/shifted_nodes.h"
 
 #include <gtest/gtest.h>
 
@@ -23,18 +24,6 @@ Image imageOf(const ImageLattice& lattice, const std::function<double(const Vec3
     for (int j = 0; j < lattice.size[1]; ++j)
       for (int i = 0; i < lattice.size[0]; ++i) values.push_back(T(f(lattice.toWorld(Vec3d(i, j, k)))));
   return {lattice, values};
-}
-
-/// Nodes of two objects; positions on them are those of the in-between, shifted.
-ImageNodes shiftedNodes(const ImageLattice& on, const std::vector<Vec3d>& shifts) {
-  Carrying still;
-  ImageNodes nodes = imageNodes(on, still, 3 * on.spacing()[0]);
-  const std::vector<openvdb::Vec3s> positions = nodes.map.at;
-  nodes.map.objects = shifts.size();
-  nodes.map.at.clear();
-  for (const openvdb::Vec3s& p : positions)
-    for (const Vec3d& s : shifts) nodes.map.at.push_back(p + openvdb::Vec3s(s));
-  return nodes;
 }
 
 CarriedImage carried(const Image& image, size_t shape, double weight) {

@@ -1,5 +1,6 @@
 // Label maps carried by known maps.
 #include "engine/rebuild/warp_labels.h"
+#include "tests/support/shifted_nodes.h"
 
 #include <gtest/gtest.h>
 
@@ -20,16 +21,6 @@ Image labelled(const ImageLattice& lattice, const std::function<int(const Vec3d&
     for (int j = 0; j < lattice.size[1]; ++j)
       for (int i = 0; i < lattice.size[0]; ++i) values.push_back(label(lattice.toWorld(Vec3d(i, j, k))));
   return {lattice, values};
-}
-
-ImageNodes shiftedNodes(const ImageLattice& on, const std::vector<Vec3d>& shifts) {
-  ImageNodes nodes = imageNodes(on, Carrying(), 4);
-  const std::vector<openvdb::Vec3s> positions = nodes.map.at;
-  nodes.map.objects = shifts.size();
-  nodes.map.at.clear();
-  for (const openvdb::Vec3s& p : positions)
-    for (const Vec3d& s : shifts) nodes.map.at.push_back(p + openvdb::Vec3s(s));
-  return nodes;
 }
 
 std::vector<int> numbersOf(const Image& image) {
