@@ -66,6 +66,20 @@ void checkSize(const FloatGrid& levelSet, const std::string& name) {
   throw GeometryError(name, why.str());
 }
 
+/// Throws GeometryError for what falls between the nodes on which shapes are measured, as a blade does that is thinner
+/// than a voxel nearly everywhere.
+void checkInside(const DistanceField& field, const std::string& name) {
+  const Lattice& nodes = field.nodes();
+  for (int z = 0; z < nodes.size[2]; ++z)
+    for (int y = 0; y < nodes.size[1]; ++y)
+      for (int x = 0; x < nodes.size[0]; ++x)
+        if (field.nodeDistance(x, y, z) < 0) return;
+  std::ostringstream why;
+  why << "is thinner than a voxel nearly everywhere, at a voxel size of " << field.voxelSize()
+      << "; it needs smaller voxels (--voxel-size, --resolution)";
+  throw GeometryError(name, why.str());
+}
+
 Shapes withFields(Shapes shapes, const Shapes* before) {
   shapes.fields.resize(shapes.levelSets.size());
   shapes.pieces.resize(shapes.levelSets.size());
@@ -78,6 +92,7 @@ Shapes withFields(Shapes shapes, const Shapes* before) {
     }
     checkSize(*levelSet, shapes.names[k]);
     shapes.fields[k] = std::make_shared<DistanceField>(levelSet);
+    checkInside(*shapes.fields[k], shapes.names[k]);
     shapes.pieces[k] = countPieces(*levelSet);
   });
   return shapes;

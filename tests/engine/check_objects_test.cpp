@@ -1,6 +1,7 @@
 // Inputs that a morph refuses; messages must say what would be right.
 #include "engine/check_objects.h"
 #include "slicemorph/errors.h"
+#include "slicemorph/io/input.h"
 #include "tests/support/shapes.h"
 
 #include <gtest/gtest.h>
@@ -83,6 +84,17 @@ TEST(CheckObjects, LevelSetsByTheConventionsPass) {
 }
 
 /// With infinite directions every overlap would be NaN, and no turn better than another.
+/// A blade that is so thin that its inside falls between the points where shapes are measured.
+TEST(CheckObjects, WhatIsThinnerThanAVoxelIsRefused) {
+  LoadOptions coarse;
+  coarse.resolution = 12;
+  const Object blade = loadObject(std::string(SLICEMORPH_SOURCE) + "/assets/blade.ply", coarse).object;
+  expectSays(refusal<GeometryError>([&] {
+               MorphPlan({{"good", ball()}, {"blade.ply", blade.levelSet}});
+             }),
+             {"blade.ply", "thinner than a voxel", "--resolution"});
+}
+
 TEST(CheckObjects, DirectionsMustBeFinite) {
   const double infinite = std::numeric_limits<double>::infinity();
   const Object a{"a", ball()},
