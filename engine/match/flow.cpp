@@ -19,8 +19,7 @@ namespace {
 constexpr int kMaxSteps = 16;
 /// The same for positions on the way, which need not be met exactly.
 constexpr int kStepsOnTheWay = 4;
-/// A step that brings the sites nearer by less than this share, root mean square, is the last. Fits of half the default's
-/// steps are no way to save more: a horse's tail and a hoof then go astray.
+/// A step that brings the sites nearer by less than this share, root mean square, is the last.
 constexpr double kLeastGain = 0.05;
 /// A step squeezes no tetrahedron below this share of its volume.
 constexpr double kLeastRatio = 0.4;
@@ -42,8 +41,10 @@ void addSteps(Sites& sites, const std::vector<Vec3d>& target, const Lattice& lat
       sites.value[0].push_back(way);
       farthest = std::max(farthest, way.length()), squares += way.lengthSqr();
     }
-    if (farthest < 0.1 * lattice.spacing || std::sqrt(squares) > (1 - kLeastGain) * before) break;
-    before = std::sqrt(squares);
+    const double away = std::sqrt(squares);
+    if (farthest < 0.1 * lattice.spacing || away > (1 - kLeastGain) * before) break;
+    before = away;
+    // Not in fewer steps of conjugate gradients: with half of them a horse's tail and a hoof went astray.
     Displacements step = fitFields(lattice, sites, kStiffness, none);
     for (int halvings = 0; leastRatio(step) < kLeastRatio && halvings < 12; ++halvings)
       for (auto& d : step.of[0]) d *= 0.7f;

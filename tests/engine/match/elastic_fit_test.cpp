@@ -49,7 +49,7 @@ bool onArm(const Vec3d& p, double swing) {
   return own.dot(direction(swing)) > 0.3 && own.cross(direction(swing)).length() < 0.12;
 }
 
-/// The fit of a standingFigure with one swing to one with another. `startSwing`: by which the arm is turned to begin with.
+/// The fit of a figure with one swing to one with another. `startSwing`: by which the arm is turned to begin with.
 Bent bentFigure(double from, double to, double startSwing = 0) {
   const Chart chart = shapes::straightChart();
   const auto a = shapes::fieldOf(standingFigure(from), kElasticBox, kElasticVoxel),
@@ -123,7 +123,7 @@ TEST(ElasticFit, HalfWayTheArmHasTurnedByHalf) {
   const double kFrom = 40, swing = 100;
   const Bent bent = bentFigure(kFrom, kFrom + swing, 80);
   const ElasticFit half = partWay(bent.graph, bent.fit, 0.5);
-  // Means of the nodes near the elbow and near the hand: in the standingFigure, in the fit and half way.
+  // Means of the nodes near the elbow and near the hand: in the figure, in the fit and half way.
   struct Ends {
     Vec3d near{0, 0, 0}, far{0, 0, 0};
     Vec3d arm() const { return far - near; }
