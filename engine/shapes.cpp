@@ -45,6 +45,13 @@ Shapes distinctShapes(const std::vector<Object>& objects) {
 /// not.
 constexpr double kLeastVoxels = 1.5;
 
+std::string thinnerThan(const char* where, double voxel) {
+  std::ostringstream why;
+  why << "is thinner than a voxel " << where << ", at a voxel size of " << voxel
+      << "; it needs smaller voxels (--voxel-size, --resolution)";
+  return why.str();
+}
+
 /// Throws GeometryError for what is too small. Its size is that of the box of the voxels inside it, and twice the
 /// depth of the deepest of them beyond that, which for a ball in one voxel is its diameter.
 void checkSize(const FloatGrid& levelSet, const std::string& name) {
@@ -55,8 +62,8 @@ void checkSize(const FloatGrid& levelSet, const std::string& name) {
     inside.expand(value.getCoord());
     deepest = std::max(deepest, -double(*value));
   }
-  if (inside.empty()) return;
   const double voxel = levelSet.voxelSize()[0];
+  if (inside.empty()) throw GeometryError(name, thinnerThan("everywhere", voxel));
   const double longest = (inside.dim()[int(inside.maxExtent())] - 1) * voxel + 2 * deepest;
   if (longest >= kLeastVoxels * voxel) return;
   std::ostringstream why;
@@ -74,10 +81,7 @@ void checkInside(const DistanceField& field, const std::string& name) {
     for (int y = 0; y < nodes.size[1]; ++y)
       for (int x = 0; x < nodes.size[0]; ++x)
         if (field.nodeDistance(x, y, z) < 0) return;
-  std::ostringstream why;
-  why << "is thinner than a voxel nearly everywhere, at a voxel size of " << field.voxelSize()
-      << "; it needs smaller voxels (--voxel-size, --resolution)";
-  throw GeometryError(name, why.str());
+  throw GeometryError(name, thinnerThan("nearly everywhere", field.voxelSize()));
 }
 
 Shapes withFields(Shapes shapes, const Shapes* before) {

@@ -6,6 +6,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -39,6 +40,11 @@ constexpr double kAnyResidual = 1e9;
 /// Parts that turn by more on the way from the middle to an object are carried round in several steps.
 constexpr double kTurnOfStep = 0.6;
 
+/// Bodies are compact, with nothing that could swing, where no inner path from their deepest point is longer than its depth
+/// this many times: 1 for a ball, 1.7 for a cube or an octahedron, 2 for an egg twice as long as wide; animals and people
+/// have 6 and more.
+constexpr double kCompact = 2.5;
+
 /// A chart's position, directions and mean size alone: lengths and angles in it are the world's.
 Chart rigidPart(const Chart& chart) {
   Chart rigid;
@@ -60,6 +66,11 @@ Body bodyOf(const DistanceField& field, const Chart& chart) {
   for (const Vec3d& p : samples.points.position) box.expand(p);
   body.surface = thinned(samples, kSamples, box.min());
   return body;
+}
+
+bool isCompact(const BodyGraph& graph) {
+  const std::vector<double> paths = graph.distancesFrom(graph.deepest);
+  return *std::max_element(paths.begin(), paths.end()) < kCompact * graph.depth;
 }
 
 /// What a bent body tells: which points belong together, and how they get there.
@@ -230,6 +241,7 @@ std::optional<Bending> bentOntoEachOther(
                     [&](size_t k) { bodies[k] = bodyOf(*objects.shape.fields[k], objects.charts[k]); });
   for (const Body& body : bodies)
     if (body.graph.position.empty()) return std::nullopt;
+  if (isCompact(bodies[0].graph) && isCompact(bodies[1].graph)) return std::nullopt;
   const auto [best, coupling] = bestOfStarts(objects, bodies, limbCandidates);
   const ElasticFit& fit = best.fit;
   if (!kMost.hold(fit)) {

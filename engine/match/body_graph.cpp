@@ -56,13 +56,13 @@ BodyGraph bodyGraph(const DistanceField& field, const Chart& chart) {
   BodyGraph graph;
   graph.spacing = inside.spacing / chart.meanScale();
   std::vector<int> number(inside.position.size(), -1);
-  double deepest = -std::numeric_limits<double>::max();
   for (size_t i = 0; i < inside.position.size(); ++i) {
     if (!(inside.bodyShare(i) > 0)) continue;
     number[i] = int(graph.position.size());
     graph.position.push_back(chart.toChart(inside.position[i]));
     graph.share.push_back(inside.bodyShare(i));
-    if (inside.depth[i] > deepest) deepest = inside.depth[i], graph.deepest = size_t(number[i]);
+    const double depth = inside.depth[i] / chart.meanScale();
+    if (number[i] == 0 || depth > graph.depth) graph.depth = depth, graph.deepest = size_t(number[i]);
   }
   graph.neighbours.resize(graph.position.size());
   for (size_t i = 0; i < inside.position.size(); ++i)

@@ -21,6 +21,7 @@ struct BodyGraph {
   std::vector<Vec3d> position;  ///< chart coordinates of the chart given to bodyGraph
   std::vector<double> share;    ///< per node: how much of it is inside, 0.05 to 1
   size_t deepest = 0;           ///< the node farthest from the surface
+  double depth = 0;             ///< its distance from the surface, chart units
   std::vector<Edge> edges;
   double spacing = 1;                        ///< chart units
   std::vector<std::vector<int>> neighbours;  ///< per node

@@ -3,7 +3,6 @@
 #include "engine/match/fold_guard.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace slicemorph {
 
@@ -16,22 +15,12 @@ constexpr double kCells = 72;
 /// more sharply; above the kFoldedBelow of frames.
 constexpr double kFinishedFloor = 0.1;
 
-/// The smallest voxel of all objects, in chart units.
-double smallestVoxel(const MatchObjects& objects) {
-  double voxel = std::numeric_limits<double>::max();
-  for (size_t k = 0; k < objects.count(); ++k) {
-    const Vec3d& scale = objects.charts[k].scale;
-    voxel = std::min(voxel, objects.shape.fields[k]->voxelSize() / std::max({scale[0], scale[1], scale[2]}));
-  }
-  return voxel;
-}
-
 }  // namespace
 
 Displacements finishedMap(const MatchObjects& objects, const Displacements& map) {
   const Vec3d extents = objects.box.extents();
   const double longest = std::max({extents[0], extents[1], extents[2]});
-  const double own = std::min(smallestVoxel(objects), map.lattice.spacing);
+  const double own = std::min(objects.smallestVoxel(), map.lattice.spacing);
   Displacements fine = resampled(map, Lattice::over(objects.reach(), std::max(longest / kCells, own)));
   removeFolds(fine, kFinishedFloor);
   return fine;

@@ -68,10 +68,11 @@ class NormalOperator {
 
   /// y = this times x; `scratch` and `y` are of the same size and zero in the border.
   void operator()(const Column& x, Column& scratch, Column& y) const {
-    laplacian(x, scratch);
-    laplacian(scratch, y);
     forEachRow([&](size_t n, size_t end) {
-      for (; n < end; ++n) y[n] = stiffness_ * y[n] + 1e-5f * x[n];
+      for (; n < end; ++n) scratch[n] = laplacian(x, n);
+    });
+    forEachRow([&](size_t n, size_t end) {
+      for (; n < end; ++n) y[n] = stiffness_ * laplacian(scratch, n) + 1e-5f * x[n];
     });
     for (size_t i = 0; i < stencils_.size(); ++i) {
       const Stencil& s = stencils_[i];
@@ -101,11 +102,8 @@ class NormalOperator {
                       });
   }
 
-  void laplacian(const Column& x, Column& y) const {
-    forEachRow([&](size_t n, size_t end) {
-      for (; n < end; ++n)
-        y[n] = x[n] - (x[n - 1] + x[n + 1] + x[n - dy_] + x[n + dy_] + x[n - dz_] + x[n + dz_]) / 6;
-    });
+  Four laplacian(const Column& x, size_t n) const {
+    return x[n] - (x[n - 1] + x[n + 1] + x[n - dy_] + x[n + dy_] + x[n - dz_] + x[n + dz_]) * (1 / 6.f);
   }
 
   const Lattice& lattice_;

@@ -160,6 +160,10 @@ std::vector<openvdb::Coord> foldedCells(const Displacements& map, const VectorFi
   openvdb::CoordBBox cells(suspect.box.min().offsetBy(-1), suspect.box.max());
   cells.intersect({openvdb::Coord(0), lattice.size.offsetBy(-2)});
   if (cells.empty()) return {};
+  // Two objects' displacements are mostly each other's opposites: what holds of the one holds of the other.
+  const bool balanced =
+      std::all_of(sum.begin(), sum.end(), [](const openvdb::Vec3s& d) { return d == openvdb::Vec3s(0.f); });
+  const bool alike = balanced && map.of.size() == 2;
   std::vector<std::vector<openvdb::Coord>> slabs(size_t(cells.dim()[2]));
   forEachNode(cells, [&](int x, int y, int z) {
     size_t corner[8];
@@ -170,11 +174,12 @@ std::vector<openvdb::Coord> foldedCells(const Displacements& map, const VectorFi
     }
     if (!any) return;
     bool folds = false;
-    const openvdb::Vec3s ofSum = longestDifferences(sum, corner);
+    const openvdb::Vec3s ofSum = balanced ? openvdb::Vec3s(0.f) : longestDifferences(sum, corner);
     openvdb::Vec3s ofOwn(0.f);
     for (size_t w = 0; w < guarded.size() && !folds; ++w) {
       const Guarded& g = guarded[w];
-      if (w == 0 || g.object != guarded[w - 1].object) ofOwn = longestDifferences(map.of[g.object], corner);
+      if (w == 0 || (g.object != guarded[w - 1].object && !alike))
+        ofOwn = longestDifferences(map.of[g.object], corner);
       const Vec3d most = std::abs(g.own) * Vec3d(ofOwn) + std::abs(g.all) * Vec3d(ofSum);
       if (most.lengthSqr() <= harmless * harmless) continue;
       folds = smallestRatio(map, sum, g, x, y, z) < floor;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace slicemorph {
 
@@ -29,6 +30,15 @@ openvdb::BBoxd MatchObjects::reach() const {
 
 int MatchObjects::ofEach(int samples) const {
   return std::max(samples * 2 / int(std::max<size_t>(count(), 2)), 1);
+}
+
+double MatchObjects::smallestVoxel() const {
+  double voxel = std::numeric_limits<double>::max();
+  for (size_t k = 0; k < count(); ++k) {
+    const Vec3d& scale = charts[k].scale;
+    voxel = std::min(voxel, shape.fields[k]->voxelSize() / std::max({scale[0], scale[1], scale[2]}));
+  }
+  return voxel;
 }
 
 MatchObjects measureObjects(const Fields& fields, const std::vector<Fields>& inner,

@@ -36,6 +36,8 @@ struct MatchObjects {
   /// Samples per object: `samples` for two objects; more objects share the same total, so that the work grows
   /// no faster than the number of objects.
   int ofEach(int samples) const;
+  /// Of all objects, chart units: a lattice, a slice or a shape made of them need not be finer.
+  double smallestVoxel() const;
 };
 
 /// `inner`: for each further surface one field per object, null where it has none.

@@ -19,6 +19,9 @@ constexpr int kLeastInner = 300;
 /// Number of points for which a round's stiffness is given; it is scaled with their number, as the data term
 /// of the fit grows with it.
 constexpr double kPointsOfStiffness = 2000;
+/// A round of soft matches overlaps by less than this more than the one before, whose blur is a quarter wider: on eleven
+/// pairs by .096 at most.
+constexpr double kSoftStep = 0.1;
 
 /// Closest points of the inner surfaces, sampled as densely as the shapes; each on the same inner surface of
 /// the other objects.
@@ -63,18 +66,25 @@ GainWanted gainWanted(const MatchObjects& objects, const Round& round) {
 }  // namespace
 
 Matching refined(const MatchObjects& objects, Matching matching, const Round& round) {
-  if (round.kind == Round::Kind::kSoft && matching.overlap > kLieOnEachOther) return matching;
+  const bool soft = round.kind == Round::Kind::kSoft;
+  if (soft && matching.overlap > kLieOnEachOther) return matching;
+  if (soft && matching.softLoss > kSoftStep) {  // it would not be taken
+    matching.softLoss -= kSoftStep;
+    return matching;
+  }
   std::vector<Correspondence> points = roundPoints(objects, matching, round);
   if (points.empty()) return matching;
   points.insert(points.end(), matching.limbPoints.begin(), matching.limbPoints.end());
   char name[64];
-  std::snprintf(name, sizeof name, "%s %.3f (%zu points)",
-                round.kind == Round::Kind::kSoft ? "soft match" : "closest points", round.reach,
-                points.size());
+  std::snprintf(name, sizeof name, "%s %.3f (%zu points)", soft ? "soft match" : "closest points",
+                round.reach, points.size());
   const double density = double(points.size()) / kPointsOfStiffness;
   const Displacements map =
       fittedMap(objects, matching, std::move(points), {round.spacing, round.stiffness * density});
-  return takeAsFarAsBetter(objects, std::move(matching), map, gainWanted(objects, round), name).matching;
+  const double before = matching.overlap;
+  TakenMap taken = takeAsFarAsBetter(objects, std::move(matching), map, gainWanted(objects, round), name);
+  taken.matching.softLoss = soft ? before - taken.overlap : 0;
+  return std::move(taken.matching);
 }
 
 Matching triedQuickly(const MatchObjects& objects, Matching matching) {

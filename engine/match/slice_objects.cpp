@@ -11,6 +11,10 @@ namespace slicemorph {
 
 namespace {
 
+/// Least width of a slice's pixels, in voxels. With whole voxels in-betweens of swapped objects differ by .3 voxel, with halves
+/// by less than .1 (Morph.SwappedInputsGiveTheSameSurfaces).
+constexpr double kPixel = 0.5;
+
 /// `position`: per object and slice, z0 in chart units.
 SlicedObjects cutAt(const MatchObjects& objects, SlicePlanes planes,
                     std::vector<std::vector<double>> position) {
@@ -26,7 +30,7 @@ SlicedObjects cutAt(const MatchObjects& objects, SlicePlanes planes,
 }  // namespace
 
 SlicedObjects sliceObjects(const MatchObjects& objects, int count) {
-  SlicePlanes planes = placeSlices(objects.boxes, count);
+  SlicePlanes planes = placeSlices(objects.boxes, count, kPixel * objects.smallestVoxel());
   AlongSpine along = matchAlongSpine(objects.shape.fields, objects.charts, planes);
   SlicedObjects slices = cutAt(objects, std::move(planes), std::move(along.position));
   char text[128];
@@ -37,7 +41,7 @@ SlicedObjects sliceObjects(const MatchObjects& objects, int count) {
 }
 
 SlicedObjects sliceAtEqualPositions(const MatchObjects& objects, int count) {
-  SlicePlanes planes = placeSlices(objects.boxes, count);
+  SlicePlanes planes = placeSlices(objects.boxes, count, kPixel * objects.smallestVoxel());
   std::vector<std::vector<double>> position(objects.count(), planes.z0);
   return cutAt(objects, std::move(planes), std::move(position));
 }

@@ -16,11 +16,11 @@ TakenMap takeAsFarAsBetter(const MatchObjects& objects, Matching matching, const
   char text[96];
   std::snprintf(text, sizeof text, ": overlap %.3f, taken to %.0f %%", overlap, 100 * share);
   matching.notes.push_back({"match.map-tried", Severity::kDetail, "", name + text});
-  if (share == 0) return {std::move(matching), 0};
+  if (share == 0) return {std::move(matching), 0, overlap};
   if (share == 1) {
     matching.map = map;
     matching.overlap = overlap;
-    return {std::move(matching), 1};
+    return {std::move(matching), 1, overlap};
   }
   Displacements blended = resampled(matching.map, map.lattice);
   for (size_t k = 0; k < objects.count(); ++k)
@@ -29,7 +29,7 @@ TakenMap takeAsFarAsBetter(const MatchObjects& objects, Matching matching, const
   removeFolds(blended);
   matching.map = std::move(blended);
   matching.overlap = mapOverlap(objects, matching.map);
-  return {std::move(matching), share};
+  return {std::move(matching), share, overlap};
 }
 
 }  // namespace slicemorph

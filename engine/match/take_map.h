@@ -18,7 +18,8 @@ struct GainWanted {
 
 struct TakenMap {
   Matching matching;
-  double share = 0;  ///< to which the map was taken, 0 to 1
+  double share = 0;    ///< to which the map was taken, 0 to 1
+  double overlap = 0;  ///< of the map that was tried
 };
 
 /// Blends the matching's map with `map` by how much better the objects warped by `map` overlap. `name`: for

@@ -16,7 +16,7 @@ namespace slicemorph {
 
 namespace {
 
-/// Voxels of the mean along the lattice's longest side. Chosen by hand.
+/// Voxels of the mean along the lattice's longest side; fewer where the objects' own are larger. Chosen by hand.
 constexpr double kMeanVoxels = 128;
 
 /// The mean shape of the objects by a map.
@@ -25,13 +25,14 @@ struct Mean {
   std::shared_ptr<const DistanceField> field;  ///< null if the mean is empty
 };
 
-Mean meanOf(const Displacements& map, const Fields& fields, const Frames& frames) {
+Mean meanOf(const Displacements& map, const MatchObjects& objects, const Frames& frames) {
+  const Fields& fields = objects.shape.fields;
   const Weights equal(fields.size(), 1.0 / double(fields.size()));
   const MovingLattice lattice(map, fields, frames.charts);
   const MovingLattice::Pose pose = lattice.poseAt(equal);
   const openvdb::Coord& n = map.lattice.size;
-  const double voxelSize =
-      pose.chart.meanScale() * map.lattice.spacing * std::max({n[0], n[1], n[2]}) / kMeanVoxels;
+  const double finest = map.lattice.spacing * std::max({n[0], n[1], n[2]}) / kMeanVoxels;
+  const double voxelSize = pose.chart.meanScale() * std::max(finest, objects.smallestVoxel());
   const FloatGrid::Ptr surface = rebuildInBetween({lattice, fields, frames}, equal, pose, voxelSize).surface;
   if (surface->empty()) return {pose.chart, nullptr};
   return {pose.chart, std::make_shared<DistanceField>(surface)};
@@ -140,7 +141,7 @@ Registration matchThroughMean(Registration start, const MatchObjects& objects, c
                               Progress& progress) {
   Registration result = std::move(start);
   const size_t count = objects.count();
-  const Mean mean = meanOf(result.map, objects.shape.fields, frames);
+  const Mean mean = meanOf(result.map, objects, frames);
   if (!mean.field) return result;
   Displacements next{result.map.lattice, std::vector<VectorField>(count)};
   Notes found(count);

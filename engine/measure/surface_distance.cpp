@@ -5,6 +5,7 @@
 #include <tbb/parallel_invoke.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -33,6 +34,21 @@ struct Box {
   }
 };
 
+/// What encloses some triangles: their box, and how far they reach along their mean normal. Where a surface is seen from
+/// far off, as a large sphere from near its centre, boxes alone tell hardly which part of it is nearer.
+struct Bounds {
+  Box box;
+  Vec3s normal{0.f};  ///< unit length; 0 where there is no mean
+  float from = 0, to = 0;
+  static constexpr double kRounded = 1 - 1e-6;  ///< the normal's length is 1 but for its rounding
+
+  double squaredDistance(const Vec3d& p) const {
+    const double along = Vec3d(normal).dot(p);
+    const double outside = kRounded * std::max({double(from) - along, along - double(to), 0.0});
+    return std::max(box.squaredDistance(p), outside * outside);
+  }
+};
+
 double squaredDistanceToSegment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
   const Vec3d ab = b - a;
   const double length = ab.lengthSqr();
@@ -56,7 +72,7 @@ double squaredDistance(const Vec3d& p, const Triangle& triangle) {
                    squaredDistanceToSegment(p, c, a)});
 }
 
-/// Balanced tree of bounding boxes over the triangles of a mesh, split at the median along the longest side
+/// Balanced tree of bounds over the triangles of a mesh, split at the median along the longest side
 /// of the centroids' box. Node i has the children 2 i + 1 and 2 i + 2.
 class TriangleTree {
  public:
@@ -65,7 +81,7 @@ class TriangleTree {
       triangles_.push_back({mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]});
     size_t nodes = 1;
     for (size_t n = triangles_.size(); n > kLeafSize; n = (n + 1) / 2) nodes = 2 * nodes + 1;
-    boxes_.resize(nodes);
+    bounds_.resize(nodes);
     build(0, 0, triangles_.size());
   }
 
@@ -83,14 +99,33 @@ class TriangleTree {
  private:
   static constexpr size_t kLeafSize = 4;  ///< triangles of a node that is not split
 
-  void build(size_t node, size_t first, size_t last) {
-    Box box, centres;
+  Bounds boundsOf(size_t first, size_t last) const {
+    Bounds bounds;
+    Vec3d normal(0.0);
     for (size_t i = first; i < last; ++i) {
       const Triangle& t = triangles_[i];
-      box.add(t.a), box.add(t.b), box.add(t.c);
-      centres.add(t.a + t.b + t.c);
+      for (const Vec3s& p : {t.a, t.b, t.c}) bounds.box.add(p);
+      normal += (Vec3d(t.b) - Vec3d(t.a)).cross(Vec3d(t.c) - Vec3d(t.a));
     }
-    boxes_[node] = box;
+    if (!normal.normalize()) return bounds;
+    bounds.normal = Vec3s(normal);
+    const Vec3d rounded(bounds.normal);
+    double from = std::numeric_limits<double>::max(), to = std::numeric_limits<double>::lowest();
+    for (size_t i = first; i < last; ++i)
+      for (const Vec3s& p : {triangles_[i].a, triangles_[i].b, triangles_[i].c}) {
+        const double along = rounded.dot(Vec3d(p));
+        from = std::min(from, along), to = std::max(to, along);
+      }
+    // Rounded outwards.
+    constexpr float kInfinite = std::numeric_limits<float>::infinity();
+    bounds.from = std::nextafter(float(from), -kInfinite), bounds.to = std::nextafter(float(to), kInfinite);
+    return bounds;
+  }
+
+  void build(size_t node, size_t first, size_t last) {
+    Box centres;
+    for (size_t i = first; i < last; ++i) centres.add(triangles_[i].a + triangles_[i].b + triangles_[i].c);
+    bounds_[node] = boundsOf(first, last);
     if (last - first <= kLeafSize) return;
     const Vec3s size = centres.high - centres.low;
     const size_t axis = openvdb::math::MaxIndex(size);
@@ -117,7 +152,7 @@ class TriangleTree {
       return;
     }
     const size_t middle = (first + last) / 2, left = 2 * node + 1, right = left + 1;
-    const double toLeft = boxes_[left].squaredDistance(p), toRight = boxes_[right].squaredDistance(p);
+    const double toLeft = bounds_[left].squaredDistance(p), toRight = bounds_[right].squaredDistance(p);
     const bool leftFirst = toLeft <= toRight;
     if (leftFirst && toLeft < best.squared) search(p, left, first, middle, best);
     if (toRight < best.squared) search(p, right, middle, last, best);
@@ -125,7 +160,7 @@ class TriangleTree {
   }
 
   std::vector<Triangle> triangles_;
-  std::vector<Box> boxes_;
+  std::vector<Bounds> bounds_;
 };
 
 using Points = std::vector<openvdb::Vec3s>;

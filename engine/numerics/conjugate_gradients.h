@@ -26,7 +26,7 @@ struct Lanes<float> {
 };
 
 /// Number of unknowns per task. Sums are taken over this many unknowns and then added in a fixed order, so
-/// that the result is the same bytes for every number of threads. (Eigen's solver accumulates single
+/// that the result is the same bytes for every number of threads. A sum's terms may change what belongs to their unknown. (Eigen's solver accumulates single
 /// precision in single precision, with a remainder too large to stop at 1e-6, and has no lanes.)
 struct Grain {
   size_t size;
@@ -83,15 +83,13 @@ int conjugateGradients(System& system, const GradientSettings& settings, std::ve
   using Wide = typename L::Wide;
   const size_t n = system.size();
   const Grain grain = system.grain();
-  const auto squared = [&] {
-    return grain.sum(n, L::zero(), [&](size_t i) {
-      return Wide(L::wide(residual[i]) * L::wide(residual[i]) / double(system.diagonal(i)));
-    });
+  const auto squared = [&](size_t i) {
+    return Wide(L::wide(residual[i]) * L::wide(residual[i]) / double(system.diagonal(i)));
   };
   const Value zero = L::narrow(L::zero());
   std::vector<Value> direction(field.size(), zero), product(n, zero);
   grain.forEach(n, [&](size_t i) { direction[system.node(i)] = residual[i] / system.diagonal(i); });
-  Wide rest = squared();
+  Wide rest = grain.sum(n, L::zero(), squared);
   const Wide enough = settings.enough * (scale ? *scale : rest);
   int step = 0;
   for (; step < settings.iterations && L::any(rest > enough); ++step) {
@@ -102,11 +100,11 @@ int conjugateGradients(System& system, const GradientSettings& settings, std::ve
     const auto goesOn = L::both(rest > enough, bend > L::zero());
     if (!L::any(goesOn)) break;
     const Value alpha = L::narrow(L::where(goesOn, rest / bend));
-    grain.forEach(n, [&](size_t i) {
+    const Wide next = grain.sum(n, L::zero(), [&](size_t i) {
       field[system.node(i)] += alpha * direction[system.node(i)];
       residual[i] -= alpha * product[i];
+      return squared(i);
     });
-    const Wide next = squared();
     const Value beta = L::narrow(L::where(goesOn, next / rest));
     rest = next;
     grain.forEach(n, [&](size_t i) {

@@ -7,14 +7,14 @@
 
 namespace slicemorph {
 
-SlicePlanes placeSlices(const std::vector<openvdb::BBoxd>& chartBoxes, int count) {
+SlicePlanes placeSlices(const std::vector<openvdb::BBoxd>& chartBoxes, int count, double finest) {
   openvdb::BBoxd box;
   for (const auto& b : chartBoxes) box.expand(b);
   const Vec3d extent = box.extents();
   SlicePlanes planes;
   for (int i = 0; i < count; ++i) planes.z0.push_back(box.min()[0] + (i + 0.5) * extent[0] / count);
   constexpr int kPixels = 112;  // across the larger side; chosen by hand
-  planes.pixel = std::max(extent[1], extent[2]) / kPixels;
+  planes.pixel = std::max(std::max(extent[1], extent[2]) / kPixels, finest);
   planes.nx = int(std::ceil(extent[1] / planes.pixel)) + 5;
   planes.ny = int(std::ceil(extent[2] / planes.pixel)) + 5;
   planes.origin = Vec2d(box.min()[1], box.min()[2]) - Vec2d(2 * planes.pixel);

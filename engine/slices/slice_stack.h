@@ -20,8 +20,9 @@ struct SlicePlanes {
 /// Signed distances on one slice, chart units, row by row (index y * nx + x).
 using SliceImage = std::vector<float>;
 
-/// `count` planes through the middles of equal slabs of the box that holds all objects in chart space.
-SlicePlanes placeSlices(const std::vector<openvdb::BBoxd>& chartBoxes, int count);
+/// `count` planes through the middles of equal slabs of the box that holds all objects in chart space. `finest`: no pixel
+/// is smaller, chart units.
+SlicePlanes placeSlices(const std::vector<openvdb::BBoxd>& chartBoxes, int count, double finest = 0);
 
 /// Samples the signed distance on every slice of one object.
 std::vector<SliceImage> sampleSlices(const DistanceField& field, const Chart& chart,

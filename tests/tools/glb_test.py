@@ -185,7 +185,8 @@ def check_volume(points, triangles, frame):
 
 def case_on_frames(folder):
     """Every frame's points are on the level set that the same morph writes as VDB; volumes agree."""
-    words = ["morph", ASSETS + "/blade.ply", ASSETS + "/creature.ply", "--frames", 4, "--resolution", 48]
+    run("plan", ASSETS + "/blade.ply", ASSETS + "/creature.ply", "--resolution", 48, "-o", folder + "/x.plan")
+    words = ["morph", "--plan", folder + "/x.plan", "--frames", 4]
     print(run(*words, "-o", folder + "/m.glb", "--report", folder + "/m.json").splitlines()[-2])
     run(*words, "-o", folder + "/m.####.vdb", "--velocity", "none")
     frames = json.load(open(folder + "/m.json"))["frames"]
@@ -215,7 +216,8 @@ def case_hole(folder):
 
 
 def case_same_bytes(folder):
-    words = ["morph", ASSETS + "/blade.ply", ASSETS + "/creature.ply", "--frames", 2, "--resolution", 32]
+    run("plan", ASSETS + "/blade.ply", ASSETS + "/creature.ply", "--resolution", 32, "-o", folder + "/x.plan")
+    words = ["morph", "--plan", folder + "/x.plan", "--frames", 2]
     for threads in (1, 2, 4):
         run(*words, "-o", folder + "/%d.glb" % threads, "--threads", threads)
     files = [open(folder + "/%d.glb" % threads, "rb").read() for threads in (1, 2, 4)]

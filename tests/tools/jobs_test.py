@@ -136,12 +136,12 @@ def round_trip(o, *words):
 
 def settings_of(report):
     settings = json.load(open(report))["settings"]
-    return {key: value for key, value in settings.items() if key not in ("output",)}
+    return {key: value for key, value in settings.items() if key not in ("output", "range")}
 
 
 def run_example(job, o):
     """The job's frames exist and are not empty; a printed copy of it is the same job: it takes the same plan, which holds
-    for one job's settings alone, and gives the same files."""
+    for one job's settings alone, and gives the same second frame."""
     os.symlink(os.path.join(REPOSITORY, "assets"), os.path.join(o, "assets"))
     text = open(job).read()
     output = re.search(r'^output = "(.*?)"', text, re.M).group(1)
@@ -164,11 +164,13 @@ def run_example(job, o):
     if "keyed" in job:
         check_keyed(report)
     os.replace(round_trip(o, "--config", job), here)
-    done("morph", "-o", "again/" + output, "--report", "b.json", *by_plan, cwd=o)
+    one = ["--range", 2] if "#" in output else []
+    done("morph", "-o", "again/" + output, "--report", "b.json", *one, *by_plan, cwd=o)
     first, again = settings_of(os.path.join(o, "r.json")), settings_of(os.path.join(o, "b.json"))
     assert first and first == again, (first, again)
     ending = os.path.splitext(output)[1]
-    assert sums(os.path.join(o, "frames"), ending) == sums(os.path.join(o, "again"), ending)
+    made, again = (sums(os.path.join(o, folder), ending) for folder in ("frames", "again"))
+    assert len(again) == 1 and again.items() <= made.items(), (made, again)
 
 
 def check_keyed(report):

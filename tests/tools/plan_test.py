@@ -15,11 +15,12 @@ sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "
 from cases import named_cases, run_cases
 from frames import folder, sums
 from grids import puff
+from meshes import box_obj
 
 if len(sys.argv) < 3:
     sys.exit(__doc__)
 PROGRAM, ASSETS, ONLY = os.path.abspath(sys.argv[1]), os.path.join(os.path.abspath(sys.argv[2]), "assets"), sys.argv[3:]
-DIE, OCTAHEDRON, RING = (os.path.join(ASSETS, name) for name in ("die.ply", "octahedron.ply", "ring.ply"))
+DIE, OCTAHEDRON = (os.path.join(ASSETS, name) for name in ("die.ply", "octahedron.ply"))
 SMALL = ["--resolution", "24", "--slices", "16", "--samples", "32"]
 
 
@@ -51,9 +52,10 @@ def case_frames_are_the_same(o):
 
 def case_keys_and_job_files(o):
     """Plans of several inputs, by a job file with a feature."""
+    box = box_obj(o + "/box.obj", (-1, -0.8, -0.5), (1, 0.8, 0.5))
     with open(o + "/job.toml", "w") as job:
         job.write('inputs = ["%s", "%s", "%s"]\noutput = "m.####.vdb"\nframes = 3\nresolution = 24\nslices = 16\nsamples = 32\n'
-                  '[[feature]]\nname = "top"\npoint = [[0, 0.5, 0], [0, 0.5, 0], [0, 0.2, 0]]\n' % (DIE, OCTAHEDRON, RING))
+                  '[[feature]]\nname = "top"\npoint = [[0, 0.5, 0], [0, 0.5, 0], [0, 0.8, 0]]\n' % (DIE, OCTAHEDRON, box))
     whole, planned = folder(o, "whole"), folder(o, "planned")
     run(whole, "morph", "--config", o + "/job.toml")
     run(o, "plan", "--config", "job.toml", "-o", "x.plan")
@@ -91,7 +93,7 @@ def case_what_does_not_fit_is_refused(o):
     assert "--spine" in error and "made without it" in error, error
     error = run(o, *morph, "--dump-slices", "d", code=2).stderr
     assert "--dump-slices" in error, error
-    error = run(o, *morph, DIE, RING, code=1).stderr
+    error = run(o, *morph, DIE, box_obj(o + "/box.obj", (-1, -0.8, -0.5), (1, 0.8, 0.5)), code=1).stderr
     assert "x.plan" in error and "other objects" in error, error
     error = run(o, "morph", "--plan", DIE, "-o", "m.vdb", code=1).stderr
     assert "die.ply" in error and "is no plan" in error, error

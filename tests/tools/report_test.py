@@ -161,7 +161,7 @@ def scrub(browser, t):
 def case_player(folder):
     """Opens without errors; scrubbing shows the shape of that time; the network is not used."""
     page = morph(folder, ASSETS + "/blade.ply", ASSETS + "/creature.ply", "-o", folder + "/m.####.ply", "--frames", 5,
-                 "--resolution", 48)
+                 "--resolution", 32)
     with Browser() as browser:
         browser.open(page)
         assert not browser.run("!!document.querySelector('#player .none')"), browser.run("document.querySelector('#player').textContent")

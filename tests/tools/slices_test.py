@@ -288,7 +288,8 @@ def lost_slices_are_told(d):
 def morph_straight_to_images(d):
     """EXR slices and pictures of morph equal those that slice and render make of its VDBs."""
     assets = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../assets")
-    words = ["morph", assets + "/blade.ply", assets + "/ring.ply", "--resolution", 32, "--frames", 3]
+    run("plan", assets + "/blade.ply", assets + "/ring.ply", "--resolution", 32, "-o", d + "/x.plan")
+    words = ["morph", "--plan", d + "/x.plan", "--frames", 3]
     run(*words, "-o", d + "/m.####.vdb")
     plane = "0.01,0.02,0.03/1,2,3"
     run(*words, "-o", d + "/m.####.exr", "--exr", "slices", "--exr-plane", plane, "--pixel-size", 0.02)

@@ -158,6 +158,34 @@ TEST(SurfaceDistance, ConcentricSpheresAndMovedBox) {
   EXPECT_THROW(surfaceDistance(box, Mesh{}), GeometryError);
 }
 
+/// From near its centre all of a large sphere is nearly as far: without bounds along the normals this takes minutes.
+TEST(SurfaceDistance, OfASphereInAMuchLargerOne) {
+  const double large = 2000;
+  const auto ball = [](double radius, int rings) {
+    Mesh mesh;
+    for (int i = 0; i <= rings; ++i)
+      for (int j = 0; j < 2 * rings; ++j) {
+        const double down = kPi * i / rings, round = kPi * j / rings;
+        mesh.points.emplace_back(radius * std::sin(down) * std::cos(round),
+                                 radius * std::sin(down) * std::sin(round), radius * std::cos(down));
+      }
+    const auto at = [&](int i, int j) { return openvdb::Index32(i * 2 * rings + j % (2 * rings)); };
+    for (int i = 0; i < rings; ++i)
+      for (int j = 0; j < 2 * rings; ++j) {
+        mesh.triangles.emplace_back(at(i, j), at(i + 1, j), at(i + 1, j + 1));
+        mesh.triangles.emplace_back(at(i, j), at(i + 1, j + 1), at(i, j + 1));
+      }
+    return mesh;
+  };
+  const int rings = 150;
+  const Mesh small = ball(1, 20), around = ball(large, rings);
+  const SurfaceDistance d = distanceTo(small.points, around);
+  // The large mesh is inscribed: no place of it is deeper than a cell's diagonal is long, half of it each way.
+  const double sagitta = large * (1 - std::cos(kPi / rings / std::sqrt(2.0)));
+  EXPECT_NEAR(d.mean, large - 1, sagitta);
+  EXPECT_LE(d.max, large - 1 + 1e-3) << "single precision at this size";
+}
+
 TEST(SurfaceDistance, AgreesWithBruteForce) {
   // Reference: the distance of a point to a triangle by a dense scan of its barycentric coordinates.
   std::mt19937 random(7);
