@@ -39,7 +39,7 @@ with tempfile.TemporaryDirectory() as folder:
         words = shlex.split(command)
         words[0] = program
         if any(w.startswith("assets/") for w in words) and "--resolution" not in words:
-            words += ["--resolution", "24"]
+            words += ["--resolution", "32"]
         result = subprocess.run(words, cwd=folder, capture_output=True, text=True, timeout=900)
         print("%d  %s" % (result.returncode, command))
         if result.returncode:

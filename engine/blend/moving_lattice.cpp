@@ -102,23 +102,28 @@ NodeWeights MovingLattice::nodeWeights(const Weights& weights) const {
 NodeWeights MovingLattice::smoothed(const NodeWeights& weights) const {
   const Lattice& lattice = on_.lattice;
   const size_t objects = on_.objects();
+  const size_t row = size_t(lattice.size[0]) * objects;
   NodeWeights result(weights.size());
   tbb::parallel_for(0, int(lattice.size[2]), [&](int z) {
-    for (int y = 0; y < lattice.size[1]; ++y)
-      for (int x = 0; x < lattice.size[0]; ++x) {
-        const openvdb::Coord c(x, y, z);
-        for (size_t k = 0; k < objects; ++k) {
-          float sum = 0;
-          for (int axis = 0; axis < 3; ++axis)
-            for (int side : {-1, 1}) {
-              openvdb::Coord n = c;
-              n[axis] = std::min(std::max(c[axis] + side, 0), lattice.size[axis] - 1);
-              sum += weights[lattice.index(n) * objects + k] / 6;
-            }
-          const size_t i = lattice.index(c) * objects + k;
-          result[i] = 0.5f * (weights[i] + sum);
-        }
-      }
+    for (int y = 0; y < lattice.size[1]; ++y) {
+      // A node beyond the lattice has the weights of the one at its rim.
+      const auto rowAt = [&](int besideY, int besideZ) {
+        const openvdb::Coord at(0, std::min(std::max(besideY, 0), lattice.size[1] - 1),
+                                std::min(std::max(besideZ, 0), lattice.size[2] - 1));
+        return &weights[lattice.index(at) * objects];
+      };
+      const float *own = rowAt(y, z), *below = rowAt(y - 1, z), *above = rowAt(y + 1, z),
+                  *before = rowAt(y, z - 1), *behind = rowAt(y, z + 1);
+      float* to = &result[lattice.index(0, y, z) * objects];
+      const auto smooth = [&](size_t i, size_t left, size_t right) {
+        const float sum =
+            own[left] / 6 + own[right] / 6 + below[i] / 6 + above[i] / 6 + before[i] / 6 + behind[i] / 6;
+        to[i] = 0.5f * (own[i] + sum);
+      };
+      for (size_t i = 0; i < objects; ++i) smooth(i, i, std::min(i + objects, row - objects + i));
+      for (size_t i = objects; i + objects < row; ++i) smooth(i, i - objects, i + objects);
+      for (size_t i = std::max(objects, row - objects); i < row; ++i) smooth(i, i - objects, i);
+    }
   });
   return result;
 }
