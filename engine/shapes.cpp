@@ -62,8 +62,8 @@ void checkSize(const FloatGrid& levelSet, const std::string& name) {
     inside.expand(value.getCoord());
     deepest = std::max(deepest, -double(*value));
   }
+  if (inside.empty()) return;
   const double voxel = levelSet.voxelSize()[0];
-  if (inside.empty()) throw GeometryError(name, thinnerThan("everywhere", voxel));
   const double longest = (inside.dim()[int(inside.maxExtent())] - 1) * voxel + 2 * deepest;
   if (longest >= kLeastVoxels * voxel) return;
   std::ostringstream why;
@@ -71,6 +71,14 @@ void checkSize(const FloatGrid& levelSet, const std::string& name) {
       << "; it needs a voxel size of at most " << longest / kLeastVoxels
       << ", or a --resolution, which holds for each object";
   throw GeometryError(name, why.str());
+}
+
+std::shared_ptr<const DistanceField> fieldOf(const FloatGrid::ConstPtr& levelSet, const std::string& name) {
+  try {
+    return std::make_shared<DistanceField>(levelSet);
+  } catch (const GeometryError&) {  // no point of a surface was found
+    throw GeometryError(name, thinnerThan("everywhere", levelSet->voxelSize()[0]));
+  }
 }
 
 /// Throws GeometryError for what falls between the nodes on which shapes are measured, as a blade does that is thinner
@@ -95,7 +103,7 @@ Shapes withFields(Shapes shapes, const Shapes* before) {
       return;
     }
     checkSize(*levelSet, shapes.names[k]);
-    shapes.fields[k] = std::make_shared<DistanceField>(levelSet);
+    shapes.fields[k] = fieldOf(levelSet, shapes.names[k]);
     checkInside(*shapes.fields[k], shapes.names[k]);
     shapes.pieces[k] = countPieces(*levelSet);
   });

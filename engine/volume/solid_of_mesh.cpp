@@ -6,6 +6,7 @@
 #include "engine/volume/mesh_measures.h"
 #include "engine/volume/repair_note.h"
 #include "engine/volume/surface_samples.h"
+#include "engine/volume/thin_parts.h"
 #include "engine/volume/turn_outwards.h"
 #include "engine/volume/voxelise.h"
 #include "engine/volume/winding_solid.h"
@@ -182,6 +183,19 @@ void noteSheets(SolidMesh& mesh, const SolidOptions& options) {
       repairNote("mesh.sheets", options.shell > 0 ? Severity::kNote : Severity::kWarning, text.str()));
 }
 
+/// What walls thinner than a voxel lose of the area is told from this share on. Chosen by hand.
+constexpr double kLostWorthTelling = 0.01;
+
+void noteThinParts(SolidMesh& mesh, const FloatGrid& levelSet) {
+  const double lost = lostShare(mesh.mesh, levelSet);
+  if (lost < kLostWorthTelling) return;
+  std::ostringstream text;
+  text << "about " << std::lround(100 * lost) << " % of its surface bounds walls thinner than a voxel of "
+       << roughly(levelSet.voxelSize()[0])
+       << ", which are lost in part or wholly: smaller voxels (--resolution, --voxel-size) keep them";
+  mesh.notes.push_back(repairNote("mesh.thin-walls", Severity::kWarning, text.str()));
+}
+
 }  // namespace
 
 SolidMesh prepareSolid(const PolygonMesh& polygons) {
@@ -262,6 +276,7 @@ MeshSolid solidOf(SolidMesh mesh, const SolidOptions& options) {
     solid.levelSet = voxeliseClosed(mesh, voxelSize);
   else if (!mesh.mesh.triangles.empty())
     solid.levelSet = windingLevelSet(mesh.mesh, WindingNumber(mesh.mesh), voxelSize);
+  if (solid.levelSet) noteThinParts(mesh, *solid.levelSet);
   solid.levelSet = withSheets(std::move(solid.levelSet), mesh, voxelSize, options.shell);
   solid.notes = inOneLine(std::move(mesh.notes));
   return solid;

@@ -1,5 +1,6 @@
 // Inputs that a morph refuses; messages must say what would be right.
 #include "engine/check_objects.h"
+#include "engine/volume/voxelise.h"
 #include "slicemorph/errors.h"
 #include "slicemorph/io/input.h"
 #include "tests/support/shapes.h"
@@ -83,7 +84,6 @@ TEST(CheckObjects, LevelSetsByTheConventionsPass) {
   EXPECT_NO_THROW(checkLevelSet(*moved, "moved"));
 }
 
-/// With infinite directions every overlap would be NaN, and no turn better than another.
 /// A blade that is so thin that its inside falls between the points where shapes are measured.
 TEST(CheckObjects, WhatIsThinnerThanAVoxelIsRefused) {
   LoadOptions coarse;
@@ -93,8 +93,22 @@ TEST(CheckObjects, WhatIsThinnerThanAVoxelIsRefused) {
                MorphPlan({{"good", ball()}, {"blade.ply", blade.levelSet}});
              }),
              {"blade.ply", "thinner than a voxel", "--resolution"});
+  // A needle along a row of voxels: no two of them have a surface between them.
+  Mesh needle;
+  for (int c = 0; c < 8; ++c) needle.points.emplace_back(c & 1 ? 1 : 0, c & 2 ? 0.01 : 0, c & 4 ? 0.01 : 0);
+  for (const auto& q : {openvdb::Vec4I(0, 2, 3, 1), openvdb::Vec4I(4, 5, 7, 6), openvdb::Vec4I(0, 1, 5, 4),
+                        openvdb::Vec4I(2, 6, 7, 3), openvdb::Vec4I(0, 4, 6, 2), openvdb::Vec4I(1, 3, 7, 5)}) {
+    needle.triangles.emplace_back(q[0], q[1], q[2]);
+    needle.triangles.emplace_back(q[0], q[2], q[3]);
+  }
+  const FloatGrid::Ptr thin = voxelise(needle, 1.0 / 12);
+  expectSays(refusal<GeometryError>([&] {
+               MorphPlan({{"good", ball()}, {"needle", thin}});
+             }),
+             {"needle", "thinner than a voxel everywhere", "--resolution"});
 }
 
+/// With infinite directions every overlap would be NaN, and no turn better than another.
 TEST(CheckObjects, DirectionsMustBeFinite) {
   const double infinite = std::numeric_limits<double>::infinity();
   const Object a{"a", ball()},
