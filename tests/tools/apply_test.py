@@ -12,6 +12,7 @@ import os
 import struct
 import subprocess
 import sys
+import tempfile
 import zlib
 
 sys.path.append("/usr/lib/python3/dist-packages")
@@ -24,6 +25,7 @@ from cases import named_cases, run_cases
 
 if len(sys.argv) < 2:
     sys.exit(__doc__)
+SHARED = tempfile.TemporaryDirectory(prefix="slicemorph-apply-")
 PROGRAM, ONLY = os.path.abspath(sys.argv[1]), sys.argv[2:]
 SHIFT, FACTOR, NEAR = np.array([3.0, 1.0, -2.0]), 1.5, 0.03
 SMALL = ["--resolution", "40", "--slices", "32"]
@@ -70,8 +72,16 @@ def image_of(points, t=1.0):
     return points * (1 + t * (FACTOR - 1)) + t * SHIFT
 
 
+def plan():
+    """The plan of the two objects, made once."""
+    path = SHARED.name + "/pair.plan"
+    if not os.path.exists(path):
+        run("plan", *pair(SHARED.name), "-o", path, *SMALL)
+    return path
+
+
 def apply(d, what, out, *more):
-    return run("apply", *pair(d), what, "-o", out, *SMALL, *more)
+    return run("apply", *pair(d), what, "-o", out, "--plan", plan(), *more)
 
 
 def glb_of(nodes, data, views, accessors, primitives, **more):
@@ -281,7 +291,7 @@ def check_field(vectors, world, t0, t1):
 
 def case_field(d):
     """The same numbers in all formats: LPS, at the points of --from, to where these are at --to."""
-    field = lambda name, *more: run("apply", *pair(d), "--field", "-o", d + "/" + name, *SMALL, *more)
+    field = lambda name, *more: run("apply", *pair(d), "--field", "-o", d + "/" + name, "--plan", plan(), *more)
     for t0, t1 in ((0, 1), (1, 0), (0, 0.5)):
         note = field("f.nii.gz", "--from", t0, "--to", t1).stderr
         assert "displacement" in note and "LPS" in note, note
@@ -310,6 +320,38 @@ def case_field(d):
     array = np.zeros([h - l + 1 for l, h in zip(low, high)] + [3], np.float32)
     grid.copyToArray(array, ijk=low)
     assert np.array_equal(array, nifti.astype(np.float32))
+
+
+def case_plans(d):
+    """By a plan the same comes out as without, for points, images and fields; the plan names the objects where nothing else does."""
+    a, b = pair(d)
+    with open(d + "/p.csv", "w") as file:
+        file.write("x,y,z\n" + "".join("%.17g,%.17g,%.17g\n" % tuple(p) for p in POINTS))
+    run("plan", a, b, "-o", d + "/x.plan", *SMALL)
+    same = lambda one, other: open(d + one, "rb").read() == open(d + other, "rb").read()
+    run("apply", a, b, d + "/p.csv", "-o", d + "/without.csv", *SMALL)
+    run("apply", d + "/p.csv", "-o", d + "/by.csv", "--plan", d + "/x.plan")
+    assert same("/without.csv", "/by.csv")
+    run("apply", a, b, "--field", "-o", d + "/without.mha", *SMALL)
+    run("apply", "--field", "-o", d + "/by.mha", "--plan", d + "/x.plan")
+    assert same("/without.mha", "/by.mha")
+    os.mkdir(d + "/moved")
+    for name in ("a.obj", "b.obj"):
+        os.rename(d + "/" + name, d + "/moved/" + name)
+    words = [d + "/moved/a.obj", d + "/moved/b.obj", d + "/p.csv", "-o", d + "/moved.csv", "--plan", d + "/x.plan"]
+    error = run("apply", d + "/p.csv", "-o", d + "/o.csv", "--plan", d + "/x.plan", code=1).stderr
+    assert "a.obj" in error, error
+    run("apply", *words)
+    assert same("/without.csv", "/moved.csv")
+    error = run("apply", *words, "--slices", 33, code=2).stderr
+    assert "--slices 33" in error and "made with 32" in error, error
+    error = run("apply", words[1], *words[:1], *words[2:], code=1).stderr
+    assert "x.plan" in error and "other objects" in error, error
+    open(d + "/job.toml", "w").write('inputs = ["moved/a.obj", "moved/b.obj"]\nresolution = 40\nslices = 32\n')
+    run("plan", "--config", "job.toml", "-o", "job.plan", cwd=d)
+    error = run("apply", d + "/p.csv", "-o", d + "/o.csv", "--plan", d + "/job.plan", code=1).stderr
+    assert "job.plan" in error and "'config'" in error, error
+    assert not os.path.exists(d + "/o.csv")
 
 
 def case_wrong(d):

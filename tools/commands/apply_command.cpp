@@ -4,12 +4,14 @@
 #include "tools/commands/common_options.h"
 #include "tools/commands/terminal_events.h"
 #include "tools/job/apply_map.h"
+#include "tools/job/plan_file.h"
 
 namespace slicemorph {
 namespace {
 
-void runApply(const OptionSet& options) {
+void runApply(OptionSet& options) {
   const JobOptions& given = options.values();
+  printNotes("", applyPlanFile(options, given.field ? 0 : 1), given.quiet, given.verbose);
   const ApplyJob job = applyJob(options);
   const auto limit = limitThreads(given.threads);
   job.load.memory.enforce();

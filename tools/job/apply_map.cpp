@@ -4,6 +4,7 @@
 #include "engine/volume/resample_image.h"
 #include "io/paths.h"
 #include "io/points/position_file.h"
+#include "slicemorph/errors.h"
 #include "slicemorph/io/formats.h"
 #include "slicemorph/io/image_writer.h"
 #include "slicemorph/io/output.h"
@@ -14,6 +15,7 @@
 #include "tools/job/memory_need.h"
 #include "tools/job/one_world.h"
 #include "tools/job/option_values.h"
+#include "tools/job/plan_file.h"
 #include "tools/job/plan_settings.h"
 
 #include <tbb/parallel_for.h>
@@ -78,7 +80,7 @@ class TimeMap {
     const PlanOptions found =
         job.alignGiven ? PlanOptions{job.plan, {}} : optionsInOneWorld(job.plan, inputs_, job.inputs);
     events.notes(found.notes);
-    plan_ = std::make_unique<MorphPlan>(objects, found.options, &part);
+    plan_ = std::make_unique<MorphPlan>(planOf(job, objects, found.options, part));
     events.notes(plan_->notes());
     const WeightCourse course = courseOf(evenKeys(job.inputs.size()), Timing::kLinear, {});
     from_ = weightsAt(course, job.from), to_ = weightsAt(course, job.to);
@@ -104,6 +106,16 @@ class TimeMap {
   const Image* imageTo() const { return imageAt(to_); }
 
  private:
+  static MorphPlan planOf(const ApplyJob& job, const std::vector<Object>& objects,
+                          const MorphOptions& options, Progress& progress) {
+    if (job.planFile.empty()) return MorphPlan(objects, options, &progress);
+    try {
+      return MorphPlan::decidedBefore(objects, options, readPlanFile(job.planFile).decisions, &progress);
+    } catch (const InputError& error) {
+      throw IoError(job.planFile, error.what());
+    }
+  }
+
   const Image* imageAt(const Weights& weights) const {
     const std::optional<size_t> alone = aloneIn(weights);
     return alone ? inputs_[*alone].image.get() : nullptr;
@@ -226,6 +238,7 @@ ApplyJob applyJob(const OptionSet& options) {
   ApplyJob job;
   job.inputs = given.inputs, job.output = given.output, job.like = given.like;
   job.from = given.fromTime, job.to = given.toTime;
+  job.planFile = given.planFile;
   const size_t least = given.field ? 2 : 3;
   if (job.inputs.size() < least)
     options.refuse("inputs", given.field
@@ -258,7 +271,8 @@ ApplyJob applyJob(const OptionSet& options) {
   job.load = loadSettings(options);
   job.load.matching = true;
   checkIsos(job.load, options, job.inputs.size());
-  if (std::none_of(job.inputs.begin(), job.inputs.end(), isImageInput))
+  // Plans are made of fog as it is.
+  if (job.planFile.empty() && std::none_of(job.inputs.begin(), job.inputs.end(), isImageInput))
     job.load.fogResolution = kFogResolution;
   job.alignGiven = options.given("align");
   job.plan = planSettings(options, std::all_of(job.inputs.begin(), job.inputs.end(), isImageInput));

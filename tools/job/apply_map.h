@@ -18,6 +18,7 @@ struct ApplyJob {
   double from = 0, to = 1;  ///< times, 0 to 1
   std::string like;         ///< image whose voxels an image or field gets; empty: none
   LoadOptions load;
+  std::string planFile;  ///< by which the objects are matched; empty: they are matched anew
   MorphOptions plan;
   bool alignGiven = false;
 

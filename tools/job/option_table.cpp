@@ -504,6 +504,11 @@ Rows farmRows() {
           .needs(&MethodTraits::guided)
           .notInFiles()
           .basic(),
+      Row(kApply, "plan", at<&J::planFile>, "FILE.plan",
+          "Take objects, matching and the options that decide it from a file that `slicemorph plan` wrote; "
+          "then only "
+          "WHAT is named")
+          .basic(),
       Row(kMorph, "resume", at<&J::resume>, "", "Go on with an interrupted sequence of the same settings")
           .notInFrames()
           .basic(),

@@ -111,7 +111,7 @@ PlanFile readPlanFile(const std::string& path) {
   return plan;
 }
 
-Notes applyPlanFile(OptionSet& options) {
+Notes applyPlanFile(OptionSet& options, size_t beside) {
   const std::string& name = options.values().planFile;
   if (name.empty()) return {};
   std::string path = name;
@@ -121,8 +121,15 @@ Notes applyPlanFile(OptionSet& options) {
     const auto row = std::find_if(options.rows().begin(), options.rows().end(),
                                   [&, key = key](const OptionRow* r) { return r->name == key; });
     if (row == options.rows().end())
-      throw IoError(path, "has an option that this version does not know, '" + key + "'; make it anew");
-    if (key == "inputs" && options.given(key)) continue;
+      throw IoError(path,
+                    "was made with '" + key + "', which this command does not know; make a plan without it");
+    if (key == "inputs") {
+      std::vector<std::string> inputs = texts;
+      const std::vector<std::string> given = options.texts(key);
+      inputs.insert(inputs.end(), given.begin(), given.end());
+      if (given.size() <= beside) options.set(**row, inputs);
+      continue;
+    }
     if (!options.given(key)) {
       options.set(**row, texts);
       continue;
@@ -135,12 +142,16 @@ Notes applyPlanFile(OptionSet& options) {
                               " was made with " + spokenTexts(texts) +
                               "; leave the option out, or make the plan anew");
   }
-  for (const OptionRow* row : options.rows())
-    if (decidesPlans(*row) && row->name != "inputs" && row->name != "config" && options.given(row->name) &&
+  for (const OptionRow* row : options.rows()) {
+    // What is carried may be an image, of which these tell; objects that they change are not the plan's.
+    const bool ofCarried = beside > 0 && row->group == OptionGroup::kImages;
+    if (decidesPlans(*row) && row->name != "inputs" && row->name != "config" && !ofCarried &&
+        options.given(row->name) &&
         std::none_of(plan.options.begin(), plan.options.end(),
                      [&](const auto& option) { return option.first == row->name; }))
       options.refuse(row->name, spelledName(*row) + ": the plan " + path +
                                     " was made without it; leave it out, or make the plan anew");
+  }
   if (plan.program == programBuild()) return {};
   return {{"plan.other-program", Severity::kNote, path,
            "was made by version " + plan.program + ", and this is " + programBuild() +

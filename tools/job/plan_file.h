@@ -28,8 +28,9 @@ void writePlanFile(const std::string& path, const PlanFile& plan);
 PlanFile readPlanFile(const std::string& path);
 
 /// Sets the options of the plan named by --plan, where there is one; of a numbered sequence of plans those of the first
-/// file that is there. Inputs that were given stay, as they may have moved. Throws InputError where another option was
-/// given with another value than the plan's; IoError as readPlanFile.
-Notes applyPlanFile(OptionSet& options);
+/// file that is there. Objects that were given stay, as they may have moved; `beside`: the number of inputs that are no
+/// objects and come behind them. Throws InputError where another option was given with another value than the plan's;
+/// IoError as readPlanFile, and for a plan made with options that the command does not have.
+Notes applyPlanFile(OptionSet& options, size_t beside = 0);
 
 }  // namespace slicemorph

@@ -74,9 +74,10 @@ TEST(Colors, BorderTurnsWithTheBar) {
 }
 
 TEST(Colors, GreysBlendByTheirWeights) {
-  const Object a{"ball", shapes::levelSet(shapes::sphere({0, 0, 0}, 1), kBox, kVoxel)};
-  const Object b{"box", shapes::levelSet(shapes::box({1.2, 0.5, 0.7}, 0.1), kBox, kVoxel)};
-  const Object c{"ring", shapes::levelSet(shapes::torus({0, 0, 0}, 0.9, 0.3), kBox, kVoxel)};
+  const double voxel = 2 * kVoxel;  // values, not shapes, are looked at
+  const Object a{"ball", shapes::levelSet(shapes::sphere({0, 0, 0}, 1), kBox, voxel)};
+  const Object b{"box", shapes::levelSet(shapes::box({1.2, 0.5, 0.7}, 0.1), kBox, voxel)};
+  const Object c{"cube", shapes::levelSet(shapes::box({0.8, 0.8, 0.8}, 0.1), kBox, voxel)};
   const std::vector<Vec3SGrid::ConstPtr> colors{
       painted(*a.levelSet, [](const Vec3d&) { return Vec3s(0.2f); }),
       painted(*b.levelSet, [](const Vec3d&) { return Vec3s(0.8f); }), nullptr};
