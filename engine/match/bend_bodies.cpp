@@ -41,8 +41,8 @@ constexpr double kAnyResidual = 1e9;
 constexpr double kTurnOfStep = 0.6;
 
 /// Bodies are compact, with nothing that could swing, where no inner path from their deepest point is longer than its depth
-/// this many times: 1 for a ball, 1.7 for a cube or an octahedron, 2 for an egg twice as long as wide; animals and people
-/// have 6 and more.
+/// this many times. Measured at 40 voxels: 1.2 for a ball, 1.9 for a die; 3.8 for an amphora, 4.0 for a cow, 4.1 for a
+/// bunny, more for what has slender limbs.
 constexpr double kCompact = 2.5;
 
 /// A chart's position, directions and mean size alone: lengths and angles in it are the world's.

@@ -18,9 +18,9 @@ struct Bending {
 
 /// Bends two objects onto each other as rigidly as possible, as one body in two poses can be: limbs are followed
 /// whole however far they swing, and points keep their place along them. Nothing for more objects, where features
-/// prescribe where parts go, where the objects lie on each other already or are compact, or where bending takes much strain or
-/// leaves parts over, unless their inner distances show one kind of body: then these tell what belongs together. The
-/// same whichever of the two is named first.
+/// prescribe where parts go, where the objects lie on each other already or are both compact, or where bending takes
+/// much strain or leaves parts over, unless their inner distances show one kind of body: then these tell what belongs
+/// together. The same whichever of the two is named first.
 /// `matching`: whose map is changed. `limbCandidates`: matchings that may have followed limbs, by which the bodies may
 /// lie on each other at first; called only where the objects' own positions leave doubt.
 std::optional<Bending> bentOntoEachOther(const MatchObjects& objects, const Matching& matching,

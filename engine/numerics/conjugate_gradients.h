@@ -26,8 +26,9 @@ struct Lanes<float> {
 };
 
 /// Number of unknowns per task. Sums are taken over this many unknowns and then added in a fixed order, so
-/// that the result is the same bytes for every number of threads. A sum's terms may change what belongs to their unknown. (Eigen's solver accumulates single
-/// precision in single precision, with a remainder too large to stop at 1e-6, and has no lanes.)
+/// that the result is the same bytes for every number of threads. A sum's terms may change what belongs to their
+/// unknown. (Eigen's solver accumulates single precision in single precision, with a remainder too large to stop at
+/// 1e-6, and has no lanes.)
 struct Grain {
   size_t size;
 

@@ -193,7 +193,7 @@ void noteThinParts(SolidMesh& mesh, const FloatGrid& levelSet) {
   text << "about " << std::lround(100 * lost) << " % of its surface bounds walls thinner than a voxel of "
        << roughly(levelSet.voxelSize()[0])
        << ", which are lost in part or wholly: smaller voxels (--resolution, --voxel-size) keep them";
-  mesh.notes.push_back(repairNote("mesh.thin-walls", Severity::kWarning, text.str()));
+  mesh.notes.push_back(repairNote("mesh.thin-walls", Severity::kNote, text.str()));
 }
 
 }  // namespace

@@ -7,10 +7,12 @@
 #include "tests/support/surface_checks.h"
 
 #include <gtest/gtest.h>
+
 #include <openvdb/io/File.h>
 #include <openvdb/io/Stream.h>
 #include <sys/mount.h>
 #include <unistd.h>
+#include <algorithm>
 
 #include <chrono>
 #include <cmath>
@@ -205,10 +207,13 @@ TEST_F(Io, RealMeshesAreReadAndRepaired) {
                                     "dropped 1113 points that no face uses", "filled 5 holes (223 edges)"}));
   EXPECT_EQ(notes[0].severity, Severity::kNote);
   EXPECT_EQ(notes[1].severity, Severity::kDetail);
-  EXPECT_EQ(sentencesOf(loadObject(realFile("mesh/horse_ref.obj"), coarse()).notes),
-            std::vector<std::string>{"filled 2 holes (19 edges)"});
-  EXPECT_EQ(loadObject(realFile("mesh/shark.ply"), coarse()).notes.back().text,
-            "turned 1 inside-out shell outwards");
+  // As coarse as this the horse's legs and the shark's fins are thinner than a voxel, which is told, too.
+  const auto isTold = [](const char* file, const std::string& text) {
+    const std::vector<std::string> told = sentencesOf(loadObject(realFile(file), coarse()).notes);
+    return std::find(told.begin(), told.end(), text) != told.end();
+  };
+  EXPECT_TRUE(isTold("mesh/horse_ref.obj", "filled 2 holes (19 edges)"));
+  EXPECT_TRUE(isTold("mesh/shark.ply", "turned 1 inside-out shell outwards"));
   const std::string moebius = refusal<GeometryError>(realFile("mesh/moebius.obj"));
   EXPECT_HAS(moebius, "moebius.obj: the surface is not orientable: 112 boundary edges in 1 loop");
   EXPECT_HAS(moebius, "it is a sheet that encloses nothing: --shell ");

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <utility>
@@ -151,6 +152,43 @@ TEST(ElasticFit, HalfWayTheArmHasTurnedByHalf) {
   EXPECT_NEAR(arm.length() / (0.5 * (own.arm().length() + fitted.arm().length())), 1, 0.01);
 }
 
+/// The longest path from a body's deepest node, in depths of that node, between bounds: `least` and `most` are those of
+/// the shape itself. Outer nodes lie up to a spacing beyond the surface or before it; paths over neighbours are up to a
+/// tenth longer than straight ones.
+void expectReach(const Distance& distance, double least, double most) {
+  const BodyGraph graph =
+      bodyGraph(*shapes::fieldOf(distance, kElasticBox, kElasticVoxel), shapes::straightChart());
+  const std::vector<double> paths = graph.distancesFrom(graph.deepest);
+  const double reach = *std::max_element(paths.begin(), paths.end()), off = graph.spacing;
+  EXPECT_GE(reach / graph.depth, least - off / graph.depth);
+  EXPECT_LE(reach / graph.depth, 1.1 * (most + off / graph.depth));
+}
+
+TEST(BodyGraph, PathsFromTheDeepestPoint) {
+  expectReach(shapes::sphere(Vec3d(0.0), 1), 1, 1);
+  expectReach(shapes::box(Vec3d(0.9), 0), std::sqrt(3.0), std::sqrt(3.0));
+  // A rod is as deep all along: from anywhere on its axis, so at least half its length and at most the whole.
+  expectReach(capsule({-0.8, 0, 0}, {0.8, 0, 0}, 0.25), 1.05 / 0.25, 2.1 / 0.25);
+}
+
+bool isBent(const MorphPlan& plan) {
+  const Notes& notes = plan.notes();
+  return std::any_of(notes.begin(), notes.end(), [](const Note& note) {
+    return note.code == "match.bent" || note.code == "match.coupled";
+  });
+}
+
+/// A box and a rounded one in another direction have nothing that swings: they are matched as they are.
+TEST(BendBodies, CompactBodiesAreNot) {
+  const auto object = [](const Distance& shape) {
+    return Object{"compact", shapes::levelSet(shape, kElasticBox, 2 * kElasticVoxel)};
+  };
+  const Distance box = shapes::box(Vec3d(0.7), 0), lens = [](const Vec3d&p) {
+    return std::max((p - Vec3d(0.6, 0, 0)).length(), (p + Vec3d(0.6, 0, 0)).length()) - 1.2;
+  };
+  EXPECT_FALSE(isBent(MorphPlan({object(box), object(lens)})));
+}
+
 /// The whole way: an animal that runs is met with its legs where they belong, in whatever order the two are named.
 TEST(BendBodies, LegsSwingWhole) {
   using shapes::Quadruped;
@@ -161,6 +199,7 @@ TEST(BendBodies, LegsSwingWhole) {
   const Object a = object(still), b = object(running);
   for (bool swapped : {false, true}) {
     const MorphPlan plan = swapped ? MorphPlan({b, a}) : MorphPlan({a, b});
+    EXPECT_TRUE(isBent(plan));
     for (int leg = 0; leg < 4; ++leg)
       for (double share : {0.5, 0.9}) {
         const Vec3d from = Quadruped::onLeg(leg, swapped ? running[size_t(leg)] : 0, share),
