@@ -323,7 +323,7 @@ def case_field(d):
 
 
 def case_plans(d):
-    """By a plan the same comes out as without, for points, images and fields; the plan names the objects where nothing else does."""
+    """By a plan the same comes out as without, for points and fields; the plan names the objects where nothing else does."""
     a, b = pair(d)
     with open(d + "/p.csv", "w") as file:
         file.write("x,y,z\n" + "".join("%.17g,%.17g,%.17g\n" % tuple(p) for p in POINTS))
