@@ -121,6 +121,26 @@ std::vector<Vec3d> MorphPlan::carryPoints(const std::vector<Vec3d>& points, cons
   return plan.lattice->carryPoints(points, plan.lattice->poseAt(a), plan.lattice->poseAt(b));
 }
 
+void MorphPlan::passSmoothly(const Stretch& before, const Stretch& after) {
+  if (objectCount() != 2 || (before.plan && before.plan->objectCount() != 2) ||
+      (after.plan && after.plan->objectCount() != 2))
+    throw InputError("only plans of two objects follow each other");
+  Plan& plan = impl_->plan;
+  if (!plan.lattice) return;
+  // By the neighbouring plan, in this one's time.
+  const auto along = [](const Stretch& stretch, size_t from, size_t to) -> PathTangents::Neighbour {
+    if (!stretch.plan) return {};
+    return [=](const std::vector<Vec3d>& points) {
+      std::vector<Vec3d> moved = stretch.plan->correspond(points, from, to);
+      for (size_t i = 0; i < points.size(); ++i) moved[i] = points[i] + stretch.ratio * (moved[i] - points[i]);
+      return moved;
+    };
+  };
+  std::array<PathTangents::Neighbour, 2> of;
+  of[plan.shapes.shapeOf[0]] = along(before, 1, 0), of[plan.shapes.shapeOf[1]] = along(after, 0, 1);
+  plan.lattice->passSmoothly(of);
+}
+
 FrameStrain MorphPlan::strain(const Weights& weights) const {
   const Plan& plan = impl_->plan;
   const Weights w = withoutNegatives(plan.shapes.weightsFrom(weights));

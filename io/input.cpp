@@ -110,6 +110,7 @@ LoadedObject loadGrid(const FloatGrid::ConstPtr& grid, const LoadOptions& option
   loaded.halfFloat = grid->saveFloatAsHalf();
   loaded.notes = std::move(input.notes);
   loaded.fog = input.fog;
+  if (options.density && loaded.fog) loaded.object.density = grid;
   return loaded;
 }
 
@@ -380,7 +381,7 @@ LoadedObject asNothing(const LoadedObject& piece, const InputSpec& file) {
   nothing.notes.clear();
   nothing.colors = nullptr;
   if (!piece.fog) nothing.object.levelSet = seedIn(*piece.object.levelSet);
-  nothing.object.inner.clear();
+  nothing.object.inner.clear(), nothing.object.density = nullptr;
   if (!piece.file) return nothing;
   nothing.object.name = std::filesystem::path(file.path).stem().string();
   nothing.file = std::make_shared<const VdbFile>(file.path);

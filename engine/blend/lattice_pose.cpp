@@ -16,6 +16,14 @@ constexpr float kSameWeight = 1e-3f;
 
 }  // namespace
 
+Vec3d onPath(const LatticeOnObjects& on, size_t node, const Vec3d& middle, const Weights& path) {
+  double rest = 1;  // coefficient of the position in the middle space
+  for (double w : path) rest -= w;
+  Vec3d q = rest * middle;
+  for (size_t k = 0; k < path.size(); ++k) q += path[k] * Vec3d(on.chart[k][node]);
+  return q;
+}
+
 LatticePose blendedPose(const LatticeOnObjects& on, const Weights& weights, const NodeWeights& local,
                         const VectorField& offsets) {
   const Lattice& lattice = on.lattice;
@@ -33,14 +41,10 @@ LatticePose blendedPose(const LatticeOnObjects& on, const Weights& weights, cons
           own.assign(&local[i * objects], &local[i * objects] + objects);
           path = pathWeights(own);
         }
-        double rest = 1;  // coefficient of the node's position in the middle space
-        for (double w : path) rest -= w;
-        Vec3d q = rest * lattice.position(x, y, z);
+        Vec3d q = onPath(on, i, lattice.position(x, y, z), path);
         float d = 0;
-        for (size_t k = 0; k < objects; ++k) {
-          q += path[k] * Vec3d(on.chart[k][i]);
+        for (size_t k = 0; k < objects; ++k)
           if (own[k] != 0) d += float(own[k]) * on.distance[k][i];
-        }
         if (!offsets.empty()) q += Vec3d(offsets[i]);
         pose.at[i] = q, pose.distance[i] = d;
       }

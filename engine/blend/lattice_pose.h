@@ -24,6 +24,10 @@ struct LatticePose {
 /// Weights per node and object; empty where they are the same everywhere.
 using NodeWeights = std::vector<float>;
 
+/// Chart position of a node on an in-between, by the map alone. `middle`: of the node in the middle space; `path`: the
+/// pathWeights of the in-between.
+Vec3d onPath(const LatticeOnObjects& on, size_t node, const Vec3d& middle, const Weights& path);
+
 /// A pose without `chart` and `world`. `local`: empty, or weights per node. `offsets`: per node, chart units;
 /// empty where paths are not bent by ContourPaths.
 LatticePose blendedPose(const LatticeOnObjects& on, const Weights& weights, const NodeWeights& local,

@@ -19,6 +19,10 @@ constexpr double kWeightStep = 1e-3;
 /// paths. Chosen by hand; seven rounds leave 0.7^7 = 8 % of the paths' offsets.
 constexpr int kMostStraightening = 7;
 
+void straighten(VectorField& offsets) {
+  for (openvdb::Vec3s& offset : offsets) offset *= 0.7f;
+}
+
 Weights allOf(size_t object, size_t objects) {
   Weights alone(objects, 0);
   alone[object] = 1;
@@ -30,7 +34,7 @@ Weights allOf(size_t object, size_t objects) {
 MovingLattice::MovingLattice(const Displacements& map, const Fields& fields, const std::vector<Chart>& charts,
                              std::shared_ptr<const RegionShares> regions,
                              std::shared_ptr<const ContourPaths> paths)
-    : on_(latticeOnObjects(map, fields, charts)), regions_(std::move(regions)), paths_(std::move(paths)) {
+    : on_(latticeOnObjects(map, fields, charts)), regions_(std::move(regions)), paths_(std::move(paths)), swings_(on_) {
   bool bent = false;
   for (const Chart& c : charts) bent |= !c.bend.straight();
   for (size_t k = 0; k < on_.objects() && bent; ++k) centroid_.push_back(centroidOf(k, charts[k]));
@@ -40,6 +44,10 @@ MovingLattice::MovingLattice(const Displacements& map, const Fields& fields, con
     tbb::parallel_for(size_t(0), position.size(),
                       [&](size_t i) { share_[r][i] = regions_->at(r, position[i]); });
   }
+}
+
+void MovingLattice::passSmoothly(const std::array<PathTangents::Neighbour, 2>& of) {
+  tangents_ = std::make_unique<PathTangents>(on_, of);
 }
 
 Vec3d MovingLattice::centroidOf(size_t object, const Chart& chart) const {
@@ -98,6 +106,13 @@ NodeWeights MovingLattice::nodeWeights(const Weights& weights) const {
   return result;
 }
 
+/// Of each node from the map's own path; empty: there are none.
+VectorField MovingLattice::offsetsAt(const Weights& weights) const {
+  VectorField offsets = paths_ ? paths_->offsets(weights, on_.lattice) : swings_.offsets(weights);
+  if (tangents_) tangents_->add(weights, offsets);
+  return offsets;
+}
+
 /// Moves every node's weights half way to the mean of its neighbours'.
 NodeWeights MovingLattice::smoothed(const NodeWeights& weights) const {
   const Lattice& lattice = on_.lattice;
@@ -131,8 +146,8 @@ NodeWeights MovingLattice::smoothed(const NodeWeights& weights) const {
 /// Blends a pose; widens the borders between regions, or straightens the paths, until nothing folds.
 MovingLattice::Pose MovingLattice::blendUnfolded(const Weights& weights, const NodeWeights& local,
                                                  std::optional<int> straightening) const {
-  // With regions, ContourPaths are not used.
-  VectorField offsets = paths_ && local.empty() ? paths_->offsets(weights, on_.lattice) : VectorField();
+  // With regions, paths are the map's own.
+  VectorField offsets = local.empty() ? offsetsAt(weights) : VectorField();
   NodeWeights wider = local;
   const auto made = [&] {
     Pose pose = blendedPose(on_, weights, wider, offsets);
@@ -147,7 +162,7 @@ MovingLattice::Pose MovingLattice::blendUnfolded(const Weights& weights, const N
   while (straightening ? rounds < *straightening
                        : rounds < kMostStraightening && poseFolds(on_, pose, local)) {
     for (int i = 0; i < 1 << rounds && !local.empty(); ++i) wider = smoothed(wider);
-    for (openvdb::Vec3s& offset : offsets) offset *= 0.7f;
+    straighten(offsets);
     pose = made();
     ++rounds;
   }
@@ -190,6 +205,37 @@ NodeMap MovingLattice::nodesWithin(const openvdb::CoordBBox& box, const Pose& po
   return map;
 }
 
+/// The same where neither weights differ by region nor charts are bent: from node to node, without whole poses.
+LatticeMotion MovingLattice::plainMotion(const Weights& earlier, const Weights& later, double unit,
+                                         int straightening) const {
+  struct End {
+    Chart chart;
+    Weights path;
+    VectorField offsets;
+  };
+  const auto endAt = [&](const Weights& weights) {
+    End end{blendCharts(on_.charts, weights), pathWeights(weights), offsetsAt(weights)};
+    for (int round = 0; round < straightening; ++round) straighten(end.offsets);
+    return end;
+  };
+  const End from = endAt(earlier), to = endAt(later);
+  LatticeMotion motion{VectorField(on_.lattice.count()), from.chart, to.chart, unit};
+  const auto world = [&](const End& end, size_t i, const Vec3d& middle) {
+    Vec3d q = onPath(on_, i, middle, end.path);
+    if (!end.offsets.empty()) q += Vec3d(end.offsets[i]);
+    return end.chart.toWorld(q);
+  };
+  tbb::parallel_for(0, int(on_.lattice.size[2]), [&](int z) {
+    for (int y = 0; y < on_.lattice.size[1]; ++y)
+      for (int x = 0; x < on_.lattice.size[0]; ++x) {
+        const size_t i = on_.lattice.index(x, y, z);
+        const Vec3d middle = on_.lattice.position(x, y, z);
+        motion.velocity[i] = openvdb::Vec3s(unit * (world(to, i, middle) - world(from, i, middle)));
+      }
+  });
+  return motion;
+}
+
 LatticeMotion MovingLattice::motionAt(const Weights& weights, const Weights& rate, const Pose& pose) const {
   // Central differences, also at the objects: the map is defined for weights a little outside 0 to 1.
   double most = 0;
@@ -197,6 +243,7 @@ LatticeMotion MovingLattice::motionAt(const Weights& weights, const Weights& rat
   const double time = most > 0 ? kWeightStep / most : 0, unit = time > 0 ? 0.5 / time : 0;
   Weights earlier = weights, later = weights;
   for (size_t k = 0; k < on_.objects(); ++k) earlier[k] -= time * rate[k], later[k] += time * rate[k];
+  if (share_.empty() && centroid_.empty()) return plainMotion(earlier, later, unit, pose.straightening);
   const auto posed = [&](const Weights& at) {
     Pose one = uncentredPose(at, pose.straightening);
     one.world = worldOf(one, one.chart);

@@ -5,6 +5,8 @@
 #include "engine/blend/lattice_pose.h"
 #include "engine/blend/local_weights.h"
 #include "engine/blend/node_map.h"
+#include "engine/blend/path_tangents.h"
+#include "engine/blend/swing_paths.h"
 
 #include <optional>
 
@@ -28,6 +30,9 @@ class MovingLattice {
   MovingLattice(const Displacements& map, const Fields& fields, const std::vector<Chart>& charts,
                 std::shared_ptr<const RegionShares> regions = nullptr,
                 std::shared_ptr<const ContourPaths> paths = nullptr);
+
+  /// Not where weights differ by region. See PathTangents.
+  void passSmoothly(const std::array<PathTangents::Neighbour, 2>& of);
 
   /// Pose of an in-between.
   Pose poseAt(const Weights& weights) const;
@@ -55,9 +60,11 @@ class MovingLattice {
 
  private:
   NodeWeights nodeWeights(const Weights& weights) const;
+  VectorField offsetsAt(const Weights& weights) const;
   NodeWeights smoothed(const NodeWeights& weights) const;
   Pose poseAt(const Weights& weights, std::optional<int> straightening) const;
   Pose uncentredPose(const Weights& weights, std::optional<int> straightening) const;
+  LatticeMotion plainMotion(const Weights& earlier, const Weights& later, double unit, int straightening) const;
   Vec3d shiftToCentre(const Pose& pose, const std::vector<Vec3d>& world) const;
   Vec3d centroidOf(size_t object, const Chart& chart) const;
   Pose blendUnfolded(const Weights& weights, const NodeWeights& local,
@@ -68,6 +75,8 @@ class MovingLattice {
   std::shared_ptr<const RegionShares> regions_;
   std::vector<std::vector<float>> share_;  ///< per region: of each node
   std::shared_ptr<const ContourPaths> paths_;
+  SwingPaths swings_;
+  std::unique_ptr<const PathTangents> tangents_;  ///< null: paths do not pass on into others
 };
 
 }  // namespace slicemorph

@@ -7,6 +7,7 @@
 #include "tools/commands/plan_command.h"
 #include "tools/commands/reconstruct_command.h"
 #include "tools/commands/render_command.h"
+#include "tools/commands/retime_command.h"
 #include "tools/commands/slice_command.h"
 
 #include <openvdb/openvdb.h>
@@ -57,6 +58,7 @@ int run(int argc, char** argv) {
   slicemorph::addMorphCommand(program);
   slicemorph::addPlanCommand(program);
   slicemorph::addApplyCommand(program);
+  slicemorph::addRetimeCommand(program);
   slicemorph::addConvertCommand(program);
   slicemorph::addCompareCommand(program);
   slicemorph::addInfoCommand(program);

@@ -6,6 +6,7 @@
 #include "io/vdb/grid_choice.h"
 #include "io/vdb/vector_parts.h"
 #include "slicemorph/errors.h"
+#include "tools/job/own_velocity.h"
 
 #include <openvdb/tools/Activate.h>
 
@@ -117,12 +118,6 @@ void addOrReplace(openvdb::GridCPtrVec& grids, const GridBase::ConstPtr& grid) {
   grids.push_back(grid);
 }
 
-/// Whether a set holds velocities that are the inputs' own: a grid of vectors, or one that was joined of three.
-bool isVelocity(const GridSet& set, const GridBase& grid, const VelocitySettings& v) {
-  const bool vectors = grid.isType<openvdb::Vec3SGrid>() || grid.isType<openvdb::Vec3DGrid>();
-  return (isVelocityName(set.name) && (vectors || !v.add)) || set.name == v.name;
-}
-
 }  // namespace
 
 CarriedGrids carryGrids(const FrameTask& task, GridBase::ConstPtr where, openvdb::GridCPtrVec grids,
@@ -135,13 +130,16 @@ CarriedGrids carryGrids(const FrameTask& task, GridBase::ConstPtr where, openvdb
   for (size_t s = 0; s < content.sets.size(); ++s) {
     if (cancel.cancelled()) throw Cancelled();
     const bool fog = content.shapeSet == s;
-    const GridBase::ConstPtr grid =
+    GridBase::ConstPtr grid =
         fog ? densityOf(task, pullback, voxelSize)
             : pullback.carry(readGrids(content.sets[s], task.inputs), {false, voxelSize});
     if (fog || !where) where = grid;
     if (fog) carried.density = grid;
     const GridSet& set = content.sets[s];
-    if (!fog && !own.grid && isVelocity(set, *grid, task.settings.velocity)) own = {grid, set.parts};
+    if (!fog && isOwnVelocity(set, *grid, task.settings.velocity)) {
+      grid = scaledVectors(grid, task.job.speed);
+      if (!own.grid) own = {grid, set.parts};
+    }
     if (set.parts.empty()) {
       carried.grids.push_back(grid);
     } else {
@@ -149,7 +147,7 @@ CarriedGrids carryGrids(const FrameTask& task, GridBase::ConstPtr where, openvdb
     }
   }
   const VelocitySettings& v = task.settings.velocity;
-  if (!v.wanted() || task.job.rate.empty() || !where) return carried;
+  if (!v.wanted() || task.job.rate.empty() || !where || (v.onlyIfNone && own.grid)) return carried;
   const openvdb::Vec3SGrid::Ptr velocity = velocityOf(task, pullback, *where, own);
   velocity->setSaveFloatAsHalf(half || v.half);
   addOrReplace(carried.grids, velocity);

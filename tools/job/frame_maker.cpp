@@ -41,10 +41,14 @@ void FrameMaker::complete() {
 void FrameMaker::moveTo(size_t index, double from, double to) {
   index_ = index;
   const FrameJob& job = settings_.frames[index];
+  planFor(job.inputFrame, job.number, from, to);
+}
+
+void FrameMaker::planFor(size_t inputFrame, int number, double from, double to) {
   Stopwatch watch;
   const double read = from + kReadShare * (to - from);
   PartProgress reading(events_, from, read), planning(events_, read, to);
-  const FrameInputs::Step step = inputs_.moveTo(job.inputFrame, reading);
+  const FrameInputs::Step step = inputs_.moveTo(inputFrame, reading);
   // Notes on the first files of a sequence stand for those on the others.
   if (!planned_) events_.notes(step.notes);
   events_.notes(step.nothing);
@@ -61,11 +65,11 @@ void FrameMaker::moveTo(size_t index, double from, double to) {
   if (plan_.content.images)
     require(settings_.load.memory, settings_.output, needOfImage(plan_.images.lattice, 1));
   planning.report("planning", 0);
-  const MethodPlan* before = planned_ ? &plan_.method : nullptr;
-  MethodTask task{settings_, inputs(), job.number, before, planning, &options_};
+  const MethodPlan* before = planned_ && !settings_.eachAlone ? &plan_.method : nullptr;
+  MethodTask task{settings_, inputs(), number, before, planning, &options_};
   std::string decisions;
   if (!settings_.planFile.empty()) {
-    const std::string file = OutputName(settings_.planFile).path(job.number);
+    const std::string file = OutputName(settings_.planFile).path(number);
     decisions = readPlanFile(file).decisions, task.decisions = &decisions;
     plan_.method = inFile(file, [&] { return methodNamed(settings_.method).plan(task); });
   } else {
@@ -77,6 +81,14 @@ void FrameMaker::moveTo(size_t index, double from, double to) {
     dumpSlices(settings_.sliceFolder, plan_.method.slices->slicePictures(), settings_.inputs);
   planned_ = true;
   seconds_.plan += watch.lap();
+}
+
+void FrameMaker::passSmoothly(const Neighbour& before, const Neighbour& after) {
+  if (!plan_.method.slices) return;
+  const auto stretch = [](const Neighbour& of) {
+    return MorphPlan::Stretch{of.maker ? of.maker->plan_.method.slices.get() : nullptr, of.ratio};
+  };
+  plan_.method.slices->passSmoothly(stretch(before), stretch(after));
 }
 
 VdbOutput fileOptionsOf(const std::vector<LoadedObject>& inputs) {

@@ -18,9 +18,20 @@ class FrameMaker {
   /// Reads and plans what a frame (index into the settings' frames) needs; frames must come in order. `from`,
   /// `to`: this step's part of the whole job, 0 to 1, for the progress.
   void moveTo(size_t index, double from, double to);
+  /// The same of a frame of the inputs, whether a frame of the job shows it or not. `number`: for messages.
+  void planFor(size_t inputFrame, int number, double from, double to);
+
+  /// A neighbouring stretch of a sequence; null: there is none. `ratio`: how long this stretch is against it.
+  struct Neighbour {
+    const FrameMaker* maker;
+    double ratio;
+  };
+  /// Makes paths go on smoothly from the stretch before and into the one after; see MorphPlan::passSmoothly.
+  void passSmoothly(const Neighbour& before, const Neighbour& after);
 
   /// The task of the current frame; see make_frame.h.
-  FrameTask task() const { return {settings_, inputs_.loaded(), plan_, settings_.frames[index_]}; }
+  FrameTask task() const { return taskOf(settings_.frames[index_]); }
+  FrameTask taskOf(const FrameJob& job) const { return {settings_, inputs_.loaded(), plan_, job}; }
   const std::vector<LoadedObject>& inputs() const { return inputs_.loaded(); }
   const MethodPlan& plan() const { return plan_.method; }
   /// The plan that all frames share; null where inputs change from frame to frame, or the method

@@ -146,6 +146,12 @@ std::vector<std::string> wordsOf(std::string text) {
 
 }  // namespace
 
+Timing timingNamed(const std::string& name) {
+  return name == "smoothstep"    ? Timing::kSmoothstep
+         : name == "catmull-rom" ? Timing::kCatmullRom
+                                 : Timing::kLinear;
+}
+
 std::vector<WeightKey> evenKeys(size_t inputs) {
   std::vector<WeightKey> keys;
   for (size_t k = 0; k < inputs; ++k) keys.push_back({double(k) / double(inputs - 1), only(k, inputs)});

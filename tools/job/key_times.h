@@ -34,6 +34,9 @@ struct WeightCourse {
   std::vector<Weights> tangents;  ///< per key: change of the weights per unit of eased time
 };
 
+/// By its name: linear, smoothstep, catmull-rom.
+Timing timingNamed(const std::string& name);
+
 /// One key per input, evenly spaced from 0 to 1; two inputs or more.
 std::vector<WeightKey> evenKeys(size_t inputs);
 

@@ -21,7 +21,7 @@ struct MethodPlan {
   /// The pullback of grids and images at the weights of a frame; empty where the method carries none.
   std::function<Pullback(const Weights&)> pullback = {};
   /// Of methods that match slices; null: there are no slices to draw and no map of points.
-  std::shared_ptr<const MorphPlan> slices = nullptr;
+  std::shared_ptr<MorphPlan> slices = nullptr;
   std::optional<double> restDistance = {};  ///< from the last frame to the last input, voxels; none: unknown
   Notes notes = {};
 };

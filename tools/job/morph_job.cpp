@@ -1,6 +1,6 @@
 #include "tools/job/morph_job.h"
 
-#include "io/sequence.h"
+#include "tools/job/frame_range.h"
 #include "tools/job/guidance_file.h"
 #include "tools/job/landmarks.h"
 #include "tools/job/load_settings.h"
@@ -13,12 +13,6 @@
 
 namespace slicemorph {
 namespace {
-
-Timing timingOf(const std::string& name) {
-  return name == "smoothstep"    ? Timing::kSmoothstep
-         : name == "catmull-rom" ? Timing::kCatmullRom
-                                 : Timing::kLinear;
-}
 
 /// Times of the frames: evenly from 0 to 1, or those of --at.
 std::vector<double> frameTimes(const OptionSet& options, int frames) {
@@ -68,7 +62,7 @@ MorphJob withTimes(MorphJob job, const OptionSet& options) {
   job.tables.keys = list.keys;
   const Easing easing = options.about("ease", [&] { return parseEasing("--ease", given.ease); });
   s.course =
-      courseOf(list.keys.empty() ? evenKeys(s.inputs.size()) : list.keys, timingOf(given.timing), easing);
+      courseOf(list.keys.empty() ? evenKeys(s.inputs.size()) : list.keys, timingNamed(given.timing), easing);
 
   const size_t length = lengthOfInputs(options);
   const bool wholeSequence = length > 1 && !options.given("frames"), atGiven = options.given("at");
@@ -106,31 +100,6 @@ MorphJob withWeights(MorphJob job, const OptionSet& options) {
   return job;
 }
 
-/// Leaves the frames that --range does not ask for to others. With --print-config the frames of sequences are not
-/// known.
-MorphJob withRange(MorphJob job, const OptionSet& options) {
-  if (!options.given("range")) return job;
-  const std::string &range = options.values().range, said = "--range " + range;
-  const std::vector<int> numbers = numbersOfRange(range);
-  if (numbers.empty())
-    options.refuse("range", said +
-                                " is no range of frames; expected for example 1005-1012, each fifth of "
-                                "1 to 100 as 1-100x5 or 1-100:5, or 1-3,5,7-20x2");
-  std::vector<FrameJob>& frames = job.settings.frames;
-  for (FrameJob& frame : frames)
-    frame.wanted = std::binary_search(numbers.begin(), numbers.end(), frame.number);
-  const int first = frames.front().number, last = frames.back().number;
-  std::vector<int> outside;
-  for (int number : numbers)
-    if (number < first || number > last) outside.push_back(number);
-  if (!outside.empty() && !options.values().printConfig)
-    options.refuse("range", said + ": " + (outside.size() == 1 ? "frame " : "frames ") +
-                                listOfNumbers(outside) + (outside.size() == 1 ? " is" : " are") +
-                                " none of this sequence, which has " + std::to_string(first) + " to " +
-                                std::to_string(last) + " (--start, --frames and the inputs' lengths say so)");
-  return job;
-}
-
 /// Sets features, regions and landmarks.
 MorphJob withGuidance(MorphJob job, const OptionSet& options) {
   const JobOptions& given = options.values();
@@ -150,6 +119,7 @@ MorphJob withGuidance(MorphJob job, const OptionSet& options) {
 LoadOptions loadingOf(const MorphSettings& s, const OptionSet& options) {
   LoadOptions load = loadSettings(options);
   load.matching = true;
+  load.density = options.values().align == "none";
   checkIsos(load, options, s.inputs.size());
   // The shape found in fog only steers the map unless the surface itself is wanted.
   if (s.holdsGrids() && !std::count(s.grids.begin(), s.grids.end(), "surface"))
@@ -199,7 +169,7 @@ MorphJob morphJob(const OptionSet& options) {
   job.tables.inputs = job.settings.inputs;
   job = withGuidance(std::move(job), options);
   job = options.given("weights") ? withWeights(std::move(job), options) : withTimes(std::move(job), options);
-  job = withRange(std::move(job), options);
+  keepRange(job.settings.frames, options);
   checkPurposes(job.settings, options);
   checkOutputKind(job.settings, options);
   checkMethodInputs(job.settings, options);

@@ -29,6 +29,8 @@ struct FrameJob {
   std::string path;
   size_t inputFrame = 0;  ///< of inputs that are sequences, from 0
   Weights rate;           ///< change of the weights per second; empty where the job has no speed
+  double speed = 1;       ///< of `retime`: file numbers per frame, by which the inputs' own velocities change
+  std::string given = {}; ///< of `retime`: the file that the frame is; empty: it is made
   bool wanted = true;     ///< false: --range leaves it out, but what the others depend on counts all frames
 };
 
@@ -47,6 +49,7 @@ struct VelocitySettings {
   bool perFrame = false;     ///< world units per frame, else per second
   bool add = false;          ///< the inputs' own velocities, morphed, are added
   bool half = false;         ///< half floats, whatever the inputs are
+  bool onlyIfNone = false;   ///< none where the inputs have their own
 
   bool wanted() const { return name != "none"; }
 };
@@ -78,6 +81,7 @@ struct MorphSettings {
   std::vector<Landmark> landmarks;       ///< also among the plan's features
   std::vector<Landmark> checkLandmarks;  ///< only measured, not used
   bool quiet = false, resume = false;
+  bool eachAlone = false;  ///< plans of sequences do not follow each other
   JobOptions options;                                              ///< as typed, for code that needs no more
   std::vector<std::pair<std::string, std::string>> frameSettings;  ///< all options that frames depend on
 

@@ -29,6 +29,7 @@ enum Command : unsigned {
   kCompare = 32,
   kInfo = 64,
   kApply = 128,
+  kRetime = 256,
 };
 
 /// The field that a row is bound to; none for tables that only files have.

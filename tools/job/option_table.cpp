@@ -95,6 +95,11 @@ Rows inputRows() {
               "one file")
           .positional("INPUT")
           .required(),
+      Row(kRetime, "input", at<&J::input>, "",
+          "Sequence of smoke, level sets or liquids: name.####.vdb, name.####.vdb@10-40x2 for some of the files, "
+          "name.####.vdb:grid where the file holds several shapes")
+          .positional("INPUT")
+          .required(),
       Row(kCompare, "a", at<&J::input>, "", "Shape: " + shapes).positional("A").required(),
       Row(kCompare, "b", at<&J::other>, "", "Shape to compare with A").positional("B").required(),
       Row(kApply, "inputs", at<&J::inputs>, "",
@@ -153,7 +158,7 @@ Rows shapeRows() {
           .unit("world units")
           .above(0)
           .fallback("they are left out"),
-      Row(kVoxelisers, "iso", at<&J::iso>, "V[,V...][/V...]",
+      Row(kVoxelisers | kRetime, "iso", at<&J::iso>, "V[,V...][/V...]",
           "Value of the surface in a VDB grid or a grey image; further ones of an image help to match; a "
           "slash parts those of one input from the next's")
           .as(OptionType::kNumbers)
@@ -205,6 +210,9 @@ Rows outputRows() {
           "Result: a copy of WHAT with other positions, with its extension; of an image: " +
               writableList(Contents::kImage) + "; of --field also .vdb")
           .required(),
+      Row(kRetime, "output", at<&J::output>, "OUTPUT",
+          "Result: name.####.vdb; a frame that shows a file is that file, but for the velocities' length")
+          .required(),
       Row(kApply, "field", at<&J::field>, "",
           "Write the map itself: at the points of time --from the displacement to where they are at --to, in "
           "world units "
@@ -251,12 +259,34 @@ Rows timeRows() {
       Row(kMorph, "start", at<&J::start>, "N", "Number of the first frame, in names and metadata")
           .range(-1000000, 100000000)
           .basic(),
-      Row(kMorph, "range", at<&J::range>, "A-B[xN][,...]",
+      Row(kMorph | kRetime, "range", at<&J::range>, "A-B[xN][,...]",
           "Make only these frames, numbered as --start says: 1005-1012, 1-100x5, 1-3,5,7-20:2; they are the "
           "same bytes as in the whole sequence")
           .as(OptionType::kNumbers)
           .fallback("all")
           .notInFrames()
+          .basic(),
+      Row(kRetime, "factor", at<&J::factor>, "F",
+          "So many times as slow, below 1 faster: F frames for one from a file's number to the next")
+          .above(0)
+          .fallback("1, which fills in missing numbers")
+          .excludes({"frames", "curve"})
+          .basic(),
+      Row(kRetime, "frames", at<&J::frames>, "N", "So many frames, from the first file to the last")
+          .range(1, 1000000)
+          .fallback("as --factor says")
+          .excludes({"factor", "curve"})
+          .basic(),
+      Row(kRetime, "curve", at<&J::curve>, "\"FRAME@FILE FRAME@FILE ...\"",
+          "Frames of the output, each with the number of the file that it shows: 1001@6 1024@8.5 1040@10")
+          .excludes({"factor", "frames", "start"})
+          .basic(),
+      Row(kRetime, "timing", at<&J::timing>, "",
+          "Between the frames of --curve: at even speed, stopping at each, or smoothly through all")
+          .oneOf({"linear", "smoothstep", "catmull-rom"}),
+      Row(kRetime, "start", at<&J::start>, "N", "Number of the first frame")
+          .range(-1000000, 100000000)
+          .fallback("the first file's")
           .basic(),
       Row(kMorph, "weights", at<&J::weights>, "W,W[,W...]",
           "One blend of all inputs: a weight per input, of sum 1")
@@ -281,7 +311,7 @@ Rows timeRows() {
           .as(OptionType::kNumbers)
           .silencedBy({"weights"})
           .needs(&MethodTraits::anyTime),
-      Row(kMorph, "fps", at<&J::framesPerSecond>, "F", "Frames per second, for velocities and metadata")
+      Row(kMorph | kRetime, "fps", at<&J::framesPerSecond>, "F", "Frames per second, for velocities and metadata")
           .above(0)
           .basic(),
       Row(kRender, "fps", at<&J::framesPerSecond>, "F", "Pictures per second of a preview").above(0),
@@ -307,12 +337,15 @@ Rows contentRows() {
           .fallback("all"),
       Row(kMorph, "conserve", at<&J::conserve>, "",
           "Thin and thicken fog so that its total goes straight from the one to the other"),
+      Row(kRetime, "grids", at<&J::grids>, "NAME[,NAME...]", "Only these grids").fallback("all").basic(),
+      Row(kRetime, "velocity", at<&J::velocity>, "NAME|none",
+          "Name of the velocity grid where the files have none; none: without"),
       Row(kMorph, "velocity", at<&J::velocity>, "NAME|none",
           "Name of the velocity grid of VDB outputs; none: without")
           .fallback("vel; none for images"),
-      Row(kMorph, "velocity-unit", at<&J::velocityUnit>, "", "World units per second or per frame")
+      Row(kMorph | kRetime, "velocity-unit", at<&J::velocityUnit>, "", "World units per second or per frame")
           .oneOf({"second", "frame"}),
-      Row(kMorph, "velocity-half", at<&J::velocityHalf>, "",
+      Row(kMorph | kRetime, "velocity-half", at<&J::velocityHalf>, "",
           "Velocities in 16-bit floats, also where the inputs have 32"),
       Row(kMorph, "add-velocity", at<&J::addVelocity>, "",
           "Add the inputs' own velocities (vel, v, velocity; world units per second), morphed"),
@@ -485,7 +518,7 @@ Rows sliceRows(Command command, const std::string& prefix) {
 }
 
 Rows farmRows() {
-  constexpr unsigned kWorkers = kMatchers | kSlice | kReconstruct | kConvert | kRender | kCompare;
+  constexpr unsigned kWorkers = kMatchers | kRetime | kSlice | kReconstruct | kConvert | kRender | kCompare;
   return {
       Row(kWorkers, "threads", at<&J::threads>, "N", "Threads to use; the result is the same")
           .range(1, 1024)
@@ -509,7 +542,7 @@ Rows farmRows() {
           "then only "
           "WHAT is named")
           .basic(),
-      Row(kMorph, "resume", at<&J::resume>, "", "Go on with an interrupted sequence of the same settings")
+      Row(kMorph | kRetime, "resume", at<&J::resume>, "", "Go on with an interrupted sequence of the same settings")
           .notInFrames()
           .basic(),
       Row(kWorkers, "quiet", at<&J::quiet>, "", "Print nothing but errors")

@@ -22,6 +22,9 @@ struct Object {
   /// Further surfaces, as level sets, that help to match the objects: other isovalues, labels. The n-th one
   /// of each object belongs together; null, or beyond the end: the object has none.
   std::vector<FloatGrid::ConstPtr> inner = {};
+  /// The fog whose shape this is; null: it is none. Where all objects have one and keep their positions (Align::kNone), as
+  /// two frames of a simulation do, the map is refined until their densities lie on each other.
+  FloatGrid::ConstPtr density = nullptr;
 };
 
 enum class SpineKind { kAuto, kStraight, kCurved };
@@ -209,6 +212,17 @@ class MorphPlan {
   std::vector<Vec3d> carryPoints(const std::vector<Vec3d>& points, size_t from, const Weights& to) const;
   /// The same from one object to another; throws as above.
   std::vector<Vec3d> correspond(const std::vector<Vec3d>& points, size_t from, size_t to) const;
+
+  /// The plan of a neighbouring stretch of a sequence; null: there is none. `ratio`: how long this plan's stretch is
+  /// against that one.
+  struct Stretch {
+    const MorphPlan* plan = nullptr;
+    double ratio = 1;
+  };
+  /// Of a plan from one frame of a sequence to the next: paths go on smoothly from the stretch before, whose second
+  /// object is this plan's first one, and into the one after, so that nothing changes its speed suddenly at a frame that
+  /// is given. Frames at the objects themselves stay as they are. Throws InputError for other than two objects.
+  void passSmoothly(const Stretch& before, const Stretch& after);
 
   /// See FrameStrain; weights as for frame().
   FrameStrain strain(const Weights& weights) const;

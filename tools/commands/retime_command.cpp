@@ -1,0 +1,30 @@
+#include "tools/commands/retime_command.h"
+
+#include "tools/commands/command_options.h"
+#include "tools/commands/common_options.h"
+#include "tools/commands/terminal_events.h"
+#include "tools/job/retime_job.h"
+#include "tools/job/run_retime.h"
+
+namespace slicemorph {
+namespace {
+
+void runRetimeCommand(const OptionSet& options) {
+  const JobOptions& given = options.values();
+  const RetimeJob job = retimeJob(options);
+  const auto limit = limitThreads(given.threads);
+  job.settings.load.memory.enforce();
+  TerminalEvents events(given.quiet, given.verbose);
+  runRetime(job, events);
+}
+
+}  // namespace
+
+void addRetimeCommand(CLI::App& program) {
+  CLI::App* command = program.add_subcommand(
+      "retime", "Show a sequence of VDB files slower, faster or along a curve, with frames between the files");
+  const auto options = addOptions(*command, kRetime);
+  command->callback([options] { runRetimeCommand(*options); });
+}
+
+}  // namespace slicemorph
