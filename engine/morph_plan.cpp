@@ -84,6 +84,7 @@ Pullback MorphPlan::pullback(const Weights& weights) const {
   for (const auto& field : shapes.fields) pullback->anchors.push_back(field->anchor());
   pullback->carrying.anchor = pullback->anchors[0];
   pullback->carrying.lattice = plan.lattice.get();
+  pullback->densities = laysDensities(plan);
   pullback->sizes.assign(shapes.fields.size(), 1);
   pullback->fields = shapes.fields;
   pullback->imageSpacing = shapes.fields[0]->box().extents().length() / kImageNodes;
@@ -132,7 +133,8 @@ void MorphPlan::passSmoothly(const Stretch& before, const Stretch& after) {
     if (!stretch.plan) return {};
     return [=](const std::vector<Vec3d>& points) {
       std::vector<Vec3d> moved = stretch.plan->correspond(points, from, to);
-      for (size_t i = 0; i < points.size(); ++i) moved[i] = points[i] + stretch.ratio * (moved[i] - points[i]);
+      for (size_t i = 0; i < points.size(); ++i)
+        moved[i] = points[i] + stretch.ratio * (moved[i] - points[i]);
       return moved;
     };
   };

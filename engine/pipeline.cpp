@@ -3,12 +3,14 @@
 #include "engine/check_objects.h"
 #include "engine/frame/track.h"
 #include "engine/match/choose_frames.h"
+#include "engine/match/match_densities.h"
 #include "engine/mean/match_through_mean.h"
 #include "engine/plan_decisions.h"
 #include "engine/rebuild/in_between.h"
 #include "engine/rebuild/small_components.h"
 #include "engine/volume/same_grid.h"
 
+#include <cstdio>
 #include <utility>
 
 /// The whole method on one screen: a plan (measure, choose frames, slice, trace, match), then frame by
@@ -32,6 +34,21 @@ std::shared_ptr<const RegionShares> regionShares(const Plan& plan) {
   if (plan.shapes.regions.empty()) return nullptr;
   return std::make_shared<RegionShares>(plan.shapes.regions, plan.shapes.fields, plan.frames.charts,
                                         plan.drawn);
+}
+
+/// Two densities that keep their positions are laid on each other wherever they are, not only at their shapes.
+Plan withDensities(Plan plan) {
+  if (!laysDensities(plan)) return plan;
+  const std::vector<FloatGrid::ConstPtr>& densities = plan.shapes.densities;
+  DensityMatch match =
+      matchDensities({densities[0], densities[1]}, plan.frames.charts[0], plan.registration.map);
+  char text[120];
+  std::snprintf(text, sizeof text,
+                "densities laid on each other: half way they differ by %.3f of their total, before %.3f",
+                match.after, match.before);
+  plan.registration.notes.push_back({"match.densities", Severity::kDetail, "", text});
+  plan.registration.map = std::move(match.map);
+  return plan;
 }
 
 /// Completes a plan with measured shapes: coordinate frames, contours, registration and lattice.
@@ -59,6 +76,7 @@ Plan decided(Plan plan, const Notes& notes, Progress& progress) {
                           : matchThroughMean(startRegistration(objects, plan.traced, options.samples),
                                              objects, plan.frames, shapes.names, options, progress);
 
+  plan = withDensities(std::move(plan));
   if (plan.drawn.empty()) plan.drawn = plan.frames.charts;
   const std::shared_ptr<const RegionShares> shares = regionShares(plan);
   if (shares) checkRegions(shapes.regions, *shares, shapes.fields, shapes.names);
@@ -70,6 +88,15 @@ Notes plannedAnew(const char* why) {
 }
 
 }  // namespace
+
+bool laysDensities(const Plan& plan) {
+  const std::vector<FloatGrid::ConstPtr>& densities = plan.shapes.densities;
+  if (densities.size() != 2 || plan.options.align != Align::kNone || !plan.shapes.features.empty())
+    return false;
+  for (size_t k = 0; k < 2; ++k)
+    if (!densities[k] || densities[k]->empty() || !plan.frames.charts[k].bend.straight()) return false;
+  return true;
+}
 
 Plan planMorph(const std::vector<Object>& objects, const MorphOptions& options, Progress& progress) {
   checkObjects(objects, options);
@@ -106,6 +133,7 @@ Plan planNext(const std::vector<Object>& objects, const Plan& before, Progress& 
           plannedAnew("the objects are not where those of the frame before lead to, as after a cut"),
           progress);
     plan.registration = std::move(*next);
+    plan = withDensities(std::move(plan));
   }
   const std::shared_ptr<const RegionShares> shares = regionShares(plan);
   return withLattice(std::move(plan), shares);

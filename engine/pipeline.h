@@ -28,6 +28,9 @@ Plan planNext(const std::vector<Object>& objects, const Plan& before, Progress& 
 Plan planDecided(const std::vector<Object>& objects, const MorphOptions& options,
                  const std::string& decisions, Progress& progress);
 
+/// Whether a plan's two objects are densities that keep their positions and are laid on each other.
+bool laysDensities(const Plan& plan);
+
 /// The in-between of these weights of the objects.
 InBetween makeInBetween(const Plan& plan, const Weights& weights);
 

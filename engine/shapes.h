@@ -13,10 +13,11 @@ struct Shapes {
   std::vector<std::string> names;
   std::vector<size_t> order;  ///< the shapes' indices in the order in which the objects were given
   Fields fields;
-  std::vector<int> pieces;        ///< number of connected components
-  std::vector<Fields> inner;      ///< per further surface, one field per shape; null where a shape has none
-  std::vector<Feature> features;  ///< the options' features, in terms of the shapes
-  std::vector<Region> regions;    ///< the options' regions, in terms of the shapes
+  std::vector<int> pieces;    ///< number of connected components
+  std::vector<Fields> inner;  ///< per further surface, one field per shape; null where a shape has none
+  std::vector<FloatGrid::ConstPtr> densities;  ///< per shape; null where it is no fog
+  std::vector<Feature> features;               ///< the options' features, in terms of the shapes
+  std::vector<Region> regions;                 ///< the options' regions, in terms of the shapes
 
   /// The shapes' weights from the objects'. Throws InputError for weights that MorphPlan::frame rejects.
   Weights weightsFrom(const Weights& ofObjects) const;

@@ -34,7 +34,10 @@ Weights allOf(size_t object, size_t objects) {
 MovingLattice::MovingLattice(const Displacements& map, const Fields& fields, const std::vector<Chart>& charts,
                              std::shared_ptr<const RegionShares> regions,
                              std::shared_ptr<const ContourPaths> paths)
-    : on_(latticeOnObjects(map, fields, charts)), regions_(std::move(regions)), paths_(std::move(paths)), swings_(on_) {
+    : on_(latticeOnObjects(map, fields, charts)),
+      regions_(std::move(regions)),
+      paths_(std::move(paths)),
+      swings_(on_) {
   bool bent = false;
   for (const Chart& c : charts) bent |= !c.bend.straight();
   for (size_t k = 0; k < on_.objects() && bent; ++k) centroid_.push_back(centroidOf(k, charts[k]));

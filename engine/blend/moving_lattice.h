@@ -64,7 +64,8 @@ class MovingLattice {
   NodeWeights smoothed(const NodeWeights& weights) const;
   Pose poseAt(const Weights& weights, std::optional<int> straightening) const;
   Pose uncentredPose(const Weights& weights, std::optional<int> straightening) const;
-  LatticeMotion plainMotion(const Weights& earlier, const Weights& later, double unit, int straightening) const;
+  LatticeMotion plainMotion(const Weights& earlier, const Weights& later, double unit,
+                            int straightening) const;
   Vec3d shiftToCentre(const Pose& pose, const std::vector<Vec3d>& world) const;
   Vec3d centroidOf(size_t object, const Chart& chart) const;
   Pose blendUnfolded(const Weights& weights, const NodeWeights& local,

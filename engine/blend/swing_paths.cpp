@@ -60,8 +60,7 @@ VectorField SwingPaths::offsets(const Weights& weights) const {
     const double whole = std::sin(a) * fallB + std::sin(b) * fallA;
     const double ofBefore = (fall * std::sin(b) - std::sin(angle) * fallB) / whole,
                  ofAfter = (fall * std::sin(a) + std::sin(angle) * fallA) / whole;
-    const Vec3d offset =
-        (ofBefore - path[0]) * Vec3d(arc.before) + (ofAfter - path[1]) * Vec3d(arc.after);
+    const Vec3d offset = (ofBefore - path[0]) * Vec3d(arc.before) + (ofAfter - path[1]) * Vec3d(arc.after);
     result[arc.node] = openvdb::Vec3s(double(arc.share) * offset / scale);
   });
   return result;

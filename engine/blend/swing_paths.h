@@ -19,7 +19,7 @@ class SwingPaths {
   /// A node that swings: the arc is drawn about the middle of the way, lengths and angles in it are the world's.
   struct Arc {
     size_t node;
-    openvdb::Vec3s before, after;  ///< the objects' positions from the one in the middle space, world units
+    openvdb::Vec3s before, after;   ///< the objects' positions from the one in the middle space, world units
     float angleBefore, angleAfter;  ///< of the arc from the middle to either
     float share;                    ///< how much of the arc is taken
   };

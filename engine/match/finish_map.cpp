@@ -22,7 +22,7 @@ Displacements finishedMap(const MatchObjects& objects, const Displacements& map)
   const double longest = std::max({extents[0], extents[1], extents[2]});
   const double own = std::min(objects.smallestVoxel(), map.lattice.spacing);
   Displacements fine = resampled(map, Lattice::over(objects.reach(), std::max(longest / kCells, own)));
-  double lr = leastRatio(fine); int rounds = removeFolds(fine, kFinishedFloor); if (getenv("DBG")) fprintf(stderr, "finish: least ratio %.4f, fold rounds %d\n", lr, rounds);
+  removeFolds(fine, kFinishedFloor);
   return fine;
 }
 

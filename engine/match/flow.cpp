@@ -42,14 +42,12 @@ void addSteps(Sites& sites, const std::vector<Vec3d>& target, const Lattice& lat
       farthest = std::max(farthest, way.length()), squares += way.lengthSqr();
     }
     const double away = std::sqrt(squares);
-    if (getenv("DBG")) fprintf(stderr, "step %d of %d: farthest %.3f rms %.4f spacing %.3f sites %zu\n", count, most, farthest, away / std::sqrt(double(target.size())), lattice.spacing, target.size());
     if (farthest < 0.1 * lattice.spacing || away > (1 - kLeastGain) * before) break;
     before = away;
     // Not in fewer steps of conjugate gradients: with half of them a horse's tail and a hoof went astray.
     Displacements step = fitFields(lattice, sites, kStiffness, none);
-    int halvings = 0; for (; leastRatio(step) < kLeastRatio && halvings < 12; ++halvings)
+    for (int halvings = 0; leastRatio(step) < kLeastRatio && halvings < 12; ++halvings)
       for (auto& d : step.of[0]) d *= 0.7f;
-    if (getenv("DBG")) fprintf(stderr, "   halvings %d\n", halvings);
     for (Vec3d& p : sites.position) p += step.at(0, p);
     steps.push_back(std::move(step));
   }

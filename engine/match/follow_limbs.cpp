@@ -36,7 +36,7 @@ bool isAway(const Vec3d& z, const std::vector<PlacedLimb>& limbs, double gap) {
 Matching followed(const MatchObjects& objects, Matching matching, std::vector<Correspondence> points,
                   const std::vector<Vec3d>& still, double spacing, double lattice, const Ways& ways = {}) {
   matching.map = flowed(matching.map, points, still, spacing * objects.size, objects.lattice(lattice), ways);
-  double lr = leastRatio(matching.map); int rounds = removeFolds(matching.map); if (getenv("DBG")) fprintf(stderr, "least ratio %.4f, fold rounds %d\n", lr, rounds);
+  removeFolds(matching.map);
   matching.overlap = mapOverlap(objects, matching.map);
   matching.base = matching.map;
   matching.limbPoints = std::move(points);

@@ -1,5 +1,6 @@
 #include "engine/rebuild/pullback.h"
 
+#include "engine/rebuild/flowing_density.h"
 #include "engine/rebuild/velocity_grid.h"
 #include "engine/rebuild/warp_colors.h"
 #include "engine/rebuild/warp_image.h"
@@ -115,7 +116,18 @@ GridBase::ConstPtr Pullback::carry(const std::vector<GridBase::ConstPtr>& grids,
     const size_t shape = p.shapeOf[k];
     carried.push_back({grids[k], shape, p.anchors[shape], p.weights[k], k});
   }
-  const GridBase::Ptr result = warped(carried, prototype, options);
+  // What flows is hardly compressed: where two frames lie on each other, small changes of volume are the map's errors.
+  const bool flowing = options.dropFaint && p.densities && carried.size() == 2;
+  PullbackOptions own = options;
+  own.conserve = options.conserve && !flowing;
+  const GridBase::Ptr result = warped(carried, prototype, own);
+  if (flowing) {
+    const double t = carried[1].weight;
+    const double total = (1 - t) * totalOf(*carried[0].grid) + t * totalOf(*carried[1].grid);
+    carried[0].weight = -1, carried[1].weight = 1;
+    takeNearerDetail(*result, *warped(carried, prototype, own), t);
+    if (options.conserve) scaleToTotal(*result, total);
+  }
   for (auto meta = prototype.beginMeta(); meta != prototype.endMeta(); ++meta)
     if (meta->first.compare(0, 5, "file_") != 0) result->insertMeta(meta->first, *meta->second);
   result->setSaveFloatAsHalf(half);

@@ -18,6 +18,7 @@ struct Pullback::Impl {
   std::vector<Vec3d> anchors;   ///< per shape
   /// per shape; empty for a pullback without objects' distances
   std::vector<std::shared_ptr<const DistanceField>> fields;
+  bool densities = false;     ///< two objects whose densities lie on each other: see flowing_density.h
   std::vector<double> sizes;  ///< per shape: size of the in-between over the object's
   double imageSpacing = 1;    ///< world units between map nodes for images
 

@@ -22,7 +22,8 @@ void runRetimeCommand(const OptionSet& options) {
 
 void addRetimeCommand(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
-      "retime", "Show a sequence of VDB files slower, faster or along a curve, with frames between the files");
+      "retime",
+      "Show a sequence of VDB files slower, faster or along a curve, with frames between the files");
   const auto options = addOptions(*command, kRetime);
   command->callback([options] { runRetimeCommand(*options); });
 }

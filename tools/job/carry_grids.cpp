@@ -110,6 +110,24 @@ openvdb::Vec3SGrid::Ptr velocityOf(const FrameTask& task, const Pullback& pullba
   return velocity;
 }
 
+using Comparable =
+    openvdb::TypeList<FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid, openvdb::Int64Grid,
+                      openvdb::BoolGrid, openvdb::Vec3SGrid, openvdb::Vec3DGrid, openvdb::Vec3IGrid>;
+
+/// Whether two grids are the same voxel by voxel: of two files of a simulation what stands still.
+bool standsStill(const std::vector<GridBase::ConstPtr>& grids) {
+  const GridBase::ConstPtr &a = grids[0], &b = grids[1];
+  if (!a || !b || a->type() != b->type() || a->transform() != b->transform()) return false;
+  bool same = false;
+  a->apply<Comparable>([&](const auto& typed) {
+    using Grid = std::decay_t<decltype(typed)>;
+    const Grid& other = static_cast<const Grid&>(*b);
+    same = typed.tree().hasSameTopology(other.tree());
+    for (auto u = typed.cbeginValueOn(), v = other.cbeginValueOn(); same && u; ++u, ++v) same = *u == *v;
+  });
+  return same;
+}
+
 /// Appends a grid, after removing any of the same name.
 void addOrReplace(openvdb::GridCPtrVec& grids, const GridBase::ConstPtr& grid) {
   const auto replaced = std::remove_if(
@@ -130,9 +148,13 @@ CarriedGrids carryGrids(const FrameTask& task, GridBase::ConstPtr where, openvdb
   for (size_t s = 0; s < content.sets.size(); ++s) {
     if (cancel.cancelled()) throw Cancelled();
     const bool fog = content.shapeSet == s;
-    GridBase::ConstPtr grid =
-        fog ? densityOf(task, pullback, voxelSize)
-            : pullback.carry(readGrids(content.sets[s], task.inputs), {false, voxelSize});
+    GridBase::ConstPtr grid;
+    if (fog) {
+      grid = densityOf(task, pullback, voxelSize);
+    } else {
+      const std::vector<GridBase::ConstPtr> of = readGrids(content.sets[s], task.inputs);
+      grid = task.settings.eachAlone && standsStill(of) ? of[0] : pullback.carry(of, {false, voxelSize});
+    }
     if (fog || !where) where = grid;
     if (fog) carried.density = grid;
     const GridSet& set = content.sets[s];

@@ -30,8 +30,8 @@ struct FrameJob {
   size_t inputFrame = 0;  ///< of inputs that are sequences, from 0
   Weights rate;           ///< change of the weights per second; empty where the job has no speed
   double speed = 1;       ///< of `retime`: file numbers per frame, by which the inputs' own velocities change
-  std::string given = {}; ///< of `retime`: the file that the frame is; empty: it is made
-  bool wanted = true;     ///< false: --range leaves it out, but what the others depend on counts all frames
+  std::string given = {};  ///< of `retime`: the file that the frame is; empty: it is made
+  bool wanted = true;      ///< false: --range leaves it out, but what the others depend on counts all frames
 };
 
 /// How long a shutter is open before or after its frame at most, in frames (a 360 degree shutter centred on
@@ -82,7 +82,7 @@ struct MorphSettings {
   std::vector<Landmark> checkLandmarks;  ///< only measured, not used
   bool quiet = false, resume = false;
   bool eachAlone = false;  ///< plans of sequences do not follow each other
-  JobOptions options;                                              ///< as typed, for code that needs no more
+  JobOptions options;      ///< as typed, for code that needs no more
   std::vector<std::pair<std::string, std::string>> frameSettings;  ///< all options that frames depend on
 
   /// What the method can do.

@@ -96,7 +96,8 @@ Rows inputRows() {
           .positional("INPUT")
           .required(),
       Row(kRetime, "input", at<&J::input>, "",
-          "Sequence of smoke, level sets or liquids: name.####.vdb, name.####.vdb@10-40x2 for some of the files, "
+          "Sequence of smoke, level sets or liquids: name.####.vdb, name.####.vdb@10-40x2 for some of the "
+          "files, "
           "name.####.vdb:grid where the file holds several shapes")
           .positional("INPUT")
           .required(),
@@ -311,7 +312,8 @@ Rows timeRows() {
           .as(OptionType::kNumbers)
           .silencedBy({"weights"})
           .needs(&MethodTraits::anyTime),
-      Row(kMorph | kRetime, "fps", at<&J::framesPerSecond>, "F", "Frames per second, for velocities and metadata")
+      Row(kMorph | kRetime, "fps", at<&J::framesPerSecond>, "F",
+          "Frames per second, for velocities and metadata")
           .above(0)
           .basic(),
       Row(kRender, "fps", at<&J::framesPerSecond>, "F", "Pictures per second of a preview").above(0),
@@ -542,7 +544,8 @@ Rows farmRows() {
           "then only "
           "WHAT is named")
           .basic(),
-      Row(kMorph | kRetime, "resume", at<&J::resume>, "", "Go on with an interrupted sequence of the same settings")
+      Row(kMorph | kRetime, "resume", at<&J::resume>, "",
+          "Go on with an interrupted sequence of the same settings")
           .notInFrames()
           .basic(),
       Row(kWorkers, "quiet", at<&J::quiet>, "", "Print nothing but errors")

@@ -80,8 +80,7 @@ void copyAtSpeed(const std::string& from, const std::string& to, double speed,
       speed == 1 ? std::set<size_t>() : velocitiesOf(file, settings.velocity.name);
   const auto asked = [&](size_t i) {
     const std::string name = withoutNumber(file.entries()[i].name);
-    return settings.grids.empty() ||
-           std::count(settings.grids.begin(), settings.grids.end(), name) > 0;
+    return settings.grids.empty() || std::count(settings.grids.begin(), settings.grids.end(), name) > 0;
   };
   bool all = true;
   for (size_t i = 0; i < file.entries().size(); ++i) all = all && asked(i);

@@ -32,13 +32,13 @@ std::vector<InputFrame> filesOf(const OptionSet& options) {
   const std::string& text = options.values().input;
   const InputSpec input = parseInput(text);
   if (!input.isMoving() || !input.isGrids())
-    options.refuse("input", text + " is no sequence of VDB files; expected for example smoke.####.vdb, or "
-                                   "smoke.####.vdb@10-40 for some of them");
+    options.refuse("input", text +
+                                " is no sequence of VDB files; expected for example smoke.####.vdb, or "
+                                "smoke.####.vdb@10-40 for some of them");
   if (input.placing.given())
     options.refuse("input", text + ": files are shown where they are; leave out " + input.placing.text);
   std::vector<InputFrame> files = framesOf(input);
-  if (files.size() < 2)
-    options.refuse("input", text + " is one file; frames between files need two or more");
+  if (files.size() < 2) options.refuse("input", text + " is one file; frames between files need two or more");
   return files;
 }
 
@@ -94,8 +94,8 @@ std::vector<ShownTime> timesOfCurve(const OptionSet& options, double first, doub
   for (double frame = begin; frame <= keys.back().frame; ++frame) {
     const double t = (frame - begin) / length;
     const double share = std::min(std::max(weightsAt(course, t)[1], 0.0), 1.0);
-    times.push_back({int(frame), first + share * (last - first),
-                     slopeAt(course, t)[1] * (last - first) / length});
+    times.push_back(
+        {int(frame), first + share * (last - first), slopeAt(course, t)[1] * (last - first) / length});
   }
   return times;
 }
@@ -168,8 +168,8 @@ RetimeJob retimeJob(const OptionSet& options) {
   s.eachAlone = true;
   s.frameSettings = options.frameSettings();
   const double first = files.front().number, last = files.back().number;
-  const std::vector<ShownTime> times = options.given("curve") ? timesOfCurve(options, first, last)
-                                                              : evenTimes(options, first, last);
+  const std::vector<ShownTime> times =
+      options.given("curve") ? timesOfCurve(options, first, last) : evenTimes(options, first, last);
   for (const ShownTime& time : times) s.frames.push_back(jobOf(time, files, output, s.framesPerSecond));
   keepRange(s.frames, options);
   options.about("output", [&] { checkOutput(s.frames[0].path); });

@@ -36,7 +36,8 @@ class PairPlans {
     const FrameMaker* before = pair > 0 ? &planned(pair - 1, done) : nullptr;
     FrameMaker& own = planned(pair, done);
     const FrameMaker* after = pair + 2 < job_.numbers.size() ? &planned(pair + 1, done) : nullptr;
-    own.passSmoothly({before, before ? gap(pair) / gap(pair - 1) : 1}, {after, after ? gap(pair) / gap(pair + 1) : 1});
+    own.passSmoothly({before, before ? gap(pair) / gap(pair - 1) : 1},
+                     {after, after ? gap(pair) / gap(pair + 1) : 1});
     bent_ = {pair};
     return own;
   }

@@ -44,8 +44,7 @@ PathTangents::Neighbour nodesAt(const Lattice& lattice, double time) {
     std::vector<Vec3d> at(points.size());
     for (int z = 0; z < 5; ++z)
       for (int y = 0; y < 5; ++y)
-        for (int x = 0; x < 5; ++x)
-          at[lattice.index(x, y, z)] = atTime(lattice.position(x, y, z), time);
+        for (int x = 0; x < 5; ++x) at[lattice.index(x, y, z)] = atTime(lattice.position(x, y, z), time);
     return at;
   };
 }
@@ -63,7 +62,8 @@ double worstPath(const LatticeOnObjects& on, const PathTangents* tangents, bool 
           const size_t i = on.lattice.index(x, y, z);
           Vec3d q = weights[0] * Vec3d(on.chart[0][i]) + weights[1] * Vec3d(on.chart[1][i]);
           if (!offsets.empty()) q += Vec3d(offsets[i]);
-          worst = std::max(worst, (on.charts[0].toWorld(q) - atTime(on.lattice.position(x, y, z), t)).length());
+          worst =
+              std::max(worst, (on.charts[0].toWorld(q) - atTime(on.lattice.position(x, y, z), t)).length());
         }
   }
   return worst;

@@ -36,7 +36,7 @@ struct LoadOptions {
   std::vector<std::string> besides;
   bool movingOnly = false;  ///< static grids are no shapes, also where there is nothing else
   MemoryLimit memory;
-  Placing placing;  ///< after that of the input's own name
+  Placing placing;       ///< after that of the input's own name
   bool density = false;  ///< the object keeps the density that its shape was found in, see Object::density
   bool matching =
       false;  ///< the shape is to be matched: what lies many times its size away is left out of it

@@ -1,0 +1,509 @@
+#include "engine/match/match_densities.h"
+
+#include "engine/match/fold_guard.h"
+#include "engine/numerics/conjugate_gradients.h"
+
+#include <openvdb/tools/Interpolation.h>
+#include <Eigen/Core>
+#include <Eigen/LU>
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace slicemorph {
+
+namespace {
+
+using Vec = Eigen::Vector3f;
+using Values = std::vector<float>;
+using Vectors = std::vector<Vec>;
+
+// Figures of a prototype that was tried on four simulated scenes and one from a library, each at several triples of
+// frames: each is worth a few hundredths of the error of the frame between.
+
+/// Most points of the finest images along their longest side, and nodes between two of which there are so many of them.
+constexpr int kMostPoints = 224, kFinest = 2;
+/// The coarsest level has at least so many nodes along the longest side.
+constexpr int kCoarsestNodes = 9;
+constexpr int kPad = 10;  ///< empty points around the densities
+/// Densities are taken to this power, relative to what all but a hundredth of the voxels stay below, so that thin smoke counts.
+constexpr float kCompression = 0.25f, kTiny = 1e-6f;
+constexpr double kFaint = 1e-3, kHigh = 0.99;
+/// Smoothing of a level's images, in its spacings.
+constexpr float kPresmooth = 0.5f;
+/// Weight of the second channel, which compares patterns whatever their strength; its window in nodes, and the deviation
+/// below which there is none.
+constexpr float kLocal = 0.3f, kWindow = 2.5f, kDeviation = 0.05f;
+constexpr int kNewtonSteps = 6;      ///< of Gauss and Newton per level
+constexpr int kLinearSteps = 8;      ///< of conjugate gradients per step
+constexpr float kSteep = 0.2f;       ///< gradients beyond it count no more
+constexpr float kSpread = 1;         ///< over which the equations are averaged, nodes
+constexpr float kRoughness = 0.02f;  ///< price of differences between neighbours
+constexpr float kDivergence = 0.1f;
+constexpr float kMemory = 0.2f;    ///< how much of both is for the whole map, not only for a step
+constexpr float kLongestStep = 1;  ///< nodes
+/// Around the map it fades to nothing at least so slowly, in displacements.
+constexpr double kFade = 2.5;
+
+/// A box of nodes; arrays of its nodes have x fastest.
+struct Box {
+  int n[3] = {0, 0, 0};
+  size_t count() const { return size_t(n[0]) * n[1] * n[2]; }
+  size_t stride(int axis) const { return axis == 0 ? 1 : axis == 1 ? size_t(n[0]) : size_t(n[0]) * n[1]; }
+  size_t index(int x, int y, int z) const { return (size_t(z) * n[1] + y) * n[0] + x; }
+};
+
+/// Calls action(i, x, y, z) for all nodes, in slabs of one task each.
+template <typename Action>
+void forNodes(const Box& box, const Action& action) {
+  tbb::parallel_for(0, box.n[2], [&](int z) {
+    for (int y = 0; y < box.n[1]; ++y)
+      for (int x = 0; x < box.n[0]; ++x) action(box.index(x, y, z), x, y, z);
+  });
+}
+
+Vec nodeAt(int x, int y, int z) { return {float(x), float(y), float(z)}; }
+
+/// Trilinear value at a point in node units; beyond the box that of its rim.
+template <typename T>
+T sample(const Box& box, const std::vector<T>& values, const Vec& p) {
+  int low[3], high[3];
+  float f[3];
+  for (int a = 0; a < 3; ++a) {
+    const float c = std::min(std::max(p[a], 0.f), float(box.n[a] - 1));
+    low[a] = std::min(int(c), box.n[a] - 1), high[a] = std::min(low[a] + 1, box.n[a] - 1);
+    f[a] = c - float(low[a]);
+  }
+  const auto row = [&](int y, int z) {
+    return T(values[box.index(low[0], y, z)] * (1 - f[0]) + values[box.index(high[0], y, z)] * f[0]);
+  };
+  const auto slab = [&](int z) { return T(row(low[1], z) * (1 - f[1]) + row(high[1], z) * f[1]); };
+  return T(slab(low[2]) * (1 - f[2]) + slab(high[2]) * f[2]);
+}
+
+/// Gauss's bell over the values, which go on mirrored beyond the box.
+template <typename T>
+std::vector<T> blurred(const Box& box, std::vector<T> values, float sigma) {
+  const int reach = int(std::ceil(3 * sigma));
+  if (reach < 1) return values;
+  Values bell(size_t(reach) + 1);
+  float sum = 0;
+  for (int k = 0; k <= reach; ++k) {
+    bell[size_t(k)] = std::exp(-0.5f * float(k * k) / (sigma * sigma));
+    sum += (k ? 2 : 1) * bell[size_t(k)];
+  }
+  for (float& b : bell) b /= sum;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::vector<T> old = values;
+    const int n = box.n[axis];
+    const std::ptrdiff_t stride = std::ptrdiff_t(box.stride(axis));
+    forNodes(box, [&](size_t i, int x, int y, int z) {
+      const int at[3] = {x, y, z}, c = at[axis];
+      const T* own = &old[i];
+      T result = *own * bell[0];
+      for (int k = 1; k <= reach; ++k)
+        for (int c2 : {c - k, c + k}) {
+          while (c2 < 0 || c2 >= n) c2 = c2 < 0 ? -1 - c2 : 2 * n - 1 - c2;
+          result += own[(c2 - c) * stride] * bell[size_t(k)];
+        }
+      values[i] = result;
+    });
+  }
+  return values;
+}
+
+/// Central difference along an axis; at the rim the box goes on with its last values.
+template <typename T>
+T difference(const Box& box, const std::vector<T>& values, size_t i, int c, int axis) {
+  const size_t stride = box.stride(axis);
+  const T &before = values[c > 0 ? i - stride : i], &after = values[c + 1 < box.n[axis] ? i + stride : i];
+  return T((after - before) * 0.5f);
+}
+
+Vectors gradients(const Box& box, const Values& values) {
+  Vectors result(values.size());
+  forNodes(box, [&](size_t i, int x, int y, int z) {
+    result[i] = Vec(difference(box, values, i, x, 0), difference(box, values, i, y, 1),
+                    difference(box, values, i, z, 2));
+  });
+  return result;
+}
+
+/// An image to be matched, with its gradient.
+struct Channel {
+  Values value;
+  Vectors gradient;
+};
+
+/// Both channels of a level's image: the image itself, and how it differs from what is around it.
+std::array<Channel, 2> channelsOf(const Box& box, Values image) {
+  Values squares = image;
+  for (float& v : squares) v *= v;
+  const Values mean = blurred(box, image, kWindow), meanSquare = blurred(box, std::move(squares), kWindow);
+  Values local(image.size());
+  forNodes(box, [&](size_t i, int, int, int) {
+    const float variance = std::max(meanSquare[i] - mean[i] * mean[i], 0.f);
+    local[i] = kLocal * (image[i] - mean[i]) / std::sqrt(variance + kDeviation * kDeviation);
+  });
+  std::array<Channel, 2> channels;
+  channels[0].value = std::move(image), channels[1].value = std::move(local);
+  for (Channel& channel : channels) channel.gradient = gradients(box, channel.value);
+  return channels;
+}
+
+/// A symmetric matrix and a right side, per node.
+using Equation = Eigen::Array<float, 9, 1>;  // 00 11 22 01 02 12, then the vector
+
+Eigen::Matrix3f matrixOf(const Equation& e) {
+  Eigen::Matrix3f m;
+  m << e[0], e[3], e[4], e[3], e[1], e[5], e[4], e[5], e[2];
+  return m;
+}
+
+/// The map between two levels' images: a point of the middle that is x lies on the first object at x - way + bend, on the
+/// second at x + way + bend.
+struct Paths {
+  Box box;
+  Vectors way, bend;
+};
+
+/// price of differences and divergence, applied to a field.
+Vectors stiffness(const Box& box, const Vectors& field) {
+  Values divergence(field.size());
+  forNodes(box, [&](size_t i, int x, int y, int z) {
+    divergence[i] = kDivergence * (difference(box, field, i, x, 0)[0] + difference(box, field, i, y, 1)[1] +
+                                   difference(box, field, i, z, 2)[2]);
+  });
+  Vectors result(field.size());
+  forNodes(box, [&](size_t i, int x, int y, int z) {
+    const int at[3] = {x, y, z};
+    Vec sum = Vec::Zero(), transposed;
+    for (int axis = 0; axis < 3; ++axis) {
+      const size_t stride = box.stride(axis);
+      const bool first = at[axis] == 0, last = at[axis] + 1 == box.n[axis];
+      if (!first) sum += field[i] - field[i - stride];
+      if (!last) sum += field[i] - field[i + stride];
+      // Of the transposed difference; the rim's own value stands for the one beyond it.
+      const float before = first ? -divergence[i] : divergence[i - stride],
+                  after = last ? -divergence[i] : divergence[i + stride];
+      transposed[axis] = 0.5f * (before - after);
+    }
+    result[i] = kRoughness * sum + transposed;
+  });
+  return result;
+}
+
+double dot(const Box& box, const Vectors& a, const Vectors& b) {
+  std::vector<double> slabs(size_t(box.n[2]), 0.0);
+  forNodes(box, [&](size_t i, int, int, int z) { slabs[size_t(z)] += double(a[i].dot(b[i])); });
+  double sum = 0;
+  for (double slab : slabs) sum += slab;
+  return sum;
+}
+
+/// The equations of one step, summed over the channels and averaged around each node.
+std::vector<Equation> equationsOf(const Paths& paths, const std::array<Channel, 2>& a,
+                                  const std::array<Channel, 2>& b) {
+  const Box& box = paths.box;
+  std::vector<Equation> equations(box.count());
+  forNodes(box, [&](size_t i, int x, int y, int z) {
+    const Vec at = nodeAt(x, y, z), p = at - paths.way[i] + paths.bend[i],
+              q = at + paths.way[i] + paths.bend[i];
+    Equation e = Equation::Zero();
+    for (size_t c = 0; c < 2; ++c) {
+      const float r = 0.5f * (sample(box, b[c].value, q) - sample(box, a[c].value, p));
+      const Vec g = 0.5f * (sample(box, a[c].gradient, p) + sample(box, b[c].gradient, q));
+      const float w = kSteep / (g.squaredNorm() + kSteep * kSteep);
+      const float terms[9] = {g[0] * g[0], g[1] * g[1], g[2] * g[2], g[0] * g[1], g[0] * g[2],
+                              g[1] * g[2], -r * g[0],   -r * g[1],   -r * g[2]};
+      for (int k = 0; k < 9; ++k) e[k] += w * terms[k];
+    }
+    equations[i] = e;
+  });
+  return blurred(box, std::move(equations), kSpread);
+}
+
+/// One step of Gauss and Newton.
+void improve(Paths& paths, const std::array<Channel, 2>& a, const std::array<Channel, 2>& b) {
+  const Box& box = paths.box;
+  const std::vector<Equation> equations = equationsOf(paths, a, b);
+  const float diagonal = 6 * kRoughness + 0.5f * kDivergence;
+  std::vector<Eigen::Matrix3f> inverse(box.count());
+  Vectors residual = stiffness(box, paths.way), change(box.count(), Vec::Zero()), direction(box.count());
+  forNodes(box, [&](size_t i, int, int, int) {
+    inverse[i] = (matrixOf(equations[i]) + diagonal * Eigen::Matrix3f::Identity()).inverse();
+    residual[i] = equations[i].tail<3>().matrix() - kMemory * residual[i];
+    direction[i] = inverse[i] * residual[i];
+  });
+  Vectors preconditioned = direction;
+  double before = dot(box, residual, preconditioned);
+  const double first = before;
+  for (int step = 0; step < kLinearSteps && before > 1e-4 * first; ++step) {
+    Vectors product = stiffness(box, direction);
+    forNodes(box, [&](size_t i, int, int, int) { product[i] += matrixOf(equations[i]) * direction[i]; });
+    const float length = float(before / dot(box, direction, product));
+    forNodes(box, [&](size_t i, int, int, int) {
+      change[i] += length * direction[i], residual[i] -= length * product[i];
+      preconditioned[i] = inverse[i] * residual[i];
+    });
+    const double now = dot(box, residual, preconditioned);
+    forNodes(box, [&](size_t i, int, int, int) {
+      direction[i] = preconditioned[i] + float(now / before) * direction[i];
+    });
+    before = now;
+  }
+  forNodes(box, [&](size_t i, int, int, int) {
+    const float length = change[i].norm();
+    paths.way[i] += change[i] * std::min(1.f, kLongestStep / (length + 1e-9f));
+  });
+}
+
+/// Poisson's equation with walls around, for conjugateGradients.
+struct WalledPoisson {
+  const Box& box;
+  size_t size() const { return box.count(); }
+  size_t node(size_t i) const { return i; }
+  float diagonal(size_t) const { return 1; }
+  Grain grain() const { return {size_t(1) << 14}; }
+  void apply(const Values& x, Values& y) const {
+    forNodes(box, [&](size_t i, int cx, int cy, int cz) {
+      const int at[3] = {cx, cy, cz};
+      float sum = 0;
+      for (int axis = 0; axis < 3; ++axis) {
+        const size_t stride = box.stride(axis);
+        if (at[axis] > 0) sum += x[i] - x[i - stride];
+        if (at[axis] + 1 < box.n[axis]) sum += x[i] - x[i + stride];
+      }
+      y[i] = sum;
+    });
+  }
+};
+
+/// How the paths of a fluid bend that flows so and is not compressed: a quarter of its acceleration, the gradient of a
+/// pressure q with -laplace(q) = (div u)^2 - tr((grad u)^2).
+Vectors bendOf(const Box& box, const Vectors& way) {
+  Values residual(box.count());
+  forNodes(box, [&](size_t i, int x, int y, int z) {
+    Eigen::Matrix3f gradient;
+    gradient.col(0) = difference(box, way, i, x, 0);
+    gradient.col(1) = difference(box, way, i, y, 1);
+    gradient.col(2) = difference(box, way, i, z, 2);
+    residual[i] = gradient.trace() * gradient.trace() - (gradient * gradient).trace();
+  });
+  double mean = 0;
+  for (float r : residual) mean += double(r) / double(residual.size());
+  for (float& r : residual) r -= float(mean);
+  Values pressure(box.count(), 0.f);
+  WalledPoisson system{box};
+  conjugateGradients<float>(system, GradientSettings{200, 1e-6}, std::move(residual), pressure);
+  Vectors bend = gradients(box, pressure);
+  for (Vec& b : bend) b *= 0.25f;
+  return bend;
+}
+
+/// Values on a level whose nodes are `ratio` of the first one's spacings apart; both begin half a spacing inside the box.
+template <typename T>
+std::vector<T> resized(const Box& from, const std::vector<T>& values, const Box& to, float ratio) {
+  std::vector<T> result(to.count());
+  forNodes(to, [&](size_t i, int x, int y, int z) {
+    const Vec p(ratio * (float(x) + 0.5f) - 0.5f, ratio * (float(y) + 0.5f) - 0.5f,
+                ratio * (float(z) + 0.5f) - 0.5f);
+    result[i] = sample(from, values, p);
+  });
+  return result;
+}
+
+/// The densities as images on one lattice of chart space.
+class Images {
+ public:
+  Images(const std::array<FloatGrid::ConstPtr, 2>& densities, const Chart& chart) : chart_(chart) {
+    openvdb::BBoxd inside;
+    double finest = 0;
+    for (const auto& grid : densities) {
+      const openvdb::CoordBBox voxels = grid->evalActiveVoxelBoundingBox();
+      for (int c = 0; c < 8; ++c) {
+        const openvdb::Coord corner((c & 1 ? voxels.max() : voxels.min())[0],
+                                    (c & 2 ? voxels.max() : voxels.min())[1],
+                                    (c & 4 ? voxels.max() : voxels.min())[2]);
+        inside.expand(chart.toChart(grid->transform().indexToWorld(corner)));
+      }
+      const Vec3d voxel = grid->voxelSize();
+      finest = std::max(finest, std::cbrt(voxel[0] * voxel[1] * voxel[2]) / chart.meanScale());
+    }
+    const Vec3d extents = inside.extents();
+    const double longest = std::max({extents[0], extents[1], extents[2]});
+    spacing_ = std::max(finest, longest / (kMostPoints - 2 * kPad));
+    finer_ = std::max(1, int(std::lround(spacing_ / finest)));
+    origin_ = inside.min() - Vec3d(kPad * spacing_);
+    for (int a = 0; a < 3; ++a) box_.n[a] = int(std::ceil(extents[a] / spacing_)) + 1 + 2 * kPad;
+    for (size_t k = 0; k < 2; ++k) density_[k] = sampled(*densities[k]), image_[k] = compressed(density_[k]);
+  }
+
+  int longest() const { return std::max({box_.n[0], box_.n[1], box_.n[2]}); }
+  const Values& density(size_t object) const { return density_[object]; }
+  const Box& box() const { return box_; }
+  Box boxOf(int step) const {
+    Box box;
+    for (int a = 0; a < 3; ++a) box.n[a] = std::max((box_.n[a] + step - 1) / step, 2);
+    return box;
+  }
+  /// The image of a level whose nodes are `step` points apart.
+  Values level(size_t object, int step) const {
+    const float sigma = kPresmooth * std::sqrt(float(step * step - 1));
+    return resized(box_, blurred(box_, image_[object], sigma), boxOf(step), float(step));
+  }
+  double spacingOf(int step) const { return step * spacing_; }
+  /// Chart position of a level's first node.
+  Vec3d originOf(int step) const { return origin_ + Vec3d(0.5 * (step - 1) * spacing_); }
+
+ private:
+  /// Means over the points' cells.
+  Values sampled(const FloatGrid& grid) const {
+    Values values(box_.count());
+    tbb::parallel_for(0, box_.n[2], [&](int z) {
+      openvdb::tools::GridSampler<FloatGrid::ConstAccessor, openvdb::tools::BoxSampler> at(
+          grid.getConstAccessor(), grid.transform());
+      for (int y = 0; y < box_.n[1]; ++y)
+        for (int x = 0; x < box_.n[0]; ++x) {
+          double sum = 0;
+          for (int s = 0; s < finer_ * finer_ * finer_; ++s) {
+            const Vec3d part(s % finer_, s / finer_ % finer_, s / finer_ / finer_);
+            const Vec3d offset = (part + Vec3d(0.5)) / double(finer_) - Vec3d(0.5);
+            sum += double(at.wsSample(chart_.toWorld(origin_ + spacing_ * (Vec3d(x, y, z) + offset))));
+          }
+          values[box_.index(x, y, z)] = std::max(float(sum / (finer_ * finer_ * finer_)), 0.f);
+        }
+    });
+    return values;
+  }
+
+  static Values compressed(const Values& density) {
+    const float most = *std::max_element(density.begin(), density.end());
+    Values there;
+    for (float d : density)
+      if (double(d) > kFaint * double(most)) there.push_back(d);
+    if (there.empty()) return density;
+    const auto high = there.begin() + std::ptrdiff_t(kHigh * double(there.size() - 1));
+    std::nth_element(there.begin(), high, there.end());
+    Values image(density.size());
+    for (size_t i = 0; i < image.size(); ++i)
+      image[i] = std::pow(density[i] / *high + kTiny, kCompression) - std::pow(kTiny, kCompression);
+    return image;
+  }
+
+  const Chart& chart_;
+  Box box_;
+  Vec3d origin_{0, 0, 0};  ///< chart position of the first point
+  double spacing_ = 1;     ///< chart units
+  int finer_ = 1;          ///< samples per point and axis
+  std::array<Values, 2> density_, image_;
+};
+
+/// sum |a - b| / sum |a + b| half way.
+double misfitOf(const Images& images, const Paths& paths) {
+  const Box& box = images.box();
+  std::vector<std::array<double, 2>> slabs(size_t(box.n[2]), {0, 0});
+  const float ratio = 1 / float(kFinest);
+  forNodes(box, [&](size_t, int x, int y, int z) {
+    const Vec at = nodeAt(x, y, z);
+    const Vec coarse = ((at.array() + 0.5f) * ratio - 0.5f).matrix();
+    const Vec way = sample(paths.box, paths.way, coarse) / ratio,
+              bend = sample(paths.box, paths.bend, coarse) / ratio;
+    const float a = sample(box, images.density(0), at - way + bend),
+                b = sample(box, images.density(1), at + way + bend);
+    slabs[size_t(z)][0] += double(std::abs(a - b)), slabs[size_t(z)][1] += double(a + b);
+  });
+  double off = 0, all = 0;
+  for (const auto& slab : slabs) off += slab[0], all += slab[1];
+  return all > 0 ? off / all : 0;
+}
+
+/// A map as paths of a level.
+Paths pathsOf(const Displacements& map, const Images& images, int step) {
+  Paths paths{images.boxOf(step), {}, {}};
+  paths.way.resize(paths.box.count()), paths.bend.resize(paths.box.count());
+  const Vec3d origin = images.originOf(step);
+  const double spacing = images.spacingOf(step);
+  forNodes(paths.box, [&](size_t i, int x, int y, int z) {
+    const Vec3d s = origin + spacing * Vec3d(x, y, z);
+    const Vec3d a = map.at(0, s) / spacing, b = map.at(1, s) / spacing, way = 0.5 * (b - a),
+                bend = 0.5 * (a + b);
+    paths.way[i] = Vec(float(way[0]), float(way[1]), float(way[2]));
+    paths.bend[i] = Vec(float(bend[0]), float(bend[1]), float(bend[2]));
+  });
+  return paths;
+}
+
+/// From coarse to fine; `paths`: of the coarsest level.
+Paths refined(const Images& images, Paths paths, int coarsest) {
+  for (int step = coarsest; step >= kFinest; step /= 2) {
+    if (step < coarsest) {
+      const Box box = images.boxOf(step);
+      paths.way = resized(paths.box, paths.way, box, 0.5f);
+      for (Vec& w : paths.way) w *= 2;
+      paths.box = box, paths.bend = bendOf(box, paths.way);
+    }
+    const std::array<Channel, 2> a = channelsOf(paths.box, images.level(0, step)),
+                                 b = channelsOf(paths.box, images.level(1, step));
+    for (int i = 0; i < kNewtonSteps; ++i) improve(paths, a, b);
+  }
+  paths.bend = bendOf(paths.box, paths.way);
+  return paths;
+}
+
+/// The map of the finest paths, on a lattice around which it fades to nothing.
+Displacements mapOf(const Images& images, const Paths& paths) {
+  float farthest = 0;
+  for (const Vec& w : paths.way) farthest = std::max(farthest, w.norm());
+  const int margin = int(std::ceil(kFade * double(farthest))) + 2;
+  const double spacing = images.spacingOf(kFinest);
+  Lattice lattice{images.originOf(kFinest) - Vec3d(margin * spacing), spacing,
+                  openvdb::Coord(paths.box.n[0], paths.box.n[1], paths.box.n[2]).offsetBy(2 * margin)};
+  Displacements map{lattice, {VectorField(lattice.count()), VectorField(lattice.count())}};
+  tbb::parallel_for(0, int(lattice.size[2]), [&](int z) {
+    for (int y = 0; y < lattice.size[1]; ++y)
+      for (int x = 0; x < lattice.size[0]; ++x) {
+        const int at[3] = {x - margin, y - margin, z - margin};
+        int outside = 0;
+        Vec p;
+        for (int a = 0; a < 3; ++a) {
+          outside = std::max({outside, -at[a], at[a] - paths.box.n[a] + 1});
+          p[a] = float(at[a]);
+        }
+        const float share = float(spacing) * std::max(1 - float(outside) / float(margin), 0.f);
+        const Vec way = share * sample(paths.box, paths.way, p),
+                  bend = share * sample(paths.box, paths.bend, p);
+        for (size_t k = 0; k < 2; ++k) {
+          const Vec d = k == 0 ? Vec(bend - way) : Vec(bend + way);
+          map.of[k][lattice.index(x, y, z)] = openvdb::Vec3s(d[0], d[1], d[2]);
+        }
+      }
+  });
+  removeFolds(map);
+  return map;
+}
+
+}  // namespace
+
+DensityMatch matchDensities(const std::array<FloatGrid::ConstPtr, 2>& densities, const Chart& chart,
+                            const Displacements& map) {
+  const Images images(densities, chart);
+  int coarsest = kFinest;
+  while (images.longest() / (2 * coarsest) >= kCoarsestNodes) coarsest *= 2;
+  DensityMatch match;
+  match.before = match.after = misfitOf(images, pathsOf(map, images, kFinest));
+  match.map = map;
+  Paths nothing{images.boxOf(coarsest), {}, {}};
+  nothing.way.assign(nothing.box.count(), Vec::Zero()), nothing.bend = nothing.way;
+  for (Paths start : {nothing, pathsOf(map, images, coarsest)}) {
+    const Paths found = refined(images, std::move(start), coarsest);
+    const double misfit = misfitOf(images, found);
+    if (!(misfit < match.after)) continue;
+    match.after = misfit, match.map = mapOf(images, found);
+  }
+  return match;
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,123 @@
+#include "engine/match/match_densities.h"
+
+#include "engine/match/fold_guard.h"
+#include "slicemorph/conventions.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+namespace slicemorph {
+namespace {
+
+/// Soft balls of smoke of several sizes, none of which repeats.
+double smokeAt(const Vec3d& p) {
+  static const double balls[][4] = {{0, 0, 0, 5},    {7, 3, -2, 3},   {-6, 5, 3, 4},  {2, -8, 5, 3},
+                                    {-3, -5, -7, 4}, {9, -4, 6, 2.5}, {-9, -2, -1, 2}};
+  double sum = 0;
+  for (const auto& b : balls) {
+    const double r = (p - Vec3d(b[0], b[1], b[2])).length() / b[3];
+    sum += r < 1.5 ? std::exp(-2 * r * r) - std::exp(-4.5) : 0;
+  }
+  return std::max(sum, 0.0);
+}
+
+/// The smoke as it is when points have moved: `back` leads from where they are now to where they were.
+FloatGrid::ConstPtr smoke(const std::function<Vec3d(const Vec3d&)>& back) {
+  const FloatGrid::Ptr grid = FloatGrid::create(0.f);
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+  auto accessor = grid->getAccessor();
+  for (auto c = openvdb::CoordBBox::createCube(openvdb::Coord(-23), 46).begin(); c; ++c)
+    if (const double d = smokeAt(back((*c).asVec3d())); d > 1e-3) accessor.setValue(*c, float(d));
+  return grid;
+}
+
+/// A map that leaves everything where it is.
+Displacements still(const Chart& chart) {
+  const Lattice lattice =
+      Lattice::over({Vec3d(-20) / chart.scale[0], Vec3d(20) / chart.scale[0]}, 1 / chart.scale[0]);
+  return {lattice, {VectorField(lattice.count()), VectorField(lattice.count())}};
+}
+
+/// How far points of the smoke, given half way, are from where they should be on either object, in voxels, in the mean.
+/// `motion(p, t)`: where what was at p at the time 0 is at t, in voxels.
+double meanError(const Displacements& map, const Chart& chart,
+                 const std::function<Vec3d(const Vec3d&, double)>& motion) {
+  double sum = 0, weights = 0;
+  for (auto c = openvdb::CoordBBox::createCube(openvdb::Coord(-14), 28).begin(); c; ++c) {
+    const Vec3d p = (*c).asVec3d();
+    const double weight = smokeAt(p);
+    if (weight < 0.05) continue;
+    const Vec3d middle = chart.toChart(0.5 * motion(p, 0.5));
+    for (size_t k = 0; k < 2; ++k)
+      sum += weight * (2.0 * chart.toWorld(middle + map.at(k, middle)) - motion(p, double(k))).length();
+    weights += 2 * weight;
+  }
+  return sum / weights;
+}
+
+Chart chartOf() {
+  Chart chart;
+  chart.center = Vec3d(1, -0.5, 0.25), chart.axes = rotationFromVector({0, 0, 0.4}), chart.scale = Vec3d(3);
+  return chart;
+}
+
+/// 5 voxels along a diagonal, at once and from a map that knows nothing: a tenth of a voxel.
+TEST(MatchDensities, AMotionAlongALine) {
+  const Vec3d by(3, -3, 2.6);
+  const Chart chart = chartOf();
+  const DensityMatch match = matchDensities(
+      {smoke([](const Vec3d& p) { return p; }), smoke([&](const Vec3d& p) { return Vec3d(p - by); })}, chart,
+      still(chart));
+  EXPECT_LT(meanError(match.map, chart, [&](const Vec3d& p, double t) { return Vec3d(p + t * by); }), 0.1);
+  EXPECT_LT(match.after, 0.05);
+  EXPECT_GT(match.before, 10 * match.after);
+  EXPECT_GT(leastRatio(match.map), 0.1);
+}
+
+/// A turn by 40 degrees, up to 8 voxels: half a voxel, a quarter of the lattice's spacing, as round balls do not show how they
+/// turn themselves.
+TEST(MatchDensities, ATurn) {
+  const double angle = 40 * M_PI / 180;
+  const auto turned = [](const Vec3d& p, double a) { return Vec3d(rotationFromVector({0, 0, a}) * p); };
+  const Chart chart = chartOf();
+  const DensityMatch match = matchDensities(
+      {smoke([](const Vec3d& p) { return p; }), smoke([&](const Vec3d& p) { return turned(p, -angle); })},
+      chart, still(chart));
+  EXPECT_LT(meanError(match.map, chart, [&](const Vec3d& p, double t) { return turned(p, t * angle); }), 0.5);
+  EXPECT_GT(leastRatio(match.map), 0.1);
+}
+
+/// Either density may be called the first: what belongs together is the same.
+TEST(MatchDensities, OrderDoesNotCount) {
+  const Vec3d by(2, 1, -2);
+  const Chart chart = chartOf();
+  const FloatGrid::ConstPtr a = smoke([](const Vec3d&p) { return p; }),
+                            b = smoke([&](const Vec3d&p) { return Vec3d(p - by); });
+  const DensityMatch one = matchDensities({a, b}, chart, still(chart)),
+                     other = matchDensities({b, a}, chart, still(chart));
+  double most = 0;
+  for (size_t i = 0; i < one.map.of[0].size(); ++i)
+    most = std::max(most, double((one.map.of[0][i] - other.map.of[1][i]).length()));
+  // Sums in another order, in single precision.
+  EXPECT_LT(most, 1e-3 * one.map.lattice.spacing);
+}
+
+/// A map that lays the densities on each other already stays.
+TEST(MatchDensities, AGoodMapStays) {
+  const Vec3d by(4, 0, 0);
+  const Chart chart = chartOf();
+  Displacements exact = still(chart);
+  for (size_t k = 0; k < 2; ++k)
+    for (auto& d : exact.of[k])
+      d = openvdb::Vec3s(chart.toChart((k == 0 ? -0.25 : 0.25) * by) - chart.toChart(Vec3d(0.0)));
+  const DensityMatch match = matchDensities(
+      {smoke([](const Vec3d& p) { return p; }), smoke([&](const Vec3d& p) { return Vec3d(p - by); })}, chart,
+      exact);
+  EXPECT_LE(match.after, match.before);
+  EXPECT_LT(meanError(match.map, chart, [&](const Vec3d& p, double t) { return Vec3d(p + t * by); }), 0.02);
+}
+
+}  // namespace
+}  // namespace slicemorph
