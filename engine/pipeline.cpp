@@ -24,8 +24,9 @@ Plan withLattice(Plan plan, std::shared_ptr<const RegionShares> shares) {
   if (plan.options.path != ContourPath::kLinear)
     paths = std::make_shared<ContourPaths>(plan.options.path, plan.registration.map, plan.shapes.fields,
                                            plan.frames.charts, plan.options.slices);
-  plan.lattice = std::make_unique<MovingLattice>(plan.registration.map, plan.shapes.fields,
-                                                 plan.frames.charts, std::move(shares), std::move(paths));
+  plan.lattice =
+      std::make_unique<MovingLattice>(plan.registration.map, plan.shapes.fields, plan.frames.charts,
+                                      std::move(shares), std::move(paths), plan.registration.swings);
   return plan;
 }
 
@@ -47,7 +48,7 @@ Plan withDensities(Plan plan) {
                 "densities laid on each other: half way they differ by %.3f of their total, before %.3f",
                 match.after, match.before);
   plan.registration.notes.push_back({"match.densities", Severity::kDetail, "", text});
-  plan.registration.map = std::move(match.map);
+  plan.registration.map = std::move(match.map), plan.registration.swings = false;
   return plan;
 }
 

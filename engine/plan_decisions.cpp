@@ -11,7 +11,7 @@ namespace slicemorph {
 namespace {
 
 /// Begins the bytes; the number is raised whenever what follows changes.
-const std::string kMark = "slicemorph decisions 1\n";
+const std::string kMark = "slicemorph decisions 2\n";
 
 class DecisionWriter {
  public:
@@ -257,6 +257,7 @@ std::string bytesOfDecisions(const Plan& plan) {
   const Registration& registration = plan.registration;
   writer.addCount(registration.map.of.size());
   if (!registration.map.of.empty()) addMap(writer, registration.map);
+  writer.add(std::uint8_t(registration.swings));
   writer.add(registration.overlapBefore), writer.add(registration.overlapAfter);
   writer.add(registration.notes);
   return std::move(writer).bytes();
@@ -285,6 +286,7 @@ Plan withDecisions(Plan plan, const std::string& bytes) {
   if (mapped != 0 && (mapped != shapes || plan.frames.charts.size() != shapes)) refuseDecisions();
   if (mapped == 0 && shapes > 1) refuseDecisions();
   if (mapped > 0) plan.registration.map = mapFrom(reader, mapped);
+  plan.registration.swings = reader.number<std::uint8_t>() != 0;
   plan.registration.overlapBefore = reader.number<double>();
   plan.registration.overlapAfter = reader.number<double>();
   plan.registration.notes = reader.notes();

@@ -33,11 +33,9 @@ Weights allOf(size_t object, size_t objects) {
 
 MovingLattice::MovingLattice(const Displacements& map, const Fields& fields, const std::vector<Chart>& charts,
                              std::shared_ptr<const RegionShares> regions,
-                             std::shared_ptr<const ContourPaths> paths)
-    : on_(latticeOnObjects(map, fields, charts)),
-      regions_(std::move(regions)),
-      paths_(std::move(paths)),
-      swings_(on_) {
+                             std::shared_ptr<const ContourPaths> paths, bool swings)
+    : on_(latticeOnObjects(map, fields, charts)), regions_(std::move(regions)), paths_(std::move(paths)) {
+  if (swings) swings_.emplace(on_);
   bool bent = false;
   for (const Chart& c : charts) bent |= !c.bend.straight();
   for (size_t k = 0; k < on_.objects() && bent; ++k) centroid_.push_back(centroidOf(k, charts[k]));
@@ -111,7 +109,11 @@ NodeWeights MovingLattice::nodeWeights(const Weights& weights) const {
 
 /// Of each node from the map's own path; empty: there are none.
 VectorField MovingLattice::offsetsAt(const Weights& weights) const {
-  VectorField offsets = paths_ ? paths_->offsets(weights, on_.lattice) : swings_.offsets(weights);
+  VectorField offsets;
+  if (paths_)
+    offsets = paths_->offsets(weights, on_.lattice);
+  else if (swings_)
+    offsets = swings_->offsets(weights);
   if (tangents_) tangents_->add(weights, offsets);
   return offsets;
 }

@@ -27,9 +27,10 @@ class MovingLattice {
   using Pose = LatticePose;
 
   /// `regions`: null if weights are the same everywhere. `paths`: null if the map's own paths are used.
+  /// `swings`: of these, what turns far goes on arcs, see SwingPaths.
   MovingLattice(const Displacements& map, const Fields& fields, const std::vector<Chart>& charts,
                 std::shared_ptr<const RegionShares> regions = nullptr,
-                std::shared_ptr<const ContourPaths> paths = nullptr);
+                std::shared_ptr<const ContourPaths> paths = nullptr, bool swings = false);
 
   /// Not where weights differ by region. See PathTangents.
   void passSmoothly(const std::array<PathTangents::Neighbour, 2>& of);
@@ -76,7 +77,7 @@ class MovingLattice {
   std::shared_ptr<const RegionShares> regions_;
   std::vector<std::vector<float>> share_;  ///< per region: of each node
   std::shared_ptr<const ContourPaths> paths_;
-  SwingPaths swings_;
+  std::optional<SwingPaths> swings_;
   std::unique_ptr<const PathTangents> tangents_;  ///< null: paths do not pass on into others
 };
 

@@ -24,6 +24,7 @@ class SwingPaths {
     float share;                    ///< how much of the arc is taken
   };
   const LatticeOnObjects& on_;
+  Vec3d scale_{1, 1, 1};  ///< world units per chart unit, of the middle
   std::vector<Arc> arcs_;
 };
 

@@ -251,6 +251,7 @@ std::optional<Bending> bentOntoEachOther(
   BodyPoints body = pointsOf(objects, bodies, fit, best.from, 1 - best.from);
   Bending bending{true, withRoom(objects, body), {}, kSure.hold(fit)};
   bending.matching = followBody(bending.objects, matching, std::move(body.points), body.ways);
+  bending.matching.swings = true;
   bending.matching.bonus = fit.missed < kCrumpled * fit.strain ? kBentBonus : 0;
   char text[160];
   std::snprintf(

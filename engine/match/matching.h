@@ -18,6 +18,7 @@ struct Matching {
   std::vector<MiddleGuess> guesses;  ///< per object, starts for toMiddle; empty while the map moves little
   double overlap = 0;                ///< of the objects warped by `map`, see mapOverlap
   double bonus = 0;                  ///< added to the overlap when matchings are compared
+  bool swings = false;               ///< the map follows bodies that were bent onto each other: parts turn
   double softLoss = 0;               ///< what the last soft match would have cost in overlap; see refined
   Notes notes;
 

@@ -46,6 +46,7 @@ Registration registrationOf(const MatchObjects& objects, Matching matching, Matc
   Registration result;
   result.map = finishedMap(objects, matching.map);
   result.base = std::move(matching.base);
+  result.swings = matching.swings;
   result.pairs = std::move(start.pairs);
   result.overlapBefore = start.overlapBefore;
   result.overlapAfter = mapOverlap(objects, result.map);
@@ -133,6 +134,7 @@ std::optional<Registration> followRegistration(const Registration& before, const
   char text[128];
   std::snprintf(text, sizeof text, "the matching of the frame before: overlap %.3f, there %.3f", overlap,
                 before.overlapAfter);
+  matching.swings = before.swings;
   matching.notes.push_back({"sequence.continued", Severity::kDetail, "", text});
   matching = afterFollowRounds(objects, std::move(matching), progress, 0.5);
   return withContradictions(objects, registrationOf(objects, std::move(matching), {{}, {}, overlap}));

@@ -15,6 +15,7 @@ struct Registration {
   Displacements
       base;  ///< to which the rounds added smooth fields: the base warp, or the map that follows limbs
   std::vector<ContourPair> pairs;  ///< accepted pairs of contours
+  bool swings = false;             ///< the objects are one body in two poses, whose parts turn
   double overlapBefore = 0;        ///< of the objects in chart space, intersection over union
   double overlapAfter = 0;         ///< of the warped objects in the middle space
   Notes notes;
