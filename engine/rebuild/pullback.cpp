@@ -10,6 +10,8 @@
 #include "engine/volume/surface_colors.h"
 #include "slicemorph/errors.h"
 
+#include <tbb/parallel_reduce.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -78,10 +80,15 @@ openvdb::CoordBBox sweptBox(const openvdb::CoordBBox& body, const LatticeMotion&
                             const MovingLattice::Pose& pose, const Transform& transform, double reach) {
   const openvdb::BBoxd box(body.min().asVec3d() - Vec3d(kMostReach),
                            body.max().asVec3d() + Vec3d(kMostReach));
-  double most = 0;
-  for (size_t i = 0; i < motion.velocity.size() && reach > 0; ++i)
-    if (box.isInside(transform.worldToIndex(pose.world[i])))
-      most = std::max(most, double(motion.velocity[i].lengthSqr()));
+  const auto squares = [&](const tbb::blocked_range<size_t>& nodes, double most) {
+    for (size_t i = nodes.begin(); i < nodes.end(); ++i)
+      if (box.isInside(transform.worldToIndex(pose.world[i])))
+        most = std::max(most, double(motion.velocity[i].lengthSqr()));
+    return most;
+  };
+  const tbb::blocked_range<size_t> all(0, reach > 0 ? motion.velocity.size() : 0);
+  const double most =
+      tbb::parallel_reduce(all, 0.0, squares, [](double a, double b) { return std::max(a, b); });
   const Vec3d size = transform.voxelSize();
   const double far = reach * std::sqrt(most) / std::min({size[0], size[1], size[2]});
   openvdb::CoordBBox swept = body;

@@ -47,6 +47,23 @@ blend() {
   row "$name" "$work"/p.*.png
 }
 
+# retimed NAME SMOKE BEFORE TRUE AFTER: a frame before and the one after, between them a cross-dissolve, what `retime` makes, and
+# the true one. SMOKE: pattern of the files, whose numbers have four digits.
+retimed() {
+  local name=$1 smoke=$2 before=$3 true=$4 after=$5 number=0 file
+  wanted "$name" || return 0
+  rm -f "$work"/*
+  of() { printf '%s' "${smoke/\#\#\#\#/$(printf %04d "$1")}"; }
+  build/slicemorph retime "$smoke@$before,$after" -o "$work/f.####.vdb" --range "$true" --grids density --quiet
+  build/slicemorph morph "$(of "$before")" "$(of "$after")" -o "$work/mean.vdb" --at 0.5 --method dissolve --grids density --quiet
+  for file in "$(of "$before")" "$work/mean.vdb" "$work/f.$(printf %04d "$true").vdb" "$(of "$true")" "$(of "$after")"; do
+    number=$((number + 1))
+    ln -s "$(realpath "$file")" "$work/all.$number.vdb"
+  done
+  build/slicemorph render "$work/all.#.vdb:density" -o "$work/p.#.png" --size 260x300 --view=0,0,-1 --up y --quiet
+  row "$name" "$work"/p.?.png
+}
+
 a=assets front=-0.55,-0.3,-1 side=-1,-0.2,-0.35
 sequence creature_to_ring $front $a/creature.ply $a/ring.ply
 sequence creature_to_ring_sdf $front $a/creature.ply $a/ring.ply --method sdf
@@ -58,3 +75,4 @@ sequence horse_to_spot $side "$meshes/horse_ref.obj" "$meshes/spot.obj"
 sequence spot_to_bob $front "$meshes/spot.obj" "$meshes/bob_small.ply"
 sequence die_to_octahedron $front $a/die.ply $a/octahedron.ply
 blend five_meshes "$meshes"/{stanford-bunny,armadillo,spot,horse_ref,human_woman}.obj
+retimed smoke_retimed "$meshes/../vdb/c42_gas_####.vdb" 6 8 10
