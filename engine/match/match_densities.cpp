@@ -165,6 +165,7 @@ Eigen::Matrix3f matrixOf(const Equation& e) {
 /// The map between two levels' images: a point of the middle that is x lies on the first object at x - way + bend, on the
 /// second at x + way + bend.
 struct Paths {
+  int step;  ///< points of the finest images from node to node
   Box box;
   Vectors way, bend;
 };
@@ -405,7 +406,7 @@ class Images {
 double misfitOf(const Images& images, const Paths& paths) {
   const Box& box = images.box();
   std::vector<std::array<double, 2>> slabs(size_t(box.n[2]), {0, 0});
-  const float ratio = 1 / float(kFinest);
+  const float ratio = 1 / float(paths.step);
   forNodes(box, [&](size_t, int x, int y, int z) {
     const Vec at = nodeAt(x, y, z);
     const Vec coarse = ((at.array() + 0.5f) * ratio - 0.5f).matrix();
@@ -422,7 +423,7 @@ double misfitOf(const Images& images, const Paths& paths) {
 
 /// A map as paths of a level.
 Paths pathsOf(const Displacements& map, const Images& images, int step) {
-  Paths paths{images.boxOf(step), {}, {}};
+  Paths paths{step, images.boxOf(step), {}, {}};
   paths.way.resize(paths.box.count()), paths.bend.resize(paths.box.count());
   const Vec3d origin = images.originOf(step);
   const double spacing = images.spacingOf(step);
@@ -436,19 +437,29 @@ Paths pathsOf(const Displacements& map, const Images& images, int step) {
   return paths;
 }
 
-/// From coarse to fine; `paths`: of the coarsest level.
-Paths refined(const Images& images, Paths paths, int coarsest) {
-  for (int step = coarsest; step >= kFinest; step /= 2) {
-    if (step < coarsest) {
-      const Box box = images.boxOf(step);
-      paths.way = resized(paths.box, paths.way, box, 0.5f);
-      for (Vec& w : paths.way) w *= 2;
-      paths.box = box, paths.bend = bendOf(box, paths.way);
-    }
-    const std::array<Channel, 2> a = channelsOf(paths.box, images.level(0, step)),
-                                 b = channelsOf(paths.box, images.level(1, step));
-    for (int i = 0; i < kNewtonSteps; ++i) improve(paths, a, b);
-  }
+/// The steps of the paths' own level.
+Paths improved(const Images& images, Paths paths) {
+  const std::array<Channel, 2> a = channelsOf(paths.box, images.level(0, paths.step)),
+                               b = channelsOf(paths.box, images.level(1, paths.step));
+  for (int i = 0; i < kNewtonSteps; ++i) improve(paths, a, b);
+  return paths;
+}
+
+/// The same on the next finer level, as its start.
+Paths finer(const Images& images, const Paths& paths) {
+  Paths next{paths.step / 2, images.boxOf(paths.step / 2), {}, {}};
+  next.way = resized(paths.box, paths.way, next.box, 0.5f);
+  for (Vec& w : next.way) w *= 2;
+  next.bend = bendOf(next.box, next.way);
+  return next;
+}
+
+/// From coarse to fine, begun from whichever of the starts is better on the coarsest level.
+Paths found(const Images& images, const std::array<Paths, 2>& starts) {
+  Paths paths = improved(images, starts[0]);
+  if (Paths other = improved(images, starts[1]); misfitOf(images, other) < misfitOf(images, paths))
+    paths = std::move(other);
+  while (paths.step > kFinest) paths = improved(images, finer(images, paths));
   paths.bend = bendOf(paths.box, paths.way);
   return paths;
 }
@@ -495,14 +506,11 @@ DensityMatch matchDensities(const std::array<FloatGrid::ConstPtr, 2>& densities,
   DensityMatch match;
   match.before = match.after = misfitOf(images, pathsOf(map, images, kFinest));
   match.map = map;
-  Paths nothing{images.boxOf(coarsest), {}, {}};
+  Paths nothing{coarsest, images.boxOf(coarsest), {}, {}};
   nothing.way.assign(nothing.box.count(), Vec::Zero()), nothing.bend = nothing.way;
-  for (Paths start : {nothing, pathsOf(map, images, coarsest)}) {
-    const Paths found = refined(images, std::move(start), coarsest);
-    const double misfit = misfitOf(images, found);
-    if (!(misfit < match.after)) continue;
-    match.after = misfit, match.map = mapOf(images, found);
-  }
+  const Paths paths = found(images, {nothing, pathsOf(map, images, coarsest)});
+  if (const double misfit = misfitOf(images, paths); misfit < match.after)
+    match.after = misfit, match.map = mapOf(images, paths);
   return match;
 }
 
