@@ -47,20 +47,17 @@ constexpr float kLongestStep = 1;  ///< nodes
 /// Around the map it fades to nothing at least so slowly, in displacements.
 constexpr double kFade = 2.5;
 
-/// A box of nodes; arrays of its nodes have x fastest.
-struct Box {
-  int n[3] = {0, 0, 0};
-  size_t count() const { return size_t(n[0]) * n[1] * n[2]; }
-  size_t stride(int axis) const { return axis == 0 ? 1 : axis == 1 ? size_t(n[0]) : size_t(n[0]) * n[1]; }
-  size_t index(int x, int y, int z) const { return (size_t(z) * n[1] + y) * n[0] + x; }
-};
+/// Lattices here are in node units: their origin and spacing are not used.
+size_t strideOf(const Lattice& box, int axis) {
+  return axis == 0 ? 1 : axis == 1 ? size_t(box.size[0]) : size_t(box.size[0]) * box.size[1];
+}
 
 /// Calls action(i, x, y, z) for all nodes, in slabs of one task each.
 template <typename Action>
-void forNodes(const Box& box, const Action& action) {
-  tbb::parallel_for(0, box.n[2], [&](int z) {
-    for (int y = 0; y < box.n[1]; ++y)
-      for (int x = 0; x < box.n[0]; ++x) action(box.index(x, y, z), x, y, z);
+void forNodes(const Lattice& box, const Action& action) {
+  tbb::parallel_for(0, box.size[2], [&](int z) {
+    for (int y = 0; y < box.size[1]; ++y)
+      for (int x = 0; x < box.size[0]; ++x) action(box.index(x, y, z), x, y, z);
   });
 }
 
@@ -68,12 +65,12 @@ Vec nodeAt(int x, int y, int z) { return {float(x), float(y), float(z)}; }
 
 /// Trilinear value at a point in node units; beyond the box that of its rim.
 template <typename T>
-T sample(const Box& box, const std::vector<T>& values, const Vec& p) {
+T sample(const Lattice& box, const std::vector<T>& values, const Vec& p) {
   int low[3], high[3];
   float f[3];
   for (int a = 0; a < 3; ++a) {
-    const float c = std::min(std::max(p[a], 0.f), float(box.n[a] - 1));
-    low[a] = std::min(int(c), box.n[a] - 1), high[a] = std::min(low[a] + 1, box.n[a] - 1);
+    const float c = std::min(std::max(p[a], 0.f), float(box.size[a] - 1));
+    low[a] = std::min(int(c), box.size[a] - 1), high[a] = std::min(low[a] + 1, box.size[a] - 1);
     f[a] = c - float(low[a]);
   }
   const auto row = [&](int y, int z) {
@@ -85,7 +82,7 @@ T sample(const Box& box, const std::vector<T>& values, const Vec& p) {
 
 /// Gauss's bell over the values, which go on mirrored beyond the box.
 template <typename T>
-std::vector<T> blurred(const Box& box, std::vector<T> values, float sigma) {
+std::vector<T> blurred(const Lattice& box, std::vector<T> values, float sigma) {
   const int reach = int(std::ceil(3 * sigma));
   if (reach < 1) return values;
   Values bell(size_t(reach) + 1);
@@ -97,8 +94,8 @@ std::vector<T> blurred(const Box& box, std::vector<T> values, float sigma) {
   for (float& b : bell) b /= sum;
   for (int axis = 0; axis < 3; ++axis) {
     const std::vector<T> old = values;
-    const int n = box.n[axis];
-    const std::ptrdiff_t stride = std::ptrdiff_t(box.stride(axis));
+    const int n = box.size[axis];
+    const std::ptrdiff_t stride = std::ptrdiff_t(strideOf(box, axis));
     forNodes(box, [&](size_t i, int x, int y, int z) {
       const int at[3] = {x, y, z}, c = at[axis];
       const T* own = &old[i];
@@ -116,13 +113,13 @@ std::vector<T> blurred(const Box& box, std::vector<T> values, float sigma) {
 
 /// Central difference along an axis; at the rim the box goes on with its last values.
 template <typename T>
-T difference(const Box& box, const std::vector<T>& values, size_t i, int c, int axis) {
-  const size_t stride = box.stride(axis);
-  const T &before = values[c > 0 ? i - stride : i], &after = values[c + 1 < box.n[axis] ? i + stride : i];
+T difference(const Lattice& box, const std::vector<T>& values, size_t i, int c, int axis) {
+  const size_t stride = strideOf(box, axis);
+  const T &before = values[c > 0 ? i - stride : i], &after = values[c + 1 < box.size[axis] ? i + stride : i];
   return T((after - before) * 0.5f);
 }
 
-Vectors gradients(const Box& box, const Values& values) {
+Vectors gradients(const Lattice& box, const Values& values) {
   Vectors result(values.size());
   forNodes(box, [&](size_t i, int x, int y, int z) {
     result[i] = Vec(difference(box, values, i, x, 0), difference(box, values, i, y, 1),
@@ -138,7 +135,7 @@ struct Channel {
 };
 
 /// Both channels of a level's image: the image itself, and how it differs from what is around it.
-std::array<Channel, 2> channelsOf(const Box& box, Values image) {
+std::array<Channel, 2> channelsOf(const Lattice& box, Values image) {
   Values squares = image;
   for (float& v : squares) v *= v;
   const Values mean = blurred(box, image, kWindow), meanSquare = blurred(box, std::move(squares), kWindow);
@@ -166,12 +163,12 @@ Eigen::Matrix3f matrixOf(const Equation& e) {
 /// second at x + way + bend.
 struct Paths {
   int step;  ///< points of the finest images from node to node
-  Box box;
+  Lattice box;
   Vectors way, bend;
 };
 
 /// price of differences and divergence, applied to a field.
-Vectors stiffness(const Box& box, const Vectors& field) {
+Vectors stiffness(const Lattice& box, const Vectors& field) {
   Values divergence(field.size());
   forNodes(box, [&](size_t i, int x, int y, int z) {
     divergence[i] = kDivergence * (difference(box, field, i, x, 0)[0] + difference(box, field, i, y, 1)[1] +
@@ -182,8 +179,8 @@ Vectors stiffness(const Box& box, const Vectors& field) {
     const int at[3] = {x, y, z};
     Vec sum = Vec::Zero(), transposed;
     for (int axis = 0; axis < 3; ++axis) {
-      const size_t stride = box.stride(axis);
-      const bool first = at[axis] == 0, last = at[axis] + 1 == box.n[axis];
+      const size_t stride = strideOf(box, axis);
+      const bool first = at[axis] == 0, last = at[axis] + 1 == box.size[axis];
       if (!first) sum += field[i] - field[i - stride];
       if (!last) sum += field[i] - field[i + stride];
       // Of the transposed difference; the rim's own value stands for the one beyond it.
@@ -196,8 +193,8 @@ Vectors stiffness(const Box& box, const Vectors& field) {
   return result;
 }
 
-double dot(const Box& box, const Vectors& a, const Vectors& b) {
-  std::vector<double> slabs(size_t(box.n[2]), 0.0);
+double dot(const Lattice& box, const Vectors& a, const Vectors& b) {
+  std::vector<double> slabs(size_t(box.size[2]), 0.0);
   forNodes(box, [&](size_t i, int, int, int z) { slabs[size_t(z)] += double(a[i].dot(b[i])); });
   double sum = 0;
   for (double slab : slabs) sum += slab;
@@ -207,7 +204,7 @@ double dot(const Box& box, const Vectors& a, const Vectors& b) {
 /// The equations of one step, summed over the channels and averaged around each node.
 std::vector<Equation> equationsOf(const Paths& paths, const std::array<Channel, 2>& a,
                                   const std::array<Channel, 2>& b) {
-  const Box& box = paths.box;
+  const Lattice& box = paths.box;
   std::vector<Equation> equations(box.count());
   forNodes(box, [&](size_t i, int x, int y, int z) {
     const Vec at = nodeAt(x, y, z), p = at - paths.way[i] + paths.bend[i],
@@ -228,7 +225,7 @@ std::vector<Equation> equationsOf(const Paths& paths, const std::array<Channel, 
 
 /// One step of Gauss and Newton.
 void improve(Paths& paths, const std::array<Channel, 2>& a, const std::array<Channel, 2>& b) {
-  const Box& box = paths.box;
+  const Lattice& box = paths.box;
   const std::vector<Equation> equations = equationsOf(paths, a, b);
   const float diagonal = 6 * kRoughness + 0.5f * kDivergence;
   std::vector<Eigen::Matrix3f> inverse(box.count());
@@ -263,7 +260,7 @@ void improve(Paths& paths, const std::array<Channel, 2>& a, const std::array<Cha
 
 /// Poisson's equation with walls around, for conjugateGradients.
 struct WalledPoisson {
-  const Box& box;
+  const Lattice& box;
   size_t size() const { return box.count(); }
   size_t node(size_t i) const { return i; }
   float diagonal(size_t) const { return 1; }
@@ -273,9 +270,9 @@ struct WalledPoisson {
       const int at[3] = {cx, cy, cz};
       float sum = 0;
       for (int axis = 0; axis < 3; ++axis) {
-        const size_t stride = box.stride(axis);
+        const size_t stride = strideOf(box, axis);
         if (at[axis] > 0) sum += x[i] - x[i - stride];
-        if (at[axis] + 1 < box.n[axis]) sum += x[i] - x[i + stride];
+        if (at[axis] + 1 < box.size[axis]) sum += x[i] - x[i + stride];
       }
       y[i] = sum;
     });
@@ -284,7 +281,7 @@ struct WalledPoisson {
 
 /// How the paths of a fluid bend that flows so and is not compressed: a quarter of its acceleration, the gradient of a
 /// pressure q with -laplace(q) = (div u)^2 - tr((grad u)^2).
-Vectors bendOf(const Box& box, const Vectors& way) {
+Vectors bendOf(const Lattice& box, const Vectors& way) {
   Values residual(box.count());
   forNodes(box, [&](size_t i, int x, int y, int z) {
     Eigen::Matrix3f gradient;
@@ -306,7 +303,7 @@ Vectors bendOf(const Box& box, const Vectors& way) {
 
 /// Values on a level whose nodes are `ratio` of the first one's spacings apart; both begin half a spacing inside the box.
 template <typename T>
-std::vector<T> resized(const Box& from, const std::vector<T>& values, const Box& to, float ratio) {
+std::vector<T> resized(const Lattice& from, const std::vector<T>& values, const Lattice& to, float ratio) {
   std::vector<T> result(to.count());
   forNodes(to, [&](size_t i, int x, int y, int z) {
     const Vec p(ratio * (float(x) + 0.5f) - 0.5f, ratio * (float(y) + 0.5f) - 0.5f,
@@ -338,16 +335,16 @@ class Images {
     spacing_ = std::max(finest, longest / (kMostPoints - 2 * kPad));
     finer_ = std::max(1, int(std::lround(spacing_ / finest)));
     origin_ = inside.min() - Vec3d(kPad * spacing_);
-    for (int a = 0; a < 3; ++a) box_.n[a] = int(std::ceil(extents[a] / spacing_)) + 1 + 2 * kPad;
+    for (int a = 0; a < 3; ++a) box_.size[a] = int(std::ceil(extents[a] / spacing_)) + 1 + 2 * kPad;
     for (size_t k = 0; k < 2; ++k) density_[k] = sampled(*densities[k]), image_[k] = compressed(density_[k]);
   }
 
-  int longest() const { return std::max({box_.n[0], box_.n[1], box_.n[2]}); }
+  int longest() const { return std::max({box_.size[0], box_.size[1], box_.size[2]}); }
   const Values& density(size_t object) const { return density_[object]; }
-  const Box& box() const { return box_; }
-  Box boxOf(int step) const {
-    Box box;
-    for (int a = 0; a < 3; ++a) box.n[a] = std::max((box_.n[a] + step - 1) / step, 2);
+  const Lattice& box() const { return box_; }
+  Lattice boxOf(int step) const {
+    Lattice box;
+    for (int a = 0; a < 3; ++a) box.size[a] = std::max((box_.size[a] + step - 1) / step, 2);
     return box;
   }
   /// The image of a level whose nodes are `step` points apart.
@@ -363,11 +360,11 @@ class Images {
   /// Means over the points' cells.
   Values sampled(const FloatGrid& grid) const {
     Values values(box_.count());
-    tbb::parallel_for(0, box_.n[2], [&](int z) {
+    tbb::parallel_for(0, box_.size[2], [&](int z) {
       openvdb::tools::GridSampler<FloatGrid::ConstAccessor, openvdb::tools::BoxSampler> at(
           grid.getConstAccessor(), grid.transform());
-      for (int y = 0; y < box_.n[1]; ++y)
-        for (int x = 0; x < box_.n[0]; ++x) {
+      for (int y = 0; y < box_.size[1]; ++y)
+        for (int x = 0; x < box_.size[0]; ++x) {
           double sum = 0;
           for (int s = 0; s < finer_ * finer_ * finer_; ++s) {
             const Vec3d part(s % finer_, s / finer_ % finer_, s / finer_ / finer_);
@@ -395,7 +392,7 @@ class Images {
   }
 
   const Chart& chart_;
-  Box box_;
+  Lattice box_;
   Vec3d origin_{0, 0, 0};  ///< chart position of the first point
   double spacing_ = 1;     ///< chart units
   int finer_ = 1;          ///< samples per point and axis
@@ -404,8 +401,8 @@ class Images {
 
 /// sum |a - b| / sum |a + b| half way.
 double misfitOf(const Images& images, const Paths& paths) {
-  const Box& box = images.box();
-  std::vector<std::array<double, 2>> slabs(size_t(box.n[2]), {0, 0});
+  const Lattice& box = images.box();
+  std::vector<std::array<double, 2>> slabs(size_t(box.size[2]), {0, 0});
   const float ratio = 1 / float(paths.step);
   forNodes(box, [&](size_t, int x, int y, int z) {
     const Vec at = nodeAt(x, y, z);
@@ -470,8 +467,9 @@ Displacements mapOf(const Images& images, const Paths& paths) {
   for (const Vec& w : paths.way) farthest = std::max(farthest, w.norm());
   const int margin = int(std::ceil(kFade * double(farthest))) + 2;
   const double spacing = images.spacingOf(kFinest);
-  Lattice lattice{images.originOf(kFinest) - Vec3d(margin * spacing), spacing,
-                  openvdb::Coord(paths.box.n[0], paths.box.n[1], paths.box.n[2]).offsetBy(2 * margin)};
+  Lattice lattice{
+      images.originOf(kFinest) - Vec3d(margin * spacing), spacing,
+      openvdb::Coord(paths.box.size[0], paths.box.size[1], paths.box.size[2]).offsetBy(2 * margin)};
   Displacements map{lattice, {VectorField(lattice.count()), VectorField(lattice.count())}};
   tbb::parallel_for(0, int(lattice.size[2]), [&](int z) {
     for (int y = 0; y < lattice.size[1]; ++y)
@@ -480,7 +478,7 @@ Displacements mapOf(const Images& images, const Paths& paths) {
         int outside = 0;
         Vec p;
         for (int a = 0; a < 3; ++a) {
-          outside = std::max({outside, -at[a], at[a] - paths.box.n[a] + 1});
+          outside = std::max({outside, -at[a], at[a] - paths.box.size[a] + 1});
           p[a] = float(at[a]);
         }
         const float share = float(spacing) * std::max(1 - float(outside) / float(margin), 0.f);

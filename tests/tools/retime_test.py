@@ -159,6 +159,7 @@ def case_velocities(o):
         run(f, pattern, "-o", "slow.####.vdb", "--factor", 4)
         for number in range(1, 6):
             path = made(f, "slow.%04d.vdb" % number)
+            assert vdb.readMetadata(path)["frame"] == number, (number, vdb.readMetadata(path))
             names = [grid.name for grid in vdb.readAllGridMetadata(path)]
             wanted = ["density"] + (["vel.x", "vel.y", "vel.z"] if staggered else ["vel"])
             assert sorted(names) == wanted, names

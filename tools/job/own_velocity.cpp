@@ -73,28 +73,27 @@ GridBase::ConstPtr scaledVectors(const GridBase::ConstPtr& grid, double factor) 
   return scaled;
 }
 
-void copyAtSpeed(const std::string& from, const std::string& to, double speed,
-                 const MorphSettings& settings) {
-  const VdbFile file(from);
+void copyAtSpeed(const FrameJob& job, const MorphSettings& settings) {
+  const VdbFile file(job.given);
   const std::set<size_t> velocities =
-      speed == 1 ? std::set<size_t>() : velocitiesOf(file, settings.velocity.name);
+      job.speed == 1 ? std::set<size_t>() : velocitiesOf(file, settings.velocity.name);
   const auto asked = [&](size_t i) {
     const std::string name = withoutNumber(file.entries()[i].name);
     return settings.grids.empty() || std::count(settings.grids.begin(), settings.grids.end(), name) > 0;
   };
   bool all = true;
   for (size_t i = 0; i < file.entries().size(); ++i) all = all && asked(i);
-  if (all && velocities.empty()) return copyBytes(from, to);
+  if (all && velocities.empty()) return copyBytes(job.given, job.path);
   openvdb::GridCPtrVec grids;
   for (size_t i = 0; i < file.entries().size(); ++i) {
     if (!asked(i)) continue;
     const GridBase::ConstPtr grid = file.read(i);
-    grids.push_back(velocities.count(i) ? scaledVectors(grid, speed) : grid);
+    grids.push_back(velocities.count(i) ? scaledVectors(grid, job.speed) : grid);
   }
   VdbOutput options;
   options.metadata = file.metadata(), options.compression = file.compression();
-  options.framesPerSecond = settings.framesPerSecond;
-  writeVdb(to, grids, options);
+  options.framesPerSecond = settings.framesPerSecond, options.frame = job.number;
+  writeVdb(job.path, grids, options);
 }
 
 }  // namespace slicemorph

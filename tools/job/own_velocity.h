@@ -10,8 +10,8 @@ bool isOwnVelocity(const GridSet& set, const openvdb::GridBase& grid, const Velo
 /// A grid of vectors times a factor; the grid itself where that is 1.
 openvdb::GridBase::ConstPtr scaledVectors(const openvdb::GridBase::ConstPtr& grid, double factor);
 
-/// Writes a VDB file that is shown at another speed: the same bytes, but for velocities (vel, v, velocity, or their
-/// components as vel.x), which are that many times as large; and of --grids only those. Throws IoError.
-void copyAtSpeed(const std::string& from, const std::string& to, double speed, const MorphSettings& settings);
+/// Writes a frame that shows a VDB file, `job.given`: the same bytes, but for velocities (vel, v, velocity, or their
+/// components as vel.x), which are `job.speed` times as large; and of --grids only those. Throws IoError.
+void copyAtSpeed(const FrameJob& job, const MorphSettings& settings);
 
 }  // namespace slicemorph

@@ -84,7 +84,7 @@ void runRetime(const RetimeJob& job, JobEvents& events) {
     if (!claims.take(frame)) continue;
     events.report("making frames", done);
     if (!frame.given.empty()) {
-      copyAtSpeed(frame.given, frame.path, frame.speed, settings);
+      copyAtSpeed(frame, settings);
     } else {
       FrameMaker& maker = plans.at(frame.inputFrame, done);
       const FrameTask task = maker.taskOf(frame);
