@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/match/displacements.h"
+#include "engine/spine/chart.h"
 
 #include <array>
 

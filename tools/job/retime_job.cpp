@@ -1,6 +1,7 @@
 #include "tools/job/retime_job.h"
 
 #include "tools/job/frame_range.h"
+#include "tools/job/image_lattice.h"
 #include "tools/job/load_settings.h"
 #include "tools/job/morph_checks.h"
 #include "tools/job/option_values.h"
