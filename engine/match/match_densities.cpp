@@ -434,11 +434,17 @@ Paths pathsOf(const Displacements& map, const Images& images, int step) {
   return paths;
 }
 
+/// Both densities' images of a level, with their channels.
+struct Level {
+  std::array<Channel, 2> a, b;
+  Level(const Images& images, int step)
+      : a(channelsOf(images.boxOf(step), images.level(0, step))),
+        b(channelsOf(images.boxOf(step), images.level(1, step))) {}
+};
+
 /// The steps of the paths' own level.
-Paths improved(const Images& images, Paths paths) {
-  const std::array<Channel, 2> a = channelsOf(paths.box, images.level(0, paths.step)),
-                               b = channelsOf(paths.box, images.level(1, paths.step));
-  for (int i = 0; i < kNewtonSteps; ++i) improve(paths, a, b);
+Paths improved(const Level& level, Paths paths) {
+  for (int i = 0; i < kNewtonSteps; ++i) improve(paths, level.a, level.b);
   return paths;
 }
 
@@ -453,10 +459,11 @@ Paths finer(const Images& images, const Paths& paths) {
 
 /// From coarse to fine, begun from whichever of the starts is better on the coarsest level.
 Paths found(const Images& images, const std::array<Paths, 2>& starts) {
-  Paths paths = improved(images, starts[0]);
-  if (Paths other = improved(images, starts[1]); misfitOf(images, other) < misfitOf(images, paths))
+  const Level coarsest(images, starts[0].step);
+  Paths paths = improved(coarsest, starts[0]);
+  if (Paths other = improved(coarsest, starts[1]); misfitOf(images, other) < misfitOf(images, paths))
     paths = std::move(other);
-  while (paths.step > kFinest) paths = improved(images, finer(images, paths));
+  while (paths.step > kFinest) paths = improved(Level(images, paths.step / 2), finer(images, paths));
   paths.bend = bendOf(paths.box, paths.way);
   return paths;
 }

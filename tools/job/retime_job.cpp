@@ -3,7 +3,6 @@
 #include "tools/job/frame_range.h"
 #include "tools/job/image_lattice.h"
 #include "tools/job/load_settings.h"
-#include "tools/job/morph_checks.h"
 #include "tools/job/option_values.h"
 #include "tools/job/plan_settings.h"
 
@@ -137,8 +136,7 @@ std::string withoutFile(const InputSpec& input, const std::vector<InputFrame>& f
   std::string range;
   for (size_t i = from; i + 1 < files.size() + from; ++i)
     range += (range.empty() ? "" : ",") + std::to_string(files[i].number);
-  return input.path + "@" + range + (input.selection.empty() ? "" : ":" + input.selection) +
-         input.placing.text;
+  return input.path + "@" + range + (input.selection.empty() ? "" : ":" + input.selection);
 }
 
 }  // namespace

@@ -11,7 +11,6 @@ struct RetimeJob {
   /// one, a frame's `inputFrame` is the pair. Frames that show a file itself name it.
   MorphSettings settings;
   std::vector<int> numbers;  ///< of the files
-  Notes notes;
 };
 
 /// Reads the options and checks them as far as possible without the files' contents. Throws InputError, IoError.

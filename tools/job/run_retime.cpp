@@ -7,7 +7,7 @@
 
 #include <map>
 #include <memory>
-#include <set>
+#include <optional>
 
 namespace slicemorph {
 namespace {
@@ -32,13 +32,13 @@ class PairPlans {
   FrameMaker& at(size_t pair, double done) {
     makers_.erase(makers_.begin(), makers_.lower_bound(pair > 0 ? pair - 1 : 0));
     makers_.erase(makers_.upper_bound(pair + 1), makers_.end());
-    if (bent_.count(pair)) return *makers_.at(pair);
+    if (bent_ == pair) return *makers_.at(pair);
     const FrameMaker* before = pair > 0 ? &planned(pair - 1, done) : nullptr;
     FrameMaker& own = planned(pair, done);
     const FrameMaker* after = pair + 2 < job_.numbers.size() ? &planned(pair + 1, done) : nullptr;
     own.passSmoothly({before, before ? gap(pair) / gap(pair - 1) : 1},
                      {after, after ? gap(pair) / gap(pair + 1) : 1});
-    bent_ = {pair};
+    bent_ = pair;
     return own;
   }
 
@@ -59,14 +59,13 @@ class PairPlans {
   WithoutNotes quiet_;
   bool told_ = false;
   std::map<size_t, std::unique_ptr<FrameMaker>> makers_;
-  std::set<size_t> bent_;
+  std::optional<size_t> bent_;  ///< the pair whose paths go on into its neighbours'
 };
 
 }  // namespace
 
 void runRetime(const RetimeJob& job, JobEvents& events) {
   const MorphSettings& settings = job.settings;
-  events.notes(job.notes);
   ResumeLog log(settings);
   events.notes(log.notes());
   FrameWriter writer(settings, events);
