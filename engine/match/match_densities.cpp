@@ -361,15 +361,15 @@ class Images {
   Values sampled(const FloatGrid& grid) const {
     Values values(box_.count());
     tbb::parallel_for(0, box_.size[2], [&](int z) {
-      openvdb::tools::GridSampler<FloatGrid::ConstAccessor, openvdb::tools::BoxSampler> at(
-          grid.getConstAccessor(), grid.transform());
+      const FloatGrid::ConstAccessor accessor = grid.getConstAccessor();
       for (int y = 0; y < box_.size[1]; ++y)
         for (int x = 0; x < box_.size[0]; ++x) {
           double sum = 0;
           for (int s = 0; s < finer_ * finer_ * finer_; ++s) {
             const Vec3d part(s % finer_, s / finer_ % finer_, s / finer_ / finer_);
             const Vec3d offset = (part + Vec3d(0.5)) / double(finer_) - Vec3d(0.5);
-            sum += double(at.wsSample(chart_.toWorld(origin_ + spacing_ * (Vec3d(x, y, z) + offset))));
+            const Vec3d world = chart_.toWorld(origin_ + spacing_ * (Vec3d(x, y, z) + offset));
+            sum += double(openvdb::tools::BoxSampler::sample(accessor, grid.worldToIndex(world)));
           }
           values[box_.index(x, y, z)] = std::max(float(sum / (finer_ * finer_ * finer_)), 0.f);
         }
