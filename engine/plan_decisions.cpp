@@ -2,6 +2,8 @@
 
 #include "slicemorph/errors.h"
 
+#include <tbb/parallel_for.h>
+
 #include <cstdint>
 #include <cstring>
 #include <type_traits>
@@ -171,34 +173,36 @@ void visitInOrder(const Lattice& lattice, const Visit& visit) {
 void addField(DecisionWriter& writer, const Lattice& lattice, const VectorField& field,
               const VectorField& about) {
   const size_t count = lattice.count();
-  std::vector<float> off(count);
-  std::string bytes(4 * count, '\0');
-  for (int c = 0; c < 3; ++c) {
+  std::string bytes(3 * 4 * count, '\0');
+  tbb::parallel_for(0, 3, [&](int c) {
+    std::vector<float> off(count);
+    char* const first = &bytes[size_t(c) * 4 * count];
     visitInOrder(lattice, [&](size_t node, int x, int y, int z) {
       const float expected = about[node][c] + predicted(lattice, off, x, y, z);
       off[node] = field[node][c] - about[node][c];
       const std::uint32_t difference = orderOf(field[node][c]) - orderOf(expected);
       const std::uint32_t folded = difference & 0x80000000u ? ~(difference << 1) : difference << 1;
-      for (size_t b = 0; b < 4; ++b) bytes[b * count + node] = char(folded >> 8 * b & 0xff);
+      for (size_t b = 0; b < 4; ++b) first[b * count + node] = char(folded >> 8 * b & 0xff);
     });
-    writer.addRaw(bytes);
-  }
+  });
+  writer.addRaw(bytes);
 }
 
 VectorField fieldFrom(DecisionReader& reader, const Lattice& lattice, const VectorField& about) {
   const size_t count = lattice.count();
+  const std::string bytes = reader.raw(3 * 4 * count);
   VectorField field(count);
-  std::vector<float> off(count);
-  for (int c = 0; c < 3; ++c) {
-    const std::string bytes = reader.raw(4 * count);
+  tbb::parallel_for(0, 3, [&](int c) {
+    std::vector<float> off(count);
+    const char* const first = &bytes[size_t(c) * 4 * count];
     visitInOrder(lattice, [&](size_t node, int x, int y, int z) {
       std::uint32_t folded = 0;
-      for (size_t b = 0; b < 4; ++b) folded |= std::uint32_t(std::uint8_t(bytes[b * count + node])) << 8 * b;
+      for (size_t b = 0; b < 4; ++b) folded |= std::uint32_t(std::uint8_t(first[b * count + node])) << 8 * b;
       const float expected = about[node][c] + predicted(lattice, off, x, y, z);
       field[node][c] = ofOrder(orderOf(expected) + (folded & 1 ? ~(folded >> 1) : folded >> 1));
       off[node] = field[node][c] - about[node][c];
     });
-  }
+  });
   return field;
 }
 

@@ -3,6 +3,7 @@
 #include "engine/match/fold_guard.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace slicemorph {
 
@@ -14,6 +15,17 @@ constexpr double kCells = 72;
 /// Least volume ratio of a tetrahedron, see removeFolds. Below its default of 0.12, as a finer lattice bends
 /// more sharply; above the kFoldedBelow of frames.
 constexpr double kFinishedFloor = 0.1;
+/// Displacements are multiples of a length of at most the smallest voxel over this: far below what a frame shows, and
+/// a plan file stays small.
+constexpr double kStepsPerVoxel = 1024;
+
+/// Every displacement rounded to a multiple of the power of two that is at most `most`.
+void roundDisplacements(Displacements& map, double most) {
+  const float step = std::exp2(float(std::floor(std::log2(most))));
+  for (VectorField& field : map.of)
+    for (openvdb::Vec3s& d : field)
+      for (int c = 0; c < 3; ++c) d[c] = std::nearbyint(d[c] / step) * step + 0.f;  // no negative zeros
+}
 
 }  // namespace
 
@@ -23,6 +35,7 @@ Displacements finishedMap(const MatchObjects& objects, const Displacements& map)
   const double own = std::min(objects.smallestVoxel(), map.lattice.spacing);
   Displacements fine = resampled(map, Lattice::over(objects.reach(), std::max(longest / kCells, own)));
   removeFolds(fine, kFinishedFloor);
+  roundDisplacements(fine, objects.smallestVoxel() / kStepsPerVoxel);
   return fine;
 }
 
