@@ -2,6 +2,7 @@
 
 #include "slicemorph/io/input_spec.h"
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,10 +11,11 @@ namespace slicemorph {
 
 struct StoredMesh;
 struct Mesh;
-struct Image;
-struct VectorImage;
 struct ImageFile;
 struct ImageOptions;
+struct ImageSlices;
+struct Voxels;
+struct VoxelHead;
 struct ContourFile;
 
 /// Whether a file or folder is of a format, by its name or its content. It need not exist.
@@ -25,8 +27,10 @@ using MeshWriter = void (*)(const std::string& path, const Mesh& mesh);
 using ImageReader = ImageFile (*)(const InputSpec& input, const ImageOptions& options);
 /// All images that an input may mean where it selects none.
 using ImageLister = std::vector<ImageFile> (*)(const InputSpec& input, const ImageOptions& options);
-using ImageWriter = void (*)(const std::string& path, const Image& image);
-using VectorWriter = void (*)(const std::string& path, const VectorImage& image);
+/// Nothing where a file cannot be read slice by slice.
+using SliceOpener = std::optional<ImageSlices> (*)(const InputSpec& input, const ImageOptions& options);
+/// What a file of voxels begins with. Throws InputError where the format cannot hold them.
+using VoxelHeader = VoxelHead (*)(const std::string& path, const Voxels& voxels);
 using ContourReader = ContourFile (*)(const std::string& path);
 
 /// A row of the table of formats. Functions that are null are not supported.
@@ -41,8 +45,8 @@ struct Format {
   MeshWriter writeMesh = nullptr;
   ImageReader readImage = nullptr;
   ImageLister listImages = nullptr;  ///< null: there is one image, that of readImage
-  ImageWriter writeImage = nullptr;
-  VectorWriter writeVectors = nullptr;
+  SliceOpener openSlices = nullptr;
+  VoxelHeader voxelHead = nullptr;
   ContourReader readContours = nullptr;
 };
 

@@ -48,8 +48,8 @@ Format mesh(const char* extension, MeshReader read, MeshWriter write, const char
   return format;
 }
 
-Format image(Format format, ImageReader read, ImageWriter write, VectorWriter writeVectors) {
-  format.readImage = read, format.writeImage = write, format.writeVectors = writeVectors;
+Format image(Format format, ImageReader read, SliceOpener open, VoxelHeader head) {
+  format.readImage = read, format.openSlices = open, format.voxelHead = head;
   return format;
 }
 
@@ -67,6 +67,7 @@ Format stack() {
   format.listed = "name.####.tif|png|exr";
   format.recognise = isImageStack;
   format.readImage = readStackImage, format.listImages = listStackImages;
+  format.openSlices = openStackSlices;
   return format;
 }
 
@@ -89,11 +90,11 @@ std::vector<Format> makeFormats() {
   rows.push_back(mesh(".glb", readGlb, writeStillGlb, "glTF 2.0, colours of points and materials"));
   rows.back().reads.push_back(".gltf");
   rows.push_back(image(row("nifti", C::kImage, {".nii", ".nii.gz"}, {".nii", ".nii.gz"}, "NIfTI-1"),
-                       readNiftiImage, writeNifti, writeNiftiVectors));
+                       readNiftiImage, openNiftiSlices, niftiHead));
   rows.push_back(image(row("nrrd", C::kImage, {".nrrd", ".nhdr"}, {".nrrd"}, "NRRD, attached or detached"),
-                       readNrrdImage, writeNrrd, writeNrrdVectors));
+                       readNrrdImage, openNrrdSlices, nrrdHead));
   rows.push_back(image(row("metaimage", C::kImage, {".mha", ".mhd"}, {".mha"}, "MetaImage"),
-                       readMetaImageFile, writeMetaImage, writeMetaImageVectors));
+                       readMetaImageFile, openMetaImageSlices, metaImageHead));
   rows.push_back(contours(row("csl", C::kContours, {".csl"}, {}, "contours on planes of any direction"),
                           nullptr, readCsl));
   rows.push_back(contours(row("rtstruct", C::kContours, {}, {}, "DICOM RT structure set"), isRtStructureSet,

@@ -9,41 +9,13 @@ namespace slicemorph {
 
 namespace {
 
-using Flags = std::vector<char>;
-
 void checkWhole(double value, int i, int j, int k) {
   if (std::floor(value) == value && std::abs(value) < 2147483648.0) return;
   throw InputError("labels must be whole numbers, got " + std::to_string(value) + " at voxel (" +
                    std::to_string(i) + ", " + std::to_string(j) + ", " + std::to_string(k) + ")");
 }
 
-/// Per axis: which slices contain a label.
-std::vector<Flags> labelledSlices(const Image& image) {
-  const openvdb::Coord& n = image.lattice.size;
-  std::vector<Flags> found;
-  found.reserve(3);
-  for (int d = 0; d < 3; ++d) found.emplace_back(size_t(n[d]), 0);
-  std::visit(
-      [&](const auto& values) {
-        using T = typename std::decay_t<decltype(values)>::value_type;
-        const T* row = values.data();
-        for (int k = 0; k < n[2]; ++k)
-          for (int j = 0; j < n[1]; ++j, row += n[0]) {
-            if constexpr (std::is_floating_point_v<T>)
-              for (int i = 0; i < n[0]; ++i) checkWhole(double(row[i]), i, j, k);
-            const T* end = row + n[0];
-            const T* first = std::find_if(row, end, [](T v) { return v != 0; });
-            if (first == end) continue;
-            found[1][size_t(j)] = found[2][size_t(k)] = 1;
-            char* column = found[0].data() + (first - row);
-            for (const T* value = first; value < end; ++value, ++column) *column |= char(*value != 0);
-          }
-      },
-      image.values);
-  return found;
-}
-
-std::vector<int> indices(const Flags& flags) {
+std::vector<int> indices(const std::vector<char>& flags) {
   std::vector<int> at;
   for (size_t i = 0; i < flags.size(); ++i)
     if (flags[i]) at.push_back(int(i));
@@ -70,19 +42,49 @@ std::vector<int> regular(const std::vector<int>& at, int every) {
 
 }  // namespace
 
+LabelledSlices::LabelledSlices(const openvdb::Coord& size) : size_(size) {
+  for (int d = 0; d < 3; ++d) found_[d].assign(size_t(size[d]), 0);
+}
+
+void LabelledSlices::add(const ImageValues& slab) {
+  std::visit(
+      [&](const auto& values) {
+        using T = typename std::decay_t<decltype(values)>::value_type;
+        const T* row = values.data();
+        const size_t each = size_t(size_[0]) * size_t(size_[1]);
+        for (const int after = added_ + int(values.size() / each); added_ < after; ++added_)
+          for (int j = 0; j < size_[1]; ++j, row += size_[0]) {
+            if constexpr (std::is_floating_point_v<T>)
+              for (int i = 0; i < size_[0]; ++i) checkWhole(double(row[i]), i, j, added_);
+            const T* end = row + size_[0];
+            const T* first = std::find_if(row, end, [](T v) { return v != 0; });
+            if (first == end) continue;
+            found_[1][size_t(j)] = found_[2][size_t(added_)] = 1;
+            char* column = found_[0].data() + (first - row);
+            for (const T* value = first; value < end; ++value, ++column) *column |= char(*value != 0);
+          }
+      },
+      slab);
+}
+
 GivenSlices findGivenSlices(const Image& labels, int axis, int every) {
+  LabelledSlices slices(labels.lattice.size);
+  slices.add(labels.values);
+  return findGivenSlices(slices, axis, every);
+}
+
+GivenSlices findGivenSlices(const LabelledSlices& slices, int axis, int every) {
   if (axis < -1 || axis > 2) throw InputError("axis must be 0, 1 or 2, got " + std::to_string(axis));
   if (every < 0 || every == 1)
     throw InputError("the step from one given slice to the next must be 2 or more, got " +
                      std::to_string(every));
-  const std::vector<Flags> flags = labelledSlices(labels);
-  if (indices(flags[0]).empty()) throw InputError("nothing is labelled in the map");
+  if (indices(slices.along(0)).empty()) throw InputError("nothing is labelled in the map");
   GivenSlices best;
   int rhythm = every ? 0 : 1, missing = 0;
   bool single = true;
   for (int d = 0; d < 3; ++d) {
     if (axis >= 0 && d != axis) continue;
-    const std::vector<int> at = indices(flags[size_t(d)]);
+    const std::vector<int> at = indices(slices.along(d));
     if (at.size() < 2) continue;
     single = false;
     const int step = rhythmOf(at);
@@ -94,7 +96,7 @@ GivenSlices findGivenSlices(const Image& labels, int axis, int every) {
     throw InputError("labelled slices do not lie " + std::to_string(every) + " apart" +
                      (axis >= 0 ? " along axis " + std::to_string(axis) : std::string(" along any axis")));
   for (int d = 0; d < 3; ++d) {
-    const std::vector<int> at = indices(flags[size_t(d)]);
+    const std::vector<int> at = indices(slices.along(d));
     if ((axis >= 0 && d != axis) || at.size() < 2) continue;
     const int empty = at.back() - at.front() + 1 - int(at.size());
     if (empty > missing) missing = empty, best = {d, at};

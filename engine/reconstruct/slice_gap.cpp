@@ -71,16 +71,16 @@ Gap makeGap(const ScoreStack& stack, size_t g, const PlaneRegions& regions) {
 
 }  // namespace
 
-SlicePlan planSlices(ScoreStack stack) {
+SlicePlan planSlices(ScoreStack stack, const GapRange& wanted) {
   SlicePlan plan{std::move(stack), {}};
   const ScoreStack& s = plan.stack;
   plan.gaps.resize(s.planes.size() - 1);
+  const size_t first = wanted.first, end = std::min(wanted.end, plan.gaps.size());
   PlaneRegions regions(s.planes.size());
-  tbb::parallel_for(size_t(0), regions.size(), [&](size_t k) {
+  tbb::parallel_for(first, end + 1, [&](size_t k) {
     for (const LabelScore& l : s.planes[k].labels) regions[k].push_back(findRegions(l));
   });
-  tbb::parallel_for(size_t(0), plan.gaps.size(),
-                    [&](size_t g) { plan.gaps[g] = makeGap(plan.stack, g, regions); });
+  tbb::parallel_for(first, end, [&](size_t g) { plan.gaps[g] = makeGap(plan.stack, g, regions); });
   return plan;
 }
 

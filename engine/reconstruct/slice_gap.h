@@ -33,9 +33,9 @@ struct Gap {
 /// A stack of planes, and what was found about the gaps between them.
 struct SlicePlan {
   ScoreStack stack;
-  std::vector<Gap> gaps;
+  std::vector<Gap> gaps;  ///< one less than planes; those that were not wanted are empty
 };
 
-SlicePlan planSlices(ScoreStack stack);
+SlicePlan planSlices(ScoreStack stack, const GapRange& wanted);
 
 }  // namespace slicemorph

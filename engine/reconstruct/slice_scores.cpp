@@ -5,10 +5,11 @@
 #include "slicemorph/errors.h"
 
 #include <string>
+#include <utility>
 
 namespace slicemorph {
 
-SliceScores::SliceScores(ScoreStack stack) : plan_(std::make_unique<SlicePlan>()) {
+SliceScores::SliceScores(ScoreStack stack, const GapRange& wanted) : plan_(std::make_unique<SlicePlan>()) {
   if (stack.planes.size() < 2)
     throw InputError("at least two planes are needed to interpolate between, got " +
                      std::to_string(stack.planes.size()));
@@ -17,12 +18,14 @@ SliceScores::SliceScores(ScoreStack stack) : plan_(std::make_unique<SlicePlan>()
       throw InputError("planes must lie at increasing positions, got " +
                        std::to_string(stack.planes[k].position) + " after " +
                        std::to_string(stack.planes[k - 1].position));
-  *plan_ = planSlices(std::move(stack));
+  *plan_ = planSlices(std::move(stack), wanted);
 }
 
 SliceScores::~SliceScores() = default;
 
 const ScoreStack& SliceScores::stack() const { return plan_->stack; }
+
+ScoreStack SliceScores::takeStack() && { return std::move(plan_->stack); }
 
 std::vector<LabelScore> SliceScores::scoresAt(double position) const {
   const Moment m = momentAt(plan_->stack, position);

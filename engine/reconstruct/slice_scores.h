@@ -2,6 +2,7 @@
 
 #include "engine/numerics/pixel_box.h"
 
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -29,6 +30,11 @@ struct ScoreStack {
   std::vector<ScorePlane> planes;
 };
 
+/// Some of a stack's gaps: gap g lies between planes g and g + 1.
+struct GapRange {
+  size_t first = 0, end = std::numeric_limits<size_t>::max();  ///< one past the last
+};
+
 struct SlicePlan;
 
 /// A stack of given planes, prepared for queries between them: labels are carried along a smooth motion in
@@ -36,11 +42,14 @@ struct SlicePlan;
 /// Between planes a score is a distance near the contour and levels off at about a gap's length.
 class SliceScores {
  public:
-  /// Throws InputError for fewer than two planes, or if positions do not increase.
-  explicit SliceScores(ScoreStack stack);
+  /// Throws InputError for fewer than two planes, or if positions do not increase. `wanted`: queries will be within
+  /// these gaps, for which the planes from the one before to the one after must be there, where there are any.
+  explicit SliceScores(ScoreStack stack, const GapRange& wanted = {});
   ~SliceScores();
 
   const ScoreStack& stack() const;
+  /// The planes back, when no more is asked.
+  ScoreStack takeStack() &&;
 
   /// Scores of all labels that may be present at a position between the first and the last plane, ascending;
   /// each over a box outside of which the label loses.

@@ -96,6 +96,22 @@ ImageFile readStackImage(const InputSpec& input, const ImageOptions& options) {
   return readStack(input, options);
 }
 
+std::optional<ImageSlices> openNiftiSlices(const InputSpec& input, const ImageOptions&) {
+  return openNifti(input.path, volumeOf(input));
+}
+
+std::optional<ImageSlices> openNrrdSlices(const InputSpec& input, const ImageOptions&) {
+  return itkReaders().openNrrd(input.path, volumeOf(input));
+}
+
+std::optional<ImageSlices> openMetaImageSlices(const InputSpec& input, const ImageOptions&) {
+  return itkReaders().openMetaImage(input.path, volumeOf(input));
+}
+
+std::optional<ImageSlices> openStackSlices(const InputSpec& input, const ImageOptions& options) {
+  return openStack(input, options);
+}
+
 std::vector<ImageFile> listStackImages(const InputSpec& input, const ImageOptions& options) {
   ImageFile file = readStack(input, options, /*values=*/options.spacing[0] != 0);
   file.name = input.text;
@@ -116,6 +132,14 @@ ImageFile readImage(const InputSpec& input, const ImageOptions& options) {
 
 ImageFile readImage(const std::string& text, const ImageOptions& options) {
   return readImage(parseInput(text), options);
+}
+
+std::optional<ImageSlices> openImageSlices(const std::string& text, const ImageOptions& options) {
+  const InputSpec input = parseInput(text);
+  if (!input.format || !input.format->openSlices) return std::nullopt;
+  std::optional<ImageSlices> slices = input.format->openSlices(input, options);
+  if (slices) place(slices->file.image.lattice, placingOf(input.placing, options.up));
+  return slices;
 }
 
 std::vector<ImageFile> listImages(const InputSpec& input, const ImageOptions& options) {

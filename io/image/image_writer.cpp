@@ -14,6 +14,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <utility>
 
 namespace slicemorph {
@@ -25,20 +26,12 @@ constexpr int kLevel = 3;
 
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "values are written as they lie in memory");
 
-std::string_view bytesOf(const ImageValues& values) {
-  return std::visit(
-      [](const auto& v) {
-        return std::string_view(reinterpret_cast<const char*>(v.data()), v.size() * sizeof(v[0]));
-      },
-      values);
-}
-
-/// Compresses parts into one stream: gzip, or zlib for MetaImage. The numbers are zlib's windowBits.
+/// Compresses parts into one stream.
 class Packer {
  public:
-  enum Wrapper { kZlib = 15, kGzip = 31 };
-  Packer(AtomicFile& file, Wrapper wrapper) : file_(file), out_(1 << 18) {
-    if (deflateInit2(&stream_, kLevel, Z_DEFLATED, wrapper, 9, Z_DEFAULT_STRATEGY) != Z_OK)
+  Packer(AtomicFile& file, Packing packing) : file_(file), out_(1 << 18) {
+    const int window = packing == Packing::kGzip ? 31 : 15;
+    if (deflateInit2(&stream_, kLevel, Z_DEFLATED, window, 9, Z_DEFAULT_STRATEGY) != Z_OK)
       throw std::bad_alloc();
   }
   ~Packer() { deflateEnd(&stream_); }
@@ -81,12 +74,12 @@ struct TypeNames {
   short nifti;
   const char *nrrd, *meta;
 };
-TypeNames namesOf(const ImageValues& values) {
+TypeNames namesOf(size_t type) {
   constexpr TypeNames kNames[] = {{DT_UINT8, "uint8", "MET_UCHAR"},    {DT_INT16, "int16", "MET_SHORT"},
                                   {DT_UINT16, "uint16", "MET_USHORT"}, {DT_INT32, "int32", "MET_INT"},
                                   {DT_FLOAT32, "float", "MET_FLOAT"},  {DT_FLOAT64, "double", "MET_DOUBLE"}};
   static_assert(std::size(kNames) == std::variant_size_v<ImageValues>);
-  return kNames[values.index()];
+  return kNames[type];
 }
 
 /// Quaternion of a rotation as NIfTI-1 stores it: (b, c, d), with a >= 0. Divides by the largest of the four
@@ -113,23 +106,6 @@ void quaternionOf(const Mat3d& r, float q[3]) {
   q[0] = float(sign * b), q[1] = float(sign * c), q[2] = float(sign * d);
 }
 
-/// What a file holds: numbers or vectors on a lattice.
-struct Voxels {
-  const ImageLattice& lattice;
-  TypeNames names;
-  size_t bytes;          ///< of a number
-  bool vectors = false;  ///< three numbers a voxel
-  std::string meaning;   ///< one line; empty: nothing to say
-};
-
-Voxels voxelsOf(const Image& image) {
-  return {image.lattice, namesOf(image.values), size_t(rawTypeOf(image.values).bytes), false, {}};
-}
-
-Voxels voxelsOf(const VectorImage& image) {
-  return {image.lattice, namesOf(std::vector<float>()), sizeof(float), true, image.meaning};
-}
-
 nifti_1_header niftiHeader(const std::string& path, const Voxels& voxels) {
   const ImageLattice& lattice = voxels.lattice;
   nifti_1_header h = {};
@@ -142,7 +118,7 @@ nifti_1_header niftiHeader(const std::string& path, const Voxels& voxels) {
                                  std::to_string(lattice.size[d]) + "; use .nrrd or .mha");
     h.dim[d + 1] = short(lattice.size[d]);
   }
-  h.datatype = voxels.names.nifti;
+  h.datatype = namesOf(voxels.type).nifti;
   h.bitpix = short(8 * voxels.bytes);
   h.vox_offset = 352;
   h.scl_slope = 1;
@@ -186,7 +162,7 @@ std::string nrrdText(const Voxels& voxels) {
   const bool vectors = voxels.vectors;
   std::string text = "NRRD0004\n# written by slicemorph\n";
   if (!voxels.meaning.empty()) text += "content: " + voxels.meaning + "\n";
-  text += "type: " + std::string(voxels.names.nrrd) + "\ndimension: " + (vectors ? "4" : "3") +
+  text += "type: " + std::string(namesOf(voxels.type).nrrd) + "\ndimension: " + (vectors ? "4" : "3") +
           "\nspace: left-posterior-superior\nsizes: " + (vectors ? "3 " : "") + std::to_string(l.size[0]) +
           " " + std::to_string(l.size[1]) + " " + std::to_string(l.size[2]) +
           "\nspace directions:" + (vectors ? " none" : "");
@@ -209,22 +185,15 @@ std::string metaImageText(const Voxels& voxels) {
          "\nCenterOfRotation = 0 0 0\nElementSpacing = " + numbersText(spacing, " ") +
          "\nDimSize = " + std::to_string(l.size[0]) + " " + std::to_string(l.size[1]) + " " +
          std::to_string(l.size[2]) + (voxels.vectors ? "\nElementNumberOfChannels = 3" : "") +
-         "\nElementType = " + voxels.names.meta + "\nElementDataFile = LOCAL\n";
+         "\nElementType = " + namesOf(voxels.type).meta + "\nElementDataFile = LOCAL\n";
 }
 
-/// A header, followed by all values as one compressed stream.
-void writePacked(const std::string& path, const std::string& header, std::string_view values,
-                 Packer::Wrapper wrapper) {
-  AtomicFile file(path);
-  file.write(header);
-  Packer packer(file, wrapper);
-  packer.add(values);
-  packer.finish();
-  file.commit();
+Voxels voxelsOf(const ImageLattice& lattice, const ImageValues& like) {
+  return {lattice, like.index(), size_t(rawTypeOf(like).bytes), false, {}};
 }
 
-std::string_view bytesOf(const std::vector<float>& values) {
-  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float)};
+Voxels voxelsOf(const VectorImage& image) {
+  return {image.lattice, ImageValues(std::vector<float>()).index(), sizeof(float), true, image.meaning};
 }
 
 /// All first components, then all second and third ones, as NIfTI has them; interleaved for the others.
@@ -236,21 +205,38 @@ std::vector<float> numbersOf(const VectorImage& image, bool interleaved) {
   return numbers;
 }
 
-void writeNiftiVoxels(const std::string& path, const Voxels& voxels, std::string_view values) {
-  const nifti_1_header header = niftiHeader(path, voxels);
-  const std::string head =
-      std::string(reinterpret_cast<const char*>(&header), sizeof header) + std::string(4, '\0');
-  AtomicFile file(path);
-  if (fullExtensionOf(path) == ".nii") {
-    file.write(head);
-    file.write(values);
-  } else {
-    Packer packer(file, Packer::kGzip);
-    packer.add(head);
-    packer.add(values);
-    packer.finish();
+std::string_view bytesOf(const ImageValues& values) {
+  return std::visit(
+      [](const auto& v) {
+        return std::string_view(reinterpret_cast<const char*>(v.data()), v.size() * sizeof(v[0]));
+      },
+      values);
+}
+
+/// A head, followed by values.
+class VoxelFile {
+ public:
+  VoxelFile(const std::string& path, const VoxelHead& head) : file_(path) {
+    if (head.packing != Packing::kNone && !head.packed) file_.write(head.bytes);
+    if (head.packing != Packing::kNone) packer_.emplace(file_, head.packing);
+    if (head.packing == Packing::kNone || head.packed) add(head.bytes);
   }
-  file.commit();
+  void add(std::string_view bytes) { packer_ ? packer_->add(bytes) : file_.write(bytes); }
+  void commit() {
+    if (packer_) packer_->finish();
+    file_.commit();
+  }
+
+ private:
+  AtomicFile file_;
+  std::optional<Packer> packer_;
+};
+
+VoxelHeader headerOf(const std::string& path) {
+  const Format* format = formatToWrite(path);
+  if (!format || !format->voxelHead)
+    throw InputError(path, "cannot write an image of this extension; use " + writableList(Contents::kImage));
+  return format->voxelHead;
 }
 
 }  // namespace
@@ -260,42 +246,46 @@ bool isImageOutput(const std::string& path) {
   return format && format->contents == Contents::kImage;
 }
 
-void writeNifti(const std::string& path, const Image& image) {
-  writeNiftiVoxels(path, voxelsOf(image), bytesOf(image.values));
+VoxelHead niftiHead(const std::string& path, const Voxels& voxels) {
+  const nifti_1_header header = niftiHeader(path, voxels);
+  const bool plain = fullExtensionOf(path) == ".nii";
+  return {std::string(reinterpret_cast<const char*>(&header), sizeof header) + std::string(4, '\0'),
+          plain ? Packing::kNone : Packing::kGzip, true, false};
 }
 
-void writeNrrd(const std::string& path, const Image& image) {
-  writePacked(path, nrrdText(voxelsOf(image)), bytesOf(image.values), Packer::kGzip);
+VoxelHead nrrdHead(const std::string&, const Voxels& voxels) {
+  return {nrrdText(voxels), Packing::kGzip, false, true};
 }
 
-void writeMetaImage(const std::string& path, const Image& image) {
-  writePacked(path, metaImageText(voxelsOf(image)), bytesOf(image.values), Packer::kZlib);
+VoxelHead metaImageHead(const std::string&, const Voxels& voxels) {
+  return {metaImageText(voxels), Packing::kZlib, false, true};
 }
 
-void writeNiftiVectors(const std::string& path, const VectorImage& image) {
-  writeNiftiVoxels(path, voxelsOf(image), bytesOf(numbersOf(image, false)));
-}
+struct ImageSliceWriter::File : VoxelFile {
+  using VoxelFile::VoxelFile;
+};
 
-void writeNrrdVectors(const std::string& path, const VectorImage& image) {
-  writePacked(path, nrrdText(voxelsOf(image)), bytesOf(numbersOf(image, true)), Packer::kGzip);
-}
+ImageSliceWriter::ImageSliceWriter(const std::string& path, const ImageLattice& lattice,
+                                   const ImageValues& like)
+    : file_(std::make_unique<File>(path, headerOf(path)(path, voxelsOf(lattice, like)))) {}
 
-void writeMetaImageVectors(const std::string& path, const VectorImage& image) {
-  writePacked(path, metaImageText(voxelsOf(image)), bytesOf(numbersOf(image, true)), Packer::kZlib);
-}
+ImageSliceWriter::~ImageSliceWriter() = default;
+
+void ImageSliceWriter::add(const ImageValues& slices) { file_->add(bytesOf(slices)); }
+
+void ImageSliceWriter::commit() { file_->commit(); }
 
 void writeImage(const std::string& path, const Image& image) {
-  const Format* format = formatToWrite(path);
-  if (!format || !format->writeImage)
-    throw InputError(path, "cannot write an image of this extension; use " + writableList(Contents::kImage));
-  format->writeImage(path, image);
+  ImageSliceWriter writer(path, image.lattice, image.values);
+  writer.add(image.values);
+  writer.commit();
 }
 
 void writeVectors(const std::string& path, const VectorImage& image) {
-  const Format* format = formatToWrite(path);
-  if (!format || !format->writeVectors)
-    throw InputError(path, "cannot write vectors with this extension; use " + writableList(Contents::kImage));
-  format->writeVectors(path, image);
+  const VoxelHead head = headerOf(path)(path, voxelsOf(image));
+  VoxelFile file(path, head);
+  file.add(bytesOf(numbersOf(image, head.interleaved)));
+  file.commit();
 }
 
 }  // namespace slicemorph

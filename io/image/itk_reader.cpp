@@ -1,13 +1,12 @@
 #include "io/image/itk_reader.h"
 
 #include "io/image/itk_values.h"
+#include "io/image/packed_bytes.h"
 #include "io/paths.h"
 #include "io/scratch_folder.h"
 
 #include <itkMetaImageIO.h>
 #include <itkNrrdImageIO.h>
-
-#include <zlib.h>
 
 #include <algorithm>
 #include <cctype>
@@ -15,6 +14,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <memory>
 #include <optional>
 
 namespace slicemorph {
@@ -116,6 +116,7 @@ struct MetaHeader {
     return at != value.end() && !at->second.empty() &&
            (at->second[0] == 'T' || at->second[0] == 't' || at->second[0] == '1');
   }
+  bool bigEndian() const { return is("BinaryDataByteOrderMSB") || is("ElementByteOrderMSB"); }
 };
 
 MetaHeader metaHeader(const std::string& path) {
@@ -133,45 +134,26 @@ MetaHeader metaHeader(const std::string& path) {
   return header;
 }
 
-struct Unpacked {
-  size_t bytes = 0, packed = 0;  ///< bytes written; length of the compressed stream
-  bool ended = false;            ///< the stream's end was reached
-};
-/// Decompresses a zlib or gzip stream that begins at `from` into `bytes` bytes at `to`; what the stream holds
-/// beyond them is discarded.
-Unpacked unpack(const std::string& path, std::uint64_t from, char* to, size_t bytes) {
-  std::ifstream file(path, std::ios::binary);
-  file.seekg(std::streamoff(from));
-  z_stream stream = {};
-  if (!file || inflateInit2(&stream, 32 + 15) != Z_OK) throw IoError(path, "cannot be read");
-  std::vector<char> in(1 << 18);
-  Unpacked result;
-  int state = Z_OK;
-  while (state == Z_OK && file.read(in.data(), std::streamsize(in.size())).gcount() > 0) {
-    stream.next_in = reinterpret_cast<Bytef*>(in.data());
-    stream.avail_in = uInt(file.gcount());
-    while (state == Z_OK && stream.avail_in > 0) {
-      char spare;  // takes what comes after the last voxel
-      const bool full = result.bytes == bytes;
-      const uInt room = full ? 1 : uInt(std::min<size_t>(bytes - result.bytes, 1u << 30));
-      stream.next_out = reinterpret_cast<Bytef*>(full ? &spare : to + result.bytes);
-      stream.avail_out = room;
-      state = inflate(&stream, Z_NO_FLUSH);
-      if (!full) result.bytes += room - stream.avail_out;
-    }
-  }
-  result.packed = stream.total_in;
-  result.ended = state == Z_STREAM_END;
-  inflateEnd(&stream);
-  return result;
+/// Whether a MetaImage's data are in one file, by the name it gives.
+bool isOneFile(const std::string& name) {
+  return name.find('%') == std::string::npos && name.rfind("LIST", 0) != 0;
+}
+
+/// The file that a MetaImage's data are in; its own path where they follow the header.
+std::string dataFileOf(const std::string& path, const std::string& name) {
+  const bool local = name == "LOCAL" || name == "Local" || name == "local";
+  return local ? path : (std::filesystem::path(path).parent_path() / name).string();
+}
+
+[[noreturn]] void refuseShort(const std::string& path, size_t got, size_t bytes) {
+  throw IoError(path, "is truncated or damaged: its data unpack to " + std::to_string(got) + " bytes, " +
+                          std::to_string(bytes) + " are needed");
 }
 
 void readMetaData(const std::string& path, const MetaHeader& header, RawType type, size_t count, Io& io,
                   ImageFile& file, void* to) {
-  const std::string name = header.value.at("ElementDataFile");
-  const bool local = name == "LOCAL" || name == "Local" || name == "local";
-  const std::string data = local ? path : (std::filesystem::path(path).parent_path() / name).string();
-  const bool single = local || (name.find('%') == std::string::npos && name.rfind("LIST", 0) != 0);
+  const std::string name = header.value.at("ElementDataFile"), data = dataFileOf(path, name);
+  const bool local = data == path, single = isOneFile(name);
   const size_t bytes = count * size_t(type.bytes);
   if (single && !std::filesystem::exists(data))
     throw IoError(path, "its data file " + data + " does not exist");
@@ -184,18 +166,17 @@ void readMetaData(const std::string& path, const MetaHeader& header, RawType typ
     return readWhole(path, io, to);
   }
   if (!single) throw IoError(path, "compressed data in several files cannot be read");
-  const Unpacked got = unpack(data, local ? header.bytes : 0, static_cast<char*>(to), bytes);
-  if (got.bytes < bytes)
-    throw IoError(path, "is truncated or damaged: its data unpack to " + std::to_string(got.bytes) +
-                            " bytes, " + std::to_string(bytes) + " are needed");
-  if (!got.ended) throw IoError(path, "is damaged: its compressed data do not end after the last voxel");
+  PackedBytes stream(data, local ? header.bytes : 0, true);
+  const size_t got = stream.read(to, bytes);
+  if (got < bytes) refuseShort(path, got, bytes);
+  if (!stream.endsWell())
+    throw IoError(path, "is damaged: its compressed data do not end after the last voxel");
   const auto stated = header.value.find("CompressedDataSize");
-  if (stated != header.value.end() && stated->second != std::to_string(got.packed))
+  if (stated != header.value.end() && stated->second != std::to_string(stream.packedBytes()))
     file.notes.emplace_back("image.header-repaired", Severity::kNote, "",
                             "its header states " + stated->second + " bytes of compressed data, there are " +
-                                std::to_string(got.packed) + ": all were read");
-  if (header.is("BinaryDataByteOrderMSB") || header.is("ElementByteOrderMSB"))
-    swapBytes(to, count, type.bytes);
+                                std::to_string(stream.packedBytes()) + ": all were read");
+  if (header.bigEndian()) swapBytes(to, count, type.bytes);
 }
 
 /// An NRRD header that names a space but gives spacings instead of directions: forbidden by the
@@ -240,6 +221,52 @@ void placeWithoutSpace(const std::string& space, ImageFile& file) {
           (leftHanded ? "down (a left-handed space; with up it would be mirrored)" : "up"));
 }
 
+/// Where the values of a file of one volume lie, in one piece.
+struct RawData {
+  std::string path;
+  std::uint64_t from = 0;
+  bool packed = false, bigEndian = false;
+};
+
+/// The values slice by slice. `path`: for errors.
+ImageSlices slicesOf(const std::string& path, ImageFile file, RawType type, const RawData& where) {
+  const openvdb::Coord& size = file.image.lattice.size;
+  const size_t each = size_t(size[0]) * size_t(size[1]), bytes = each * size_t(type.bytes);
+  auto stream = std::make_shared<PackedBytes>(where.path, where.from, where.packed);
+  const size_t all = bytes * size_t(size[2]);
+  return {std::move(file), [=, done = size_t(0), swap = where.bigEndian]() mutable {
+            return readValues(type, each, [&](void* to) {
+              const size_t got = stream->read(to, bytes);
+              done += got;
+              if (got < bytes) refuseShort(path, done, all);
+              if (swap) swapBytes(to, each, type.bytes);
+            });
+          }};
+}
+
+/// Where the data of an NRRD file lie that follow its header, plain or by gzip; nothing for others.
+std::optional<RawData> rawDataOfNrrd(const std::string& path) {
+  RawData data{path};
+  bool known = false;
+  std::ifstream in(path, std::ios::binary);
+  for (std::string line; std::getline(in, line);) {
+    if (line.empty() || line == "\r") {
+      data.from = std::uint64_t(in.tellg());
+      return known ? std::optional(data) : std::nullopt;
+    }
+    const size_t mark = line.find(": ");
+    if (mark == std::string::npos) continue;
+    const std::string key = line.substr(0, mark), value = withoutSpaceAtTheEnds(line.substr(mark + 2));
+    if (key == "data file" || key == "datafile" || key == "line skip" || key == "lineskip" ||
+        key == "byte skip" || key == "byteskip")
+      return std::nullopt;
+    if (key == "encoding")
+      data.packed = value == "gzip" || value == "gz", known = data.packed || value == "raw";
+    if (key == "endian") data.bigEndian = value == "big";
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 ImageFile readNrrd(const std::string& path, int volume, const SizeCheck& check) {
@@ -263,6 +290,33 @@ ImageFile readNrrd(const std::string& path, int volume, const SizeCheck& check) 
   file.image.values =
       chosenValues(type, *io, file, volume, check, [&](void* to) { readWhole(path, *io, to); });
   return file;
+}
+
+std::optional<ImageSlices> openNrrd(const std::string& path, int volume) {
+  const std::optional<RawData> data = rawDataOfNrrd(path);
+  if (!data) return std::nullopt;
+  const auto io = itk::NrrdImageIO::New();
+  readHeader(path, *io, "NRRD");
+  ImageFile file;
+  file.format = "NRRD";
+  describe(path, *io, volume, file);
+  if (file.volumes > 1) return std::nullopt;
+  return slicesOf(path, std::move(file), rawTypeOf(path, io->GetComponentType()), *data);
+}
+
+std::optional<ImageSlices> openMetaImage(const std::string& path, int volume) {
+  const auto io = itk::MetaImageIO::New();
+  readHeader(path, *io, "MetaImage");
+  ImageFile file;
+  file.format = "MetaImage";
+  describe(path, *io, volume, file);
+  const MetaHeader header = metaHeader(path);
+  const std::string name = header.value.at("ElementDataFile");
+  if (file.volumes > 1 || !isOneFile(name) || header.value.count("HeaderSize") || !header.is("BinaryData"))
+    return std::nullopt;
+  const std::string data = dataFileOf(path, name);
+  return slicesOf(path, std::move(file), rawTypeOf(path, io->GetComponentType()),
+                  {data, data == path ? header.bytes : 0, header.is("CompressedData"), header.bigEndian()});
 }
 
 ImageFile readMetaImage(const std::string& path, int volume, const SizeCheck& check) {

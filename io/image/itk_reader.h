@@ -2,6 +2,7 @@
 
 #include "io/image/raw_values.h"
 #include "slicemorph/io/image_file.h"
+#include "slicemorph/io/image_slices.h"
 
 namespace slicemorph {
 
@@ -10,5 +11,9 @@ namespace slicemorph {
 /// wrong, which a note reports. Throws IoError, InputError where there is no such volume, and what `check` throws.
 ImageFile readNrrd(const std::string& path, int volume, const SizeCheck& check);
 ImageFile readMetaImage(const std::string& path, int volume, const SizeCheck& check);
+
+/// The same slice by slice, as openImageSlices.
+std::optional<ImageSlices> openNrrd(const std::string& path, int volume);
+std::optional<ImageSlices> openMetaImage(const std::string& path, int volume);
 
 }  // namespace slicemorph

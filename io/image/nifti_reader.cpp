@@ -8,6 +8,8 @@
 
 #include <cmath>
 #include <memory>
+#include <optional>
+#include <utility>
 
 namespace slicemorph {
 namespace {
@@ -103,25 +105,51 @@ RawType rawTypeOfNifti(const std::string& path, int datatype) {
                           "; only plain numbers can be read");
 }
 
-void readVolume(const std::string& path, nifti_image& header, size_t volume, void* to, size_t bytes) {
-  const std::string name = header.iname;
-  const znzFile data = znzopen(name.c_str(), "rb", nifti_is_gzfile(name.c_str()));
-  if (znz_isnull(data)) throw IoError(path, "its data file " + name + " cannot be opened");
-  const bool there = znzseek(data, long(header.iname_offset + volume * bytes), SEEK_SET) >= 0;
-  const size_t got = there ? nifti_read_buffer(data, to, bytes, &header) : 0;
-  Xznzclose(const_cast<znzFile*>(&data));
-  if (got != bytes)
-    throw IoError(path, "is truncated or damaged: volume " + std::to_string(volume) + " is not all there");
-}
+/// The data of a file, from a volume's first byte on.
+class NiftiData {
+ public:
+  NiftiData(const std::string& path, nifti_image& header, size_t volume, size_t bytes)
+      : path_(path), header_(header), volume_(volume), file_(znzopen(header.iname, "rb", isPacked(header))) {
+    if (znz_isnull(file_))
+      throw IoError(path, "its data file " + std::string(header.iname) + " cannot be opened");
+    if (znzseek(file_, long(header.iname_offset + volume * bytes), SEEK_SET) < 0) refuse();
+  }
+  ~NiftiData() { Xznzclose(&file_); }
+  NiftiData(const NiftiData&) = delete;
+  NiftiData& operator=(const NiftiData&) = delete;
 
-}  // namespace
+  /// The next bytes.
+  void read(void* to, size_t bytes) {
+    if (nifti_read_buffer(file_, to, bytes, &header_) != bytes) refuse();
+  }
 
-ImageFile readNifti(const std::string& path, int volume, const SizeCheck& check) {
+ private:
+  static int isPacked(const nifti_image& header) { return nifti_is_gzfile(header.iname); }
+  [[noreturn]] void refuse() const {
+    throw IoError(path_, "is truncated or damaged: volume " + std::to_string(volume_) + " is not all there");
+  }
+
+  std::string path_;
+  nifti_image& header_;
+  size_t volume_;
+  znzFile file_;
+};
+
+/// A file whose header was read.
+struct OpenNifti {
+  NiftiHeader header;
+  ImageFile file;
+  RawType type;
+  bool scaled = false;  ///< values are to be multiplied or shifted
+};
+
+OpenNifti openedNifti(const std::string& path, int volume) {
   sizeOfInput(path);
   nifti_set_debug_level(0);
-  const NiftiHeader header(nifti_image_read(path.c_str(), 0));
+  OpenNifti open{NiftiHeader(nifti_image_read(path.c_str(), 0)), {}, {}};
+  const nifti_image* header = open.header.get();
   if (!header) throw IoError(path, "is no NIfTI file, or its header is damaged");
-  ImageFile file;
+  ImageFile& file = open.file;
   file.format = "NIfTI";
   file.about = header->descrip;
   const openvdb::Coord size(header->nx, header->ny, std::max(1, header->nz));
@@ -137,16 +165,39 @@ ImageFile readNifti(const std::string& path, int volume, const SizeCheck& check)
                                std::to_string(file.volumes) + ", numbered from 0");
   file.image.lattice.size = size;
   place(path, *header, file);
-  const RawType type = rawTypeOfNifti(path, header->datatype);
-  const size_t count = file.image.lattice.count();
-  check(size, double(count) * type.bytes);
+  open.type = rawTypeOfNifti(path, header->datatype);
   const double slope = header->scl_slope, intercept = header->scl_inter;
-  const bool scaled = slope != 0 && std::isfinite(slope) && std::isfinite(intercept);
-  file.image.values = readValues(type, count, [&](void* to) {
-    readVolume(path, *header, size_t(volume), to, count * size_t(type.bytes));
-  });
-  if (scaled) file.image.values = rescaled(std::move(file.image.values), slope, intercept);
-  return file;
+  open.scaled = slope != 0 && std::isfinite(slope) && std::isfinite(intercept);
+  return open;
+}
+
+}  // namespace
+
+ImageFile readNifti(const std::string& path, int volume, const SizeCheck& check) {
+  OpenNifti open = openedNifti(path, volume);
+  ImageFile& file = open.file;
+  const size_t count = file.image.lattice.count(), bytes = count * size_t(open.type.bytes);
+  check(file.image.lattice.size, double(bytes));
+  NiftiData data(path, *open.header, size_t(volume), bytes);
+  file.image.values = readValues(open.type, count, [&](void* to) { data.read(to, bytes); });
+  if (open.scaled)
+    file.image.values =
+        rescaled(std::move(file.image.values), open.header->scl_slope, open.header->scl_inter);
+  return std::move(file);
+}
+
+std::optional<ImageSlices> openNifti(const std::string& path, int volume) {
+  auto open = std::make_shared<OpenNifti>(openedNifti(path, volume));
+  const bool same = open->header->scl_slope == 1 && open->header->scl_inter == 0;
+  if (open->file.volumes > 1 || (open->scaled && !same)) return std::nullopt;
+  const ImageLattice& lattice = open->file.image.lattice;
+  const size_t each = size_t(lattice.size[0]) * size_t(lattice.size[1]);
+  auto data = std::make_shared<NiftiData>(path, *open->header, 0, lattice.count() * size_t(open->type.bytes));
+  ImageFile file = open->file;
+  return ImageSlices{std::move(file), [open, data, each] {
+                       return readValues(open->type, each,
+                                         [&](void* to) { data->read(to, each * size_t(open->type.bytes)); });
+                     }};
 }
 
 }  // namespace slicemorph

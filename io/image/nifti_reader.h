@@ -2,6 +2,7 @@
 
 #include "io/image/raw_values.h"
 #include "slicemorph/io/image_file.h"
+#include "slicemorph/io/image_slices.h"
 
 namespace slicemorph {
 
@@ -9,5 +10,8 @@ namespace slicemorph {
 /// valid, else the qform, else the spacing alone; RAS is converted to LPS. Throws IoError, and InputError
 /// where there is no such volume, and what `check` throws.
 ImageFile readNifti(const std::string& path, int volume, const SizeCheck& check);
+
+/// The same slice by slice, as openImageSlices.
+std::optional<ImageSlices> openNifti(const std::string& path, int volume);
 
 }  // namespace slicemorph

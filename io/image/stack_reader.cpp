@@ -13,6 +13,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <memory>
+#include <optional>
+#include <utility>
 
 namespace slicemorph {
 namespace {
@@ -67,30 +69,24 @@ double luminance(const T* pixel, int channels) {
   return channels < 3 ? double(pixel[0]) : 0.2126 * pixel[0] + 0.7152 * pixel[1] + 0.0722 * pixel[2];
 }
 
-/// Throws IoError where a page is not of the size and type of `first`, the first page.
+/// Writes a page's values. Throws IoError where it is not of the size and type of `first`, the first page.
 template <typename T>
-std::vector<T> readValuesOf(const std::vector<Page>& pages, SlicemorphReadPicture read,
-                            const SlicemorphPicture& first) {
-  const size_t each = size_t(first.width) * size_t(first.height);
-  std::vector<T> values(each * pages.size());
-  tbb::parallel_for(size_t(0), pages.size(), [&](size_t k) {
-    const StackPicture picture = readPage(read, pages[k], true);
-    const SlicemorphPicture& p = picture.about;
-    if (p.width != first.width || p.height != first.height || p.bytes != first.bytes ||
-        p.kind != first.kind || p.channels != first.channels)
-      throw IoError(pages[k].file, "is " + std::to_string(p.width) + " x " + std::to_string(p.height) +
-                                       " pixels of " + std::to_string(p.channels) + " x " +
-                                       std::to_string(8 * p.bytes) + " bits; " + pages[0].file + " is " +
-                                       std::to_string(first.width) + " x " + std::to_string(first.height) +
-                                       " of " + std::to_string(first.channels) + " x " +
-                                       std::to_string(8 * first.bytes));
-    const T* from = static_cast<const T*>(p.values);
-    for (size_t i = 0; i < each; ++i) {
-      const double v = luminance(from + i * size_t(p.channels), p.channels);
-      values[k * each + i] = std::is_integral_v<T> ? T(std::lrint(v)) : T(v);
-    }
-  });
-  return values;
+void readValuesOf(const Page& page, SlicemorphReadPicture read, const Page& firstPage,
+                  const SlicemorphPicture& first, T* to) {
+  const StackPicture picture = readPage(read, page, true);
+  const SlicemorphPicture& p = picture.about;
+  if (p.width != first.width || p.height != first.height || p.bytes != first.bytes || p.kind != first.kind ||
+      p.channels != first.channels)
+    throw IoError(page.file, "is " + std::to_string(p.width) + " x " + std::to_string(p.height) +
+                                 " pixels of " + std::to_string(p.channels) + " x " +
+                                 std::to_string(8 * p.bytes) + " bits; " + firstPage.file + " is " +
+                                 std::to_string(first.width) + " x " + std::to_string(first.height) + " of " +
+                                 std::to_string(first.channels) + " x " + std::to_string(8 * first.bytes));
+  const T* from = static_cast<const T*>(p.values);
+  for (size_t i = 0; i < size_t(first.width) * size_t(first.height); ++i) {
+    const double v = luminance(from + i * size_t(p.channels), p.channels);
+    to[i] = std::is_integral_v<T> ? T(std::lrint(v)) : T(v);
+  }
 }
 
 void checkNumbers(const std::string& path, const std::vector<SequenceFile>& files) {
@@ -106,56 +102,92 @@ void checkNumbers(const std::string& path, const std::vector<SequenceFile>& file
                             "); without them the spacing would be wrong");
 }
 
-/// The values of all pages in the type that they are stored in.
-ImageValues valuesOf(const std::vector<Page>& pages, SlicemorphReadPicture read,
-                     const SlicemorphPicture& first) {
-  if (first.kind == 2) return readValuesOf<float>(pages, read, first);
-  if (first.bytes == 1) return readValuesOf<std::uint8_t>(pages, read, first);
-  if (first.kind == 1) return readValuesOf<std::int16_t>(pages, read, first);
-  return readValuesOf<std::uint16_t>(pages, read, first);
+/// `count` values of the type that pages are stored in.
+ImageValues emptyValues(const SlicemorphPicture& first, size_t count) {
+  if (first.kind == 2) return std::vector<float>(count);
+  if (first.bytes == 1) return std::vector<std::uint8_t>(count);
+  if (first.kind == 1) return std::vector<std::int16_t>(count);
+  return std::vector<std::uint16_t>(count);
 }
 
-}  // namespace
+/// The values of pages `begin` to `end` - 1.
+ImageValues valuesOf(const std::vector<Page>& pages, size_t begin, size_t end, SlicemorphReadPicture read,
+                     const SlicemorphPicture& first) {
+  const size_t each = size_t(first.width) * size_t(first.height);
+  ImageValues values = emptyValues(first, each * (end - begin));
+  std::visit(
+      [&](auto& to) {
+        tbb::parallel_for(begin, end, [&](size_t k) {
+          readValuesOf(pages[k], read, pages[0], first, &to[(k - begin) * each]);
+        });
+      },
+      values);
+  return values;
+}
 
-ImageFile readStack(const InputSpec& input, const ImageOptions& options, bool values) {
+/// A stack of which the first page's header was read.
+struct OpenStack {
+  ImageFile file;
+  std::vector<Page> pages;
+  SlicemorphPicture first;
+};
+
+OpenStack openedStack(const InputSpec& input, const ImageOptions& options, bool values,
+                      SlicemorphReadPicture read) {
   if (!input.selection.empty())
     throw InputError(input.text, "a stack of pictures is one volume; nothing can be chosen of it");
-  const SlicemorphReadPicture read = loadPlugin();
   const std::vector<SequenceFile> files =
       input.isSequence ? findSequence(input.path, input.range) : std::vector<SequenceFile>();
   checkNumbers(input.path, files);
   for (const SequenceFile& file : files)
     if (extensionOf(file.path) == ".exr") checkExrHeader(file.path);
-  const std::vector<Page> pages = pagesOf(input, files, read);
+  OpenStack stack;
+  stack.pages = pagesOf(input, files, read);
   const Vec3d& s = options.spacing;
   if (values && !(s[0] > 0 && s[1] > 0 && s[2] > 0))
     throw InputError(input.path,
                      "pictures hold no spacing; give --spacing X,Y,Z in millimetres (pixel width, pixel "
                      "height, gap between pictures)");
-  const SlicemorphPicture first = readPage(read, pages[0], false).about;
-  ImageFile file;
-  file.format = "image stack";
-  ImageLattice& lattice = file.image.lattice;
-  lattice.size = openvdb::Coord(first.width, first.height, int(pages.size()));
+  const SlicemorphPicture& first = stack.first = readPage(read, stack.pages[0], false).about;
+  stack.file.format = "image stack";
+  ImageLattice& lattice = stack.file.image.lattice;
+  lattice.size = openvdb::Coord(first.width, first.height, int(stack.pages.size()));
   for (int d = 0; d < 3; ++d) {
     lattice.step[d] = Vec3d(0.0);
     lattice.step[d][d] = s[d] > 0 ? s[d] : 1;
   }
   if (first.channels > 2)
-    file.notes.emplace_back("image.colours-as-luminance", Severity::kNote, "",
-                            "colours are taken as luminance");
-  if (values) {
-    // One page more for each thread that reads.
-    const double page = double(first.width) * first.height * first.bytes,
-                 all = page * (double(pages.size()) +
-                               double(first.channels) * std::min(double(pages.size()), double(kReadAtOnce)));
-    options.memory.require(all, input.text,
-                           std::to_string(pages.size()) + " pictures of " + std::to_string(first.width) +
-                               " x " + std::to_string(first.height),
-                           "take fewer or smaller ones");
-  }
-  if (values) file.image.values = valuesOf(pages, read, first);
-  return file;
+    stack.file.notes.emplace_back("image.colours-as-luminance", Severity::kNote, "",
+                                  "colours are taken as luminance");
+  return stack;
+}
+
+}  // namespace
+
+ImageFile readStack(const InputSpec& input, const ImageOptions& options, bool values) {
+  const SlicemorphReadPicture read = loadPlugin();
+  OpenStack stack = openedStack(input, options, values, read);
+  if (!values) return std::move(stack.file);
+  // One page more for each thread that reads.
+  const SlicemorphPicture& first = stack.first;
+  const double count = double(stack.pages.size()), page = double(first.width) * first.height * first.bytes,
+               all = page * (count + double(first.channels) * std::min(count, double(kReadAtOnce)));
+  options.memory.require(all, input.text,
+                         std::to_string(stack.pages.size()) + " pictures of " + std::to_string(first.width) +
+                             " x " + std::to_string(first.height),
+                         "take fewer or smaller ones");
+  stack.file.image.values = valuesOf(stack.pages, 0, stack.pages.size(), read, first);
+  return std::move(stack.file);
+}
+
+std::optional<ImageSlices> openStack(const InputSpec& input, const ImageOptions& options) {
+  const SlicemorphReadPicture read = loadPlugin();
+  auto stack = std::make_shared<OpenStack>(openedStack(input, options, true, read));
+  ImageFile file = stack->file;
+  return ImageSlices{std::move(file), [stack, read, next = size_t(0)]() mutable {
+                       ++next;
+                       return valuesOf(stack->pages, next - 1, next, read, stack->first);
+                     }};
 }
 
 }  // namespace slicemorph

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "slicemorph/io/image_file.h"
+#include "slicemorph/io/image_slices.h"
 
 namespace slicemorph {
 
@@ -10,5 +11,8 @@ namespace slicemorph {
 /// note. `values` false: only the description, for which no spacing is needed. Throws InputError without a
 /// spacing, IoError for pictures that are missing, unreadable or of different sizes.
 ImageFile readStack(const InputSpec& input, const ImageOptions& options, bool values = true);
+
+/// The same slice by slice, as openImageSlices.
+std::optional<ImageSlices> openStack(const InputSpec& input, const ImageOptions& options);
 
 }  // namespace slicemorph

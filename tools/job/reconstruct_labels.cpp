@@ -1,19 +1,21 @@
 #include "tools/job/reconstruct_labels.h"
 
 #include "engine/measure/label_measures.h"
+#include "engine/reconstruct/fill_gaps.h"
 #include "engine/reconstruct/label_level_set.h"
-#include "engine/reconstruct/label_slices.h"
 #include "engine/volume/image_shape.h"
 #include "engine/volume/manifold.h"
 #include "engine/volume/resample_image.h"
 #include "engine/volume/voxelise.h"
 #include "io/paths.h"
-#include "slicemorph/errors.h"
 #include "slicemorph/io/image_writer.h"
+#include "tools/job/given_slices.h"
 #include "tools/job/option_values.h"
+#include "tools/job/reconstruct_label_slabs.h"
 #include "tools/job/surface_writer.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace slicemorph {
 namespace {
@@ -27,11 +29,7 @@ struct SparseLabels {
 
 /// The stack with `between` empty slices between every two.
 Image expanded(const Image& stack, int axis, int between) {
-  Image result;
-  result.lattice = stack.lattice;
-  const int gap = between + 1;
-  result.lattice.size[axis] = (stack.lattice.size[axis] - 1) * gap + 1;
-  result.lattice.step[axis] /= gap;
+  Image result{expandedLattice(stack.lattice, axis, between), {}};
   std::visit(
       [&](const auto& from) {
         std::decay_t<decltype(from)> to(result.lattice.count(), 0);
@@ -40,7 +38,7 @@ Image expanded(const Image& stack, int axis, int between) {
           for (int j = 0; j < n[1]; ++j)
             for (int i = 0; i < n[0]; ++i) {
               openvdb::Coord at(i, j, k);
-              at[axis] *= gap;
+              at[axis] *= between + 1;
               to[result.lattice.index(at[0], at[1], at[2])] = from[stack.lattice.index(i, j, k)];
             }
         result.values = std::move(to);
@@ -49,42 +47,15 @@ Image expanded(const Image& stack, int axis, int between) {
   return result;
 }
 
-GivenSlices everySlice(int axis, int gap, int size) {
-  GivenSlices given;
-  given.axis = axis;
-  for (int at = 0; at < size; at += gap) given.at.push_back(at);
-  return given;
-}
-
-std::string described(const GivenSlices& given) {
-  const int first = given.at.size() > 1 ? given.at[1] - given.at[0] : 0;
-  const bool even = std::adjacent_find(given.at.begin(), given.at.end(),
-                                       [&](int a, int b) { return b - a != first; }) == given.at.end();
-  return std::to_string(given.at.size()) + " given slices along axis " + std::string(1, "ijk"[given.axis]) +
-         (even ? ", every " + std::to_string(first) : ", unevenly") + ", from " +
-         std::to_string(given.at.front()) + " to " + std::to_string(given.at.back());
-}
-
 SparseLabels readSparse(const ReconstructJob& job) {
   ImageFile file = readImage(job.input, job.image);
   SparseLabels sparse{std::move(file.image), {}, std::move(file.notes)};
   Image& image = sparse.image;
-  if (job.between > 0) {
-    const int axis = job.axis < 0 ? int(openvdb::math::MaxIndex(image.lattice.spacing())) : job.axis;
-    if (image.lattice.size[axis] < 2)
-      throw InputError(job.input + " has one slice along axis " + std::string(1, "ijk"[axis]) +
-                       "; a surface needs two or more");
-    labelsOf(image);
-    image = expanded(image, axis, job.between);
-    sparse.given = everySlice(axis, job.between + 1, image.lattice.size[axis]);
-  } else {
-    try {
-      sparse.given = findGivenSlices(image, job.axis, job.every);
-    } catch (const InputError& error) {
-      throw InputError(job.input + ": " + error.what() +
-                       "; --between N puts N slices between every two of a stack");
-    }
-  }
+  LabelledSlices labelled(image.lattice.size);
+  if (job.between > 0) labelsOf(image);
+  labelled.add(image.values);
+  sparse.given = givenSlices(job, labelled, image.lattice);
+  if (job.between > 0) image = expanded(image, sparse.given.axis, job.between);
   sparse.notes.emplace_back("reconstruct.given-slices", Severity::kNote, "", described(sparse.given));
   return sparse;
 }
@@ -131,10 +102,11 @@ void writeLabelSurfaces(const ReconstructJob& job, const SparseLabels& sparse, J
 }  // namespace
 
 void reconstructLabels(const ReconstructJob& job, JobEvents& events) {
-  const SparseLabels sparse = readSparse(job);
+  if (reconstructLabelSlabs(job, events)) return;
+  SparseLabels sparse = readSparse(job);
   events.notes(about(job.input, sparse.notes));
   if (!isImageOutput(job.output)) return writeLabelSurfaces(job, sparse, events);
-  Image dense = interpolateLabels(sparse.image, sparse.given);
+  Image dense = interpolateLabels(std::move(sparse.image), sparse.given);
   if (!job.like.empty()) dense = nearestTo(dense, readImage(job.like, job.image).image.lattice);
   writeImage(job.output, dense);
   events.fileWritten(job.output, false);

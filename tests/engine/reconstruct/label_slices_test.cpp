@@ -1,4 +1,5 @@
 #include "engine/reconstruct/label_slices.h"
+#include "engine/reconstruct/fill_gaps.h"
 #include "engine/reconstruct/label_level_set.h"
 #include "engine/reconstruct/regions.h"
 #include "slicemorph/errors.h"

@@ -2,6 +2,7 @@
 
 #include "slicemorph/image.h"
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,22 @@ bool isImageOutput(const std::string& path);
 /// the format's axes. NIfTI gets an sform, and a qform where the axes are at right angles. The same bytes for
 /// any thread count. Throws InputError for another extension, and IoError.
 void writeImage(const std::string& path, const Image& image);
+
+/// Writes an image slice by slice, the same bytes as writeImage().
+class ImageSliceWriter {
+ public:
+  /// `like`: values of the type that follows. Throws as writeImage().
+  ImageSliceWriter(const std::string& path, const ImageLattice& lattice, const ImageValues& like);
+  ~ImageSliceWriter();
+  /// The next slices along k. Throws IoError.
+  void add(const ImageValues& slices);
+  /// After the last one; without it there is no file. Throws IoError.
+  void commit();
+
+ private:
+  struct File;
+  std::unique_ptr<File> file_;
+};
 
 /// A vector at every voxel, as of a displacement field.
 struct VectorImage {

@@ -1,0 +1,115 @@
+#include "engine/reconstruct/fill_gaps.h"
+
+#include "slicemorph/errors.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+namespace slicemorph {
+
+namespace {
+
+/// Gaps that are filled at once: of eight the planes at the borders, which two fillings look at, are a third.
+constexpr size_t kLeastAtOnce = 8, kAtOncePerThread = 2;
+
+void checkGiven(const ImageLattice& lattice, const GivenSlices& given) {
+  if (given.axis < 0 || given.axis > 2)
+    throw InputError("axis must be 0, 1 or 2, got " + std::to_string(given.axis));
+  if (given.at.size() < 2)
+    throw InputError("at least two given slices are needed, got " + std::to_string(given.at.size()));
+  for (size_t i = 0; i < given.at.size(); ++i)
+    if (given.at[i] < 0 || given.at[i] >= lattice.size[given.axis] || (i && given.at[i] <= given.at[i - 1]))
+      throw InputError("given slices must ascend within 0 to " +
+                       std::to_string(lattice.size[given.axis] - 1) + ", got " + std::to_string(given.at[i]));
+}
+
+}  // namespace
+
+GapFiller::GapFiller(const ImageLattice& lattice, GivenSlices given, std::vector<double> ranked)
+    : given_(std::move(given)), ranked_(std::move(ranked)) {
+  checkGiven(lattice, given_);
+  spacing_ = lattice.spacing()[given_.axis];
+  stack_ = emptyStack(lattice, given_.axis);
+}
+
+GapRange GapFiller::next() const {
+  const size_t atOnce =
+      std::max(kLeastAtOnce, kAtOncePerThread * size_t(tbb::this_task_arena::max_concurrency()));
+  return {filled_, std::min(filled_ + atOnce, given_.at.size() - 1)};
+}
+
+/// A label's path through a gap bends with the planes beyond it.
+size_t GapFiller::slicesNeeded() const { return std::min(next().end + 2, given_.at.size()); }
+
+void GapFiller::fill(const std::function<LabelSlice(size_t)>& slice,
+                     const std::function<void(FilledGap)>& put) {
+  const GapRange gaps = next();
+  const size_t firstPlane = gaps.first > 0 ? gaps.first - 1 : 0, endPlane = slicesNeeded();
+  std::vector<ScorePlane>& planes = stack_.planes;
+  planes.erase(planes.begin(), planes.begin() + std::ptrdiff_t(firstPlane - firstPlane_));
+  const size_t kept = planes.size();
+  planes.resize(endPlane - firstPlane);
+  tbb::parallel_for(kept, planes.size(), [&](size_t n) {
+    const size_t k = firstPlane + n;
+    planes[n] = scoredPlane(slice(k), ranked_, stack_, given_.at[k] * spacing_);
+  });
+  SliceScores scores(std::move(stack_), {gaps.first - firstPlane, gaps.end - firstPlane});
+  tbb::parallel_for(gaps.first, gaps.end, [&](size_t g) {
+    const int first = given_.at[g] + 1, count = given_.at[g + 1] - first;
+    std::vector<double> positions;
+    positions.reserve(size_t(count));
+    for (int k = 0; k < count; ++k) positions.push_back((first + k) * spacing_);
+    put({g, count, count > 0 ? scores.labelsBetween(positions) : std::vector<int>()});
+  });
+  stack_ = std::move(scores).takeStack();
+  firstPlane_ = firstPlane, filled_ = gaps.end;
+}
+
+void paintGap(const FilledGap& gap, const std::vector<double>& ranked, const SliceLayout& layout, int first,
+              ImageValues& to) {
+  std::visit(
+      [&](auto& out) {
+        using T = typename std::decay_t<decltype(out)>::value_type;
+        std::vector<T> paint;
+        paint.reserve(ranked.size());
+        for (double v : ranked) paint.push_back(T(v));
+        T* corner = out.data() + size_t(first) * layout.slice;
+        const size_t w = size_t(layout.width), h = size_t(layout.height), count = size_t(gap.slices);
+        const auto put = [to = corner, won = gap.ranks.data(), paint = paint.data(), w, h, layout](
+                             size_t k, size_t x, size_t y) {
+          to[k * layout.slice + y * layout.y + x * layout.x] = paint[won[(k * h + y) * w + x]];
+        };
+        // The image's fastest axis is the innermost loop.
+        if (layout.slice == 1) {
+          for (size_t y = 0; y < h; ++y)
+            for (size_t x = 0; x < w; ++x)
+              for (size_t k = 0; k < count; ++k) put(k, x, y);
+        } else {
+          for (size_t k = 0; k < count; ++k)
+            for (size_t y = 0; y < h; ++y)
+              for (size_t x = 0; x < w; ++x) put(k, x, y);
+        }
+      },
+      to);
+}
+
+Image interpolateLabels(Image labels, const GivenSlices& given) {
+  const SliceLayout layout = layoutOf(labels.lattice, given.axis);
+  checkGiven(labels.lattice, given);
+  const auto slice = [&](size_t k) { return LabelSlice{labels.values, layout, given.at[k]}; };
+  std::vector<LabelCount> counts(given.at.size());
+  tbb::parallel_for(size_t(0), counts.size(), [&](size_t k) { counts[k] = countLabels(slice(k)); });
+  const std::vector<double> ranked = rankLabels(counts);
+  GapFiller filler(labels.lattice, given, ranked);
+  while (!filler.done())
+    filler.fill(slice, [&](const FilledGap& gap) {
+      paintGap(gap, ranked, layout, given.at[gap.gap] + 1, labels.values);
+    });
+  return labels;
+}
+
+}  // namespace slicemorph

@@ -1,0 +1,116 @@
+#include "engine/reconstruct/fill_gaps.h"
+#include "slicemorph/errors.h"
+#include "tests/support/with_threads.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <mutex>
+
+namespace slicemorph {
+namespace {
+
+constexpr int kStep = 3, kSlices = 64, kSide = 40;
+
+/// Two tubes that wind round each other and a ball, on every third slice along an axis.
+Image windingTubes(int axis) {
+  Image image;
+  image.lattice.size = openvdb::Coord(kSide);
+  image.lattice.size[axis] = kSlices;
+  image.lattice.step[1] = {0, 0.5, 0};
+  std::vector<std::int16_t> values(image.lattice.count(), 0);
+  const openvdb::Coord n = image.lattice.size;
+  for (int k = 0; k < n[2]; ++k)
+    for (int j = 0; j < n[1]; ++j)
+      for (int i = 0; i < n[0]; ++i) {
+        const openvdb::Coord c(i, j, k);
+        const double s = c[axis], x = c[axis == 0 ? 1 : 0], y = c[axis == 2 ? 1 : 2];
+        if (c[axis] % kStep != 0) continue;
+        std::int16_t& label = values[image.lattice.index(i, j, k)];
+        const double u = 9 * std::cos(0.1 * s), v = 9 * std::sin(0.1 * s);
+        if (std::hypot(x - 20 - u, y - 20 - v) < 5) label = 7;
+        if (std::hypot(x - 20 + u, y - 20 + v) < 6) label = 300;
+        if (Vec3d(x - 30, y - 8, s - 31).length() < 8) label = 2;
+      }
+  image.values = std::move(values);
+  return image;
+}
+
+GivenSlices everyThird(int axis) {
+  GivenSlices given{axis, {}};
+  for (int at = 0; at < kSlices; at += kStep) given.at.push_back(at);
+  return given;
+}
+
+/// All planes at once, gap after gap.
+Image filledAtOnce(Image image, const GivenSlices& given) {
+  RankedSlices ranked = rankSlices(image, given);
+  const SliceScores scores(std::move(ranked.stack));
+  const double spacing = image.lattice.spacing()[given.axis];
+  const SliceLayout layout = layoutOf(image.lattice, given.axis);
+  auto& values = std::get<std::vector<std::int16_t>>(image.values);
+  for (size_t g = 0; g + 1 < given.at.size(); ++g)
+    for (int s = given.at[g] + 1; s < given.at[g + 1]; ++s) {
+      const std::vector<int> won = scores.labelsBetween({s * spacing});
+      for (int y = 0; y < layout.height; ++y)
+        for (int x = 0; x < layout.width; ++x)
+          values[size_t(s) * layout.slice + size_t(y) * layout.y + size_t(x) * layout.x] =
+              std::int16_t(ranked.values[size_t(won[size_t(y * layout.width + x)])]);
+    }
+  return image;
+}
+
+/// There are 21 gaps, more than are filled at once; what is found of one must not depend on where a filling begins.
+TEST(FillGaps, AFewAtATimeIsAllAtOnce) {
+  for (int axis : {0, 1, 2}) {
+    const Image sparse = windingTubes(axis);
+    const GivenSlices given = everyThird(axis);
+    const Image expected = filledAtOnce(sparse, given);
+    ASSERT_NE(expected.values, sparse.values);
+    for (size_t threads : {1, 2, 5})
+      withThreads(threads, [&] {
+        EXPECT_EQ(interpolateLabels(sparse, given).values, expected.values) << axis << " " << threads;
+      });
+  }
+}
+
+/// Slices are asked for once each, and only those that were announced.
+TEST(FillGaps, AsksForEachSliceOnce) {
+  const Image sparse = windingTubes(2);
+  const GivenSlices given = everyThird(2);
+  const SliceLayout layout = layoutOf(sparse.lattice, 2);
+  GapFiller filler(sparse.lattice, given, {2, 7, 300, 0});
+  std::vector<int> asked(given.at.size(), 0);
+  std::vector<size_t> gaps;
+  std::mutex one;
+  while (!filler.done()) {
+    const size_t announced = filler.slicesNeeded();
+    ASSERT_LE(filler.next().end - filler.next().first, announced);
+    filler.fill(
+        [&](size_t n) {
+          EXPECT_LT(n, announced);
+          ++asked[n];
+          return LabelSlice{sparse.values, layout, given.at[n]};
+        },
+        [&](const FilledGap& gap) {
+          const std::lock_guard<std::mutex> lock(one);
+          EXPECT_EQ(gap.slices, kStep - 1);
+          gaps.push_back(gap.gap);
+        });
+  }
+  EXPECT_EQ(asked, std::vector<int>(given.at.size(), 1));
+  std::sort(gaps.begin(), gaps.end());
+  ASSERT_EQ(gaps.size(), given.at.size() - 1);
+  for (size_t g = 0; g < gaps.size(); ++g) EXPECT_EQ(gaps[g], g);
+}
+
+TEST(FillGaps, SlicesOutsideAreRefused) {
+  const Image sparse = windingTubes(2);
+  EXPECT_THROW(GapFiller(sparse.lattice, {2, {0}}, {0}), InputError);
+  EXPECT_THROW(GapFiller(sparse.lattice, {2, {0, kSlices}}, {0}), InputError);
+  EXPECT_THROW(GapFiller(sparse.lattice, {2, {3, 3}}, {0}), InputError);
+  EXPECT_THROW(GapFiller(sparse.lattice, {3, {0, 3}}, {0}), InputError);
+}
+
+}  // namespace
+}  // namespace slicemorph

@@ -1,0 +1,156 @@
+#include "slicemorph/io/image_slices.h"
+#include "io/whole_file.h"
+#include "slicemorph/errors.h"
+#include "slicemorph/io/image_writer.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+namespace slicemorph {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::vector<std::string> kExtensions{".nii", ".nii.gz", ".nrrd", ".mha"};
+
+class Slices : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("slicemorph_slices_" + std::to_string(getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  std::string at(const std::string& name) const { return (folder_ / name).string(); }
+  std::string write(const std::string& name, const std::string& bytes) const {
+    std::ofstream(at(name), std::ios::binary) << bytes;
+    return at(name);
+  }
+
+  fs::path folder_;
+};
+
+/// An oblique image of runs of numbers, larger than the window of its compression.
+template <typename T>
+Image runs() {
+  Image image;
+  image.lattice.size = openvdb::Coord(97, 61, 23);
+  image.lattice.origin = {-12.5, 40, 7};
+  image.lattice.step[0] = {0.6, 0.8, 0}, image.lattice.step[1] = {-1.6, 1.2, 0};
+  image.lattice.step[2] = {0, 0, 3};
+  std::mt19937 random(5);
+  std::vector<T> values;
+  while (values.size() < image.lattice.count())
+    values.insert(values.end(), std::min<size_t>(1 + random() % 30, image.lattice.count() - values.size()),
+                  T(random() % 200));
+  image.values = std::move(values);
+  return image;
+}
+
+/// The slices of an image, each with its values.
+template <typename T>
+std::vector<ImageValues> slicesOf(const Image& image) {
+  const auto& values = std::get<std::vector<T>>(image.values);
+  const size_t each = size_t(image.lattice.size[0] * image.lattice.size[1]);
+  std::vector<ImageValues> slices;
+  for (size_t from = 0; from < values.size(); from += each)
+    slices.emplace_back(
+        std::vector<T>(values.begin() + std::ptrdiff_t(from), values.begin() + std::ptrdiff_t(from + each)));
+  return slices;
+}
+
+template <typename T>
+void checkBothWays(const Slices&, const std::string& whole, const std::string& sliced) {
+  const Image image = runs<T>();
+  writeImage(whole, image);
+  ImageSliceWriter writer(sliced, image.lattice, image.values);
+  for (const ImageValues& slice : slicesOf<T>(image)) writer.add(slice);
+  EXPECT_FALSE(fs::exists(sliced));
+  writer.commit();
+  EXPECT_EQ(readWholeFile(whole), readWholeFile(sliced)) << whole;
+  const ImageFile read = readImage(whole);
+  std::optional<ImageSlices> slices = openImageSlices(whole);
+  ASSERT_TRUE(slices) << whole;
+  const ImageLattice &a = slices->file.image.lattice, &b = read.image.lattice;
+  EXPECT_EQ(a.size, b.size);
+  EXPECT_EQ(a.origin, b.origin);
+  for (int d = 0; d < 3; ++d) EXPECT_EQ(a.step[d], b.step[d]);
+  EXPECT_EQ(slices->file.format, read.format);
+  for (const ImageValues& slice : slicesOf<T>(image)) EXPECT_EQ(slices->next(), slice) << whole;
+  fs::remove(sliced);
+}
+
+TEST_F(Slices, AreThoseOfTheWhole) {
+  for (const std::string& extension : kExtensions) {
+    const std::string whole = at("whole" + extension), sliced = at("sliced" + extension);
+    checkBothWays<std::uint8_t>(*this, whole, sliced);
+    checkBothWays<std::int16_t>(*this, whole, sliced);
+    checkBothWays<std::uint16_t>(*this, whole, sliced);
+    checkBothWays<std::int32_t>(*this, whole, sliced);
+    checkBothWays<float>(*this, whole, sliced);
+    checkBothWays<double>(*this, whole, sliced);
+  }
+}
+
+/// 2 x 3 x 4 numbers of 16 bits, each its index, the high byte first or last.
+std::string counted(bool highFirst) {
+  std::string bytes;
+  for (char i = 0; i < 24; ++i) bytes += highFirst ? std::string{'\0', i} : std::string{i, '\0'};
+  return bytes;
+}
+
+void expectCounted(const std::string& path) {
+  std::optional<ImageSlices> slices = openImageSlices(path);
+  ASSERT_TRUE(slices) << path;
+  for (int k = 0; k < 4; ++k) {
+    std::vector<std::uint16_t> expected;
+    for (int i = 0; i < 6; ++i) expected.push_back(std::uint16_t(6 * k + i));
+    EXPECT_EQ(slices->next(), ImageValues(expected)) << path << " " << k;
+  }
+}
+
+TEST_F(Slices, PlainDataOfEitherByteOrder) {
+  for (bool big : {false, true}) {
+    const std::string data = counted(big), order = big ? "True" : "False";
+    const std::string meta =
+        "NDims = 3\nDimSize = 2 3 4\nElementType = MET_USHORT\nBinaryData = True\n"
+        "ElementByteOrderMSB = " +
+        order + "\nElementDataFile = ";
+    expectCounted(write("own.mha", "ObjectType = Image\n" + meta + "LOCAL\n" + data));
+    write("numbers.raw", data);
+    expectCounted(write("apart.mhd", "ObjectType = Image\n" + meta + "numbers.raw\n"));
+    expectCounted(write("plain.nrrd", "NRRD0004\ntype: uint16\ndimension: 3\nsizes: 2 3 4\nendian: " +
+                                          std::string(big ? "big" : "little") + "\nencoding: raw\n\n" +
+                                          data));
+  }
+}
+
+TEST_F(Slices, WhatIsCutShortIsToldWhenReached) {
+  for (const std::string& extension : kExtensions) {
+    const std::string path = at("cut" + extension);
+    writeImage(path, runs<std::uint8_t>());
+    fs::resize_file(path, fs::file_size(path) / 2);
+    const auto readAll = [&] {
+      std::optional<ImageSlices> slices = openImageSlices(path);
+      for (int k = 0; slices && k < 23; ++k) slices->next();
+    };
+    EXPECT_THROW(readAll(), IoError) << path;
+  }
+}
+
+TEST_F(Slices, OthersAreReadAsAWhole) {
+  write("numbers.raw", counted(false));
+  const std::string head = "NRRD0004\ntype: uint16\n", data = counted(false);
+  EXPECT_FALSE(openImageSlices(
+      write("apart.nhdr",
+            head + "dimension: 3\nsizes: 2 3 4\nendian: little\nencoding: raw\ndata file: numbers.raw\n")));
+  EXPECT_FALSE(openImageSlices(
+      write("times.nrrd", head + "dimension: 4\nsizes: 2 3 2 2\nendian: little\nencoding: raw\n\n" + data)));
+  EXPECT_FALSE(openImageSlices(write("text.nrrd", head + "dimension: 1\nsizes: 2\nencoding: text\n\n1 2\n")));
+}
+
+}  // namespace
+}  // namespace slicemorph

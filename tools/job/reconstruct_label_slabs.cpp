@@ -1,0 +1,128 @@
+#include "tools/job/reconstruct_label_slabs.h"
+
+#include "engine/reconstruct/fill_gaps.h"
+#include "engine/volume/image_shape.h"
+#include "slicemorph/io/image_slices.h"
+#include "slicemorph/io/image_writer.h"
+#include "tools/job/given_slices.h"
+
+#include <map>
+#include <optional>
+#include <utility>
+
+namespace slicemorph {
+namespace {
+
+/// What must be known of all slices before gaps are filled.
+struct LabelSurvey {
+  ImageLattice lattice;  ///< of the dense map
+  GivenSlices given;     ///< of the dense map
+  std::vector<double> ranked;
+  ImageValues like;  ///< empty, of the type of the values
+};
+
+ImageValues valuesLike(const ImageValues& like, size_t count) {
+  return std::visit([&](const auto& values) { return ImageValues(std::decay_t<decltype(values)>(count)); },
+                    like);
+}
+
+/// Bytes that the whole map takes: the file's, the dense one where it is another, and the planes around the gaps that
+/// are filled at once.
+double neededInMemory(const ReconstructJob& job, ImageSlices& slices) {
+  constexpr double kPlanes = 12,
+                   kPerPixel = 32;  // measured: three to six labels overlap at a pixel, of 4 bytes each
+  const ImageLattice& lattice = slices.file.image.lattice;
+  const double pixels = double(lattice.size[0]) * lattice.size[1];
+  const double bytes =
+      double(std::visit([](const auto& values) { return sizeof(values[0]); }, slices.next()));
+  const double copies = job.between > 0 ? job.between + 2 : 1;
+  return pixels * (bytes * lattice.size[2] * copies + kPlanes * kPerPixel);
+}
+
+LabelSurvey surveyed(const ReconstructJob& job, ImageSlices slices, JobEvents& events) {
+  const ImageLattice& lattice = slices.file.image.lattice;
+  const SliceLayout layout = layoutOf(lattice, 2);
+  LabelledSlices labelled(lattice.size);
+  std::vector<LabelCount> counts;
+  LabelSurvey survey;
+  for (int k = 0; k < lattice.size[2]; ++k) {
+    events.throwIfCancelled();
+    const Image slice{lattice, slices.next()};
+    if (job.between > 0) labelsOf(slice);
+    labelled.add(slice.values);
+    counts.push_back(countLabels({slice.values, layout, 0}));
+    if (k == 0) survey.like = valuesLike(slice.values, 0);
+  }
+  survey.given = givenSlices(job, labelled, lattice);
+  if (survey.given.axis != 2)
+    throw MemoryError(job.input + ": its slices follow each other along axis " +
+                      std::string(1, "ijk"[survey.given.axis]) +
+                      ", and only such along k are filled in without the whole map in memory; allow more "
+                      "--memory, or turn the map's axes");
+  survey.lattice = expandedLattice(lattice, 2, job.between);
+  std::vector<LabelCount> ofGiven;
+  for (const int at : survey.given.at) ofGiven.push_back(std::move(counts[size_t(at / (job.between + 1))]));
+  survey.ranked = rankLabels(ofGiven);
+  return survey;
+}
+
+void writeDense(const ReconstructJob& job, ImageSlices slices, const LabelSurvey& survey, JobEvents& events) {
+  const std::vector<int>& given = survey.given.at;
+  const SliceLayout layout = layoutOf(survey.lattice, 2);
+  ImageSliceWriter writer(job.output, survey.lattice, survey.like);
+  std::map<size_t, ImageValues> waiting;  // given slices by their number, until they are written
+  int read = 0;                           // slices of the file
+  const auto readGiven = [&](size_t count) {
+    for (size_t n = waiting.empty() ? 0 : waiting.rbegin()->first + 1; n < count;) {
+      ImageValues slice = slices.next();
+      const int at = (job.between + 1) * read++;
+      if (at == given[n])
+        waiting.emplace(n++, std::move(slice));
+      else if (n == 0)
+        writer.add(slice);
+    }
+  };
+  GapFiller filler(survey.lattice, survey.given, survey.ranked);
+  while (!filler.done()) {
+    events.throwIfCancelled();
+    const GapRange gaps = filler.next();
+    readGiven(filler.slicesNeeded());
+    std::vector<ImageValues> filled(gaps.end - gaps.first);
+    filler.fill(
+        [&](size_t n) {
+          return LabelSlice{waiting.at(n), layout, 0};
+        },
+        [&](const FilledGap& gap) {
+          ImageValues& to = filled[gap.gap - gaps.first];
+          to = valuesLike(survey.like, size_t(gap.slices) * layout.slice);
+          paintGap(gap, survey.ranked, layout, 0, to);
+        });
+    for (size_t g = gaps.first; g < gaps.end; ++g) {
+      writer.add(waiting.at(g)), writer.add(filled[g - gaps.first]);
+      waiting.erase(g);
+    }
+  }
+  writer.add(waiting.at(given.size() - 1));
+  for (int at = given.back() + 1; at < survey.lattice.size[2]; ++at) writer.add(slices.next());
+  writer.commit();
+}
+
+}  // namespace
+
+bool reconstructLabelSlabs(const ReconstructJob& job, JobEvents& events) {
+  if (!isImageOutput(job.output) || !job.like.empty() || !job.reports.empty()) return false;
+  std::optional<ImageSlices> slices = openImageSlices(job.input, job.image);
+  if (!slices || neededInMemory(job, *slices) <= job.memory.left()) return false;
+  slices = openImageSlices(job.input, job.image);  // its first slice was read
+  Notes notes = slices->file.notes;
+  const LabelSurvey survey = surveyed(job, std::move(*slices), events);
+  notes.emplace_back("reconstruct.given-slices", Severity::kNote, "", described(survey.given));
+  notes.emplace_back("reconstruct.slice-by-slice", Severity::kNote, "",
+                     "the whole map would not fit the memory: filled in slice by slice");
+  events.notes(about(job.input, notes));
+  writeDense(job, std::move(*openImageSlices(job.input, job.image)), survey, events);
+  events.fileWritten(job.output, false);
+  return true;
+}
+
+}  // namespace slicemorph
