@@ -80,7 +80,13 @@ SlicePlan planSlices(ScoreStack stack, const GapRange& wanted) {
   tbb::parallel_for(first, end + 1, [&](size_t k) {
     for (const LabelScore& l : s.planes[k].labels) regions[k].push_back(findRegions(l));
   });
-  tbb::parallel_for(first, end, [&](size_t g) { plan.gaps[g] = makeGap(plan.stack, g, regions); });
+  const size_t before = first > 0 ? first - 1 : 0, after = std::min(end + 1, plan.gaps.size());
+  tbb::parallel_for(before, after, [&](size_t g) {
+    if (first <= g && g < end)
+      plan.gaps[g] = makeGap(plan.stack, g, regions);
+    else
+      plan.gaps[g].motion = findMotion(plan.stack, g);
+  });
   return plan;
 }
 

@@ -33,7 +33,7 @@ struct Gap {
 /// A stack of planes, and what was found about the gaps between them.
 struct SlicePlan {
   ScoreStack stack;
-  std::vector<Gap> gaps;  ///< one less than planes; those that were not wanted are empty
+  std::vector<Gap> gaps;  ///< one less than planes; those that were not wanted have at most their motion
 };
 
 SlicePlan planSlices(ScoreStack stack, const GapRange& wanted);

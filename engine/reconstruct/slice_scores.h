@@ -43,7 +43,7 @@ struct SlicePlan;
 class SliceScores {
  public:
   /// Throws InputError for fewer than two planes, or if positions do not increase. `wanted`: queries will be within
-  /// these gaps, for which the planes from the one before to the one after must be there, where there are any.
+  /// these gaps; of the planes beyond only the one before and the one after them matter.
   explicit SliceScores(ScoreStack stack, const GapRange& wanted = {});
   ~SliceScores();
 

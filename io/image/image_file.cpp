@@ -101,11 +101,11 @@ std::optional<ImageSlices> openNiftiSlices(const InputSpec& input, const ImageOp
 }
 
 std::optional<ImageSlices> openNrrdSlices(const InputSpec& input, const ImageOptions&) {
-  return itkReaders().openNrrd(input.path, volumeOf(input));
+  return itkReaders().nrrdSlices(input.path, volumeOf(input));
 }
 
 std::optional<ImageSlices> openMetaImageSlices(const InputSpec& input, const ImageOptions&) {
-  return itkReaders().openMetaImage(input.path, volumeOf(input));
+  return itkReaders().metaImageSlices(input.path, volumeOf(input));
 }
 
 std::optional<ImageSlices> openStackSlices(const InputSpec& input, const ImageOptions& options) {

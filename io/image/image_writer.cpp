@@ -26,6 +26,8 @@ constexpr int kLevel = 3;
 
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "values are written as they lie in memory");
 
+}  // namespace
+
 /// Compresses parts into one stream.
 class Packer {
  public:
@@ -60,6 +62,27 @@ class Packer {
   std::vector<char> out_;
   z_stream stream_ = {};
 };
+
+/// A head, followed by values.
+class VoxelFile {
+ public:
+  VoxelFile(const std::string& path, const VoxelHead& head) : file_(path) {
+    if (head.packing != Packing::kNone && !head.packed) file_.write(head.bytes);
+    if (head.packing != Packing::kNone) packer_.emplace(file_, head.packing);
+    if (head.packing == Packing::kNone || head.packed) add(head.bytes);
+  }
+  void add(std::string_view bytes) { packer_ ? packer_->add(bytes) : file_.write(bytes); }
+  void commit() {
+    if (packer_) packer_->finish();
+    file_.commit();
+  }
+
+ private:
+  AtomicFile file_;
+  std::optional<Packer> packer_;
+};
+
+namespace {
 
 std::string numberText(double value) {
   char digits[32];
@@ -213,25 +236,6 @@ std::string_view bytesOf(const ImageValues& values) {
       values);
 }
 
-/// A head, followed by values.
-class VoxelFile {
- public:
-  VoxelFile(const std::string& path, const VoxelHead& head) : file_(path) {
-    if (head.packing != Packing::kNone && !head.packed) file_.write(head.bytes);
-    if (head.packing != Packing::kNone) packer_.emplace(file_, head.packing);
-    if (head.packing == Packing::kNone || head.packed) add(head.bytes);
-  }
-  void add(std::string_view bytes) { packer_ ? packer_->add(bytes) : file_.write(bytes); }
-  void commit() {
-    if (packer_) packer_->finish();
-    file_.commit();
-  }
-
- private:
-  AtomicFile file_;
-  std::optional<Packer> packer_;
-};
-
 VoxelHeader headerOf(const std::string& path) {
   const Format* format = formatToWrite(path);
   if (!format || !format->voxelHead)
@@ -261,13 +265,9 @@ VoxelHead metaImageHead(const std::string&, const Voxels& voxels) {
   return {metaImageText(voxels), Packing::kZlib, false, true};
 }
 
-struct ImageSliceWriter::File : VoxelFile {
-  using VoxelFile::VoxelFile;
-};
-
 ImageSliceWriter::ImageSliceWriter(const std::string& path, const ImageLattice& lattice,
                                    const ImageValues& like)
-    : file_(std::make_unique<File>(path, headerOf(path)(path, voxelsOf(lattice, like)))) {}
+    : file_(std::make_unique<VoxelFile>(path, headerOf(path)(path, voxelsOf(lattice, like)))) {}
 
 ImageSliceWriter::~ImageSliceWriter() = default;
 

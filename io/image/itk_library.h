@@ -10,8 +10,8 @@ namespace slicemorph {
 struct ItkReaders {
   decltype(&readNrrd) nrrd;
   decltype(&readMetaImage) metaImage;
-  decltype(&openNrrd) openNrrd;
-  decltype(&openMetaImage) openMetaImage;
+  decltype(&openNrrd) nrrdSlices;
+  decltype(&openMetaImage) metaImageSlices;
   decltype(&scanDicomFolder) dicomFolder;
   decltype(&chooseDicomSeries) chooseSeries;
   decltype(&readDicomSeries) dicomSeries;

@@ -664,6 +664,36 @@ def case_reconstruct_labels():
     refused("reconstruct", "none.nii", "-o", "x.nii.gz", says=["none.nii"])
 
 
+def case_reconstruct_slabs():
+    """A map that does not fit --memory is filled in slice by slice: the same bytes, from every format that is read so."""
+    k = np.arange(401)
+    i, j = np.meshgrid(np.arange(320), np.arange(256), indexing="ij")
+    labels = np.zeros((320, 256, len(k)), np.uint16)
+    for n in range(9, len(k) - 6, 4):  # three tubes that wind, a frame around them
+        for label, phase in ((700, 0), (2, 2.1), (31, 4.2)):
+            x, y = 160 + 90 * np.cos(phase + 0.02 * n), 128 + 70 * np.sin(phase + 0.02 * n)
+            labels[np.hypot(i - x, j - y) < 25 + 10 * np.sin(0.05 * n), n] = label
+        labels[:6, :, n] = labels[:, -9:, n] = 5
+    affine = np.diag([-0.5, -0.6, 1.25, 1])
+    save_nifti("map.nii.gz", labels, affine)
+    save_nifti("map.nii", labels, affine)
+    few = ("--memory", "130M")  # the map alone takes 65.7 MB, and there are two of them with --between
+    for name, options, out in (("map.nii.gz", (), "gz.nii.gz"), ("map.nii", ("--every", 2), "two.nrrd")):
+        whole = run("reconstruct", name, "-o", "whole_" + out, *options)
+        assert "slice by slice" not in whole.stderr, whole.stderr
+        slabs = run("reconstruct", name, "-o", out, *options, *few)
+        assert "slice by slice" in slabs.stderr and "given slices along axis k" in slabs.stderr, slabs.stderr
+        assert open("whole_" + out, "rb").read() == open(out, "rb").read(), out
+    run("reconstruct", "two.nrrd", "-o", "between.mha", "--between", 1, "--axis", "k")
+    slabs = run("reconstruct", "two.nrrd", "-o", "between_slabs.mha", "--between", 1, "--axis", "k", "--memory", "250M")
+    assert "slice by slice" in slabs.stderr, slabs.stderr
+    assert open("between.mha", "rb").read() == open("between_slabs.mha", "rb").read()
+    # Slices along another axis need the whole; the message says so.
+    save_nifti("along_i.nii", labels.transpose(2, 1, 0), affine)
+    refused("reconstruct", "along_i.nii", "-o", "x.nii", *few, says=["along_i.nii", "axis i", "--memory"])
+    assert not os.path.exists("x.nii")
+
+
 def stl_points(path):
     raw = np.frombuffer(open(path, "rb").read()[84:], np.dtype([("n", "<f4", 3), ("v", "<f4", (3, 3)), ("a", "<u2")]))
     return raw["v"].astype(float)

@@ -49,14 +49,16 @@ Image filledAtOnce(Image image, const GivenSlices& given) {
   const double spacing = image.lattice.spacing()[given.axis];
   const SliceLayout layout = layoutOf(image.lattice, given.axis);
   auto& values = std::get<std::vector<std::int16_t>>(image.values);
-  for (size_t g = 0; g + 1 < given.at.size(); ++g)
-    for (int s = given.at[g] + 1; s < given.at[g + 1]; ++s) {
-      const std::vector<int> won = scores.labelsBetween({s * spacing});
-      for (int y = 0; y < layout.height; ++y)
-        for (int x = 0; x < layout.width; ++x)
-          values[size_t(s) * layout.slice + size_t(y) * layout.y + size_t(x) * layout.x] =
-              std::int16_t(ranked.values[size_t(won[size_t(y * layout.width + x)])]);
+  for (size_t g = 0; g + 1 < given.at.size(); ++g) {
+    std::vector<double> positions;
+    for (int s = given.at[g] + 1; s < given.at[g + 1]; ++s) positions.push_back(s * spacing);
+    const std::vector<int> won = scores.labelsBetween(positions);
+    for (size_t i = 0; i < won.size(); ++i) {
+      const size_t x = i % size_t(layout.width), y = i / size_t(layout.width) % size_t(layout.height);
+      const size_t s = i / size_t(layout.width) / size_t(layout.height) + size_t(given.at[g] + 1);
+      values[s * layout.slice + y * layout.y + x * layout.x] = std::int16_t(ranked.values[size_t(won[i])]);
     }
+  }
   return image;
 }
 

@@ -16,6 +16,8 @@ bool isImageOutput(const std::string& path);
 /// any thread count. Throws InputError for another extension, and IoError.
 void writeImage(const std::string& path, const Image& image);
 
+class VoxelFile;
+
 /// Writes an image slice by slice, the same bytes as writeImage().
 class ImageSliceWriter {
  public:
@@ -28,8 +30,7 @@ class ImageSliceWriter {
   void commit();
 
  private:
-  struct File;
-  std::unique_ptr<File> file_;
+  std::unique_ptr<VoxelFile> file_;
 };
 
 /// A vector at every voxel, as of a displacement field.
