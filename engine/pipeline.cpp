@@ -40,9 +40,10 @@ std::shared_ptr<const RegionShares> regionShares(const Plan& plan) {
 /// Two densities that keep their positions are laid on each other wherever they are, not only at their shapes.
 Plan withDensities(Plan plan) {
   if (!laysDensities(plan)) return plan;
-  const std::vector<FloatGrid::ConstPtr>& densities = plan.shapes.densities;
+  const Shapes& shapes = plan.shapes;
   DensityMatch match =
-      matchDensities({densities[0], densities[1]}, plan.frames.charts[0], plan.registration.map);
+      matchDensities({shapes.densities[0], shapes.densities[1]}, {shapes.velocities[0], shapes.velocities[1]},
+                     plan.frames.charts[0], plan.registration.map);
   char text[120];
   std::snprintf(text, sizeof text,
                 "densities laid on each other: half way they differ by %.3f of their total, before %.3f",

@@ -164,8 +164,11 @@ Shapes measureShapes(const std::vector<Object>& objects, const MorphOptions& opt
     shapes = reordered(std::move(shapes), order);
   }
   shapes.inner = innerFields(objects, shapes);
-  shapes.densities.resize(shapes.levelSets.size());
-  for (size_t k = objects.size(); k-- > 0;) shapes.densities[shapes.shapeOf[k]] = objects[k].density;
+  shapes.densities.resize(shapes.levelSets.size()), shapes.velocities.resize(shapes.levelSets.size());
+  for (size_t k = objects.size(); k-- > 0;) {
+    shapes.densities[shapes.shapeOf[k]] = objects[k].density;
+    shapes.velocities[shapes.shapeOf[k]] = objects[k].velocity;
+  }
   for (const Feature& feature : options.features) shapes.features.push_back(ofShapes(feature, shapes));
   for (const Region& region : options.regions) shapes.regions.push_back(ofShapes(region, shapes));
   return shapes;

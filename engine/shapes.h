@@ -15,9 +15,10 @@ struct Shapes {
   Fields fields;
   std::vector<int> pieces;    ///< number of connected components
   std::vector<Fields> inner;  ///< per further surface, one field per shape; null where a shape has none
-  std::vector<FloatGrid::ConstPtr> densities;  ///< per shape; null where it is no fog
-  std::vector<Feature> features;               ///< the options' features, in terms of the shapes
-  std::vector<Region> regions;                 ///< the options' regions, in terms of the shapes
+  std::vector<FloatGrid::ConstPtr> densities;            ///< per shape; null where it is no fog
+  std::vector<openvdb::Vec3SGrid::ConstPtr> velocities;  ///< of these; null where there are none
+  std::vector<Feature> features;                         ///< the options' features, in terms of the shapes
+  std::vector<Region> regions;                           ///< the options' regions, in terms of the shapes
 
   /// The shapes' weights from the objects'. Throws InputError for weights that MorphPlan::frame rejects.
   Weights weightsFrom(const Weights& ofObjects) const;

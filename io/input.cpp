@@ -10,6 +10,7 @@
 #include "io/format.h"
 #include "io/mesh/mesh_reader.h"
 #include "io/vdb/grid_choice.h"
+#include "io/vdb/vector_parts.h"
 #include "slicemorph/errors.h"
 
 #include <tbb/parallel_for.h>
@@ -207,8 +208,8 @@ LoadedObject loadUnnamed(const std::shared_ptr<const VdbFile>& file, const Input
   throw GeometryError("no grid is a shape" + passedOver);
 }
 
-LoadedObject loadVdb(const InputSpec& input, const LoadOptions& options) {
-  const auto file = std::make_shared<const VdbFile>(input.path);
+LoadedObject loadShape(const std::shared_ptr<const VdbFile>& file, const InputSpec& input,
+                       const LoadOptions& options) {
   if (input.selection.empty()) return loadUnnamed(file, input, options);
   const size_t index = findGrid(*file, input);
   const std::string about = input.path + ": grid '" + file->entries()[index].name + "'";
@@ -221,6 +222,16 @@ LoadedObject loadVdb(const InputSpec& input, const LoadOptions& options) {
   } catch (const GeometryError& error) {
     throw GeometryError(about, error.what());
   }
+}
+
+LoadedObject loadVdb(const InputSpec& input, const LoadOptions& options) {
+  const auto file = std::make_shared<const VdbFile>(input.path);
+  LoadedObject loaded = loadShape(file, input, options);
+  if (!loaded.object.density) return loaded;
+  if (const openvdb::GridBase::Ptr velocity = readVelocity(*file))
+    loaded.object.velocity =
+        openvdb::gridConstPtrCast<openvdb::Vec3SGrid>(placed(velocity, placingFor(input, options)));
+  return loaded;
 }
 
 /// Voxel size of the level set of an image's shape, world units.
@@ -381,7 +392,7 @@ LoadedObject asNothing(const LoadedObject& piece, const InputSpec& file) {
   nothing.notes.clear();
   nothing.colors = nullptr;
   if (!piece.fog) nothing.object.levelSet = seedIn(*piece.object.levelSet);
-  nothing.object.inner.clear(), nothing.object.density = nullptr;
+  nothing.object.inner.clear(), nothing.object.density = nullptr, nothing.object.velocity = nullptr;
   if (!piece.file) return nothing;
   nothing.object.name = std::filesystem::path(file.path).stem().string();
   nothing.file = std::make_shared<const VdbFile>(file.path);

@@ -11,6 +11,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 namespace slicemorph {
 
@@ -44,6 +46,12 @@ constexpr float kRoughness = 0.02f;  ///< price of differences between neighbour
 constexpr float kDivergence = 0.1f;
 constexpr float kMemory = 0.2f;    ///< how much of both is for the whole map, not only for a step
 constexpr float kLongestStep = 1;  ///< nodes
+/// Velocities are looked at on nodes twice as far apart as the finest, and followed in so many steps to either side. How
+/// much time passes is tried out: from such a way of the fastest node, in nodes, by such a factor, up to such a way. The
+/// result is a start where it leaves at most this share of what nothing leaves.
+constexpr int kVelocityStep = 2 * kFinest, kSwimmingSteps = 8;
+constexpr float kLeastWay = 0.5f, kTimeFactor = 1.25f, kMostWay = 60;
+constexpr double kWorthStarting = 0.9;
 /// Around the map it fades to nothing at least so slowly, in displacements.
 constexpr double kFade = 2.5;
 
@@ -165,6 +173,8 @@ struct Paths {
   int step;  ///< points of the finest images from node to node
   Lattice box;
   Vectors way, bend;
+  Vectors
+      more;  ///< of the bend, than bendOf() tells, where ways are so far that it says too little; empty: nothing
 };
 
 /// price of differences and divergence, applied to a field.
@@ -313,6 +323,13 @@ std::vector<T> resized(const Lattice& from, const std::vector<T>& values, const 
   return result;
 }
 
+/// The bend that goes with the paths' way.
+Vectors wholeBend(const Paths& paths) {
+  Vectors bend = bendOf(paths.box, paths.way);
+  for (size_t i = 0; i < paths.more.size(); ++i) bend[i] += paths.more[i];
+  return bend;
+}
+
 /// The densities as images on one lattice of chart space.
 class Images {
  public:
@@ -339,6 +356,7 @@ class Images {
     for (size_t k = 0; k < 2; ++k) density_[k] = sampled(*densities[k]), image_[k] = compressed(density_[k]);
   }
 
+  const Chart& chart() const { return chart_; }
   int longest() const { return std::max({box_.size[0], box_.size[1], box_.size[2]}); }
   const Values& density(size_t object) const { return density_[object]; }
   const Lattice& box() const { return box_; }
@@ -420,7 +438,7 @@ double misfitOf(const Images& images, const Paths& paths) {
 
 /// A map as paths of a level.
 Paths pathsOf(const Displacements& map, const Images& images, int step) {
-  Paths paths{step, images.boxOf(step), {}, {}};
+  Paths paths{step, images.boxOf(step), {}, {}, {}};
   paths.way.resize(paths.box.count()), paths.bend.resize(paths.box.count());
   const Vec3d origin = images.originOf(step);
   const double spacing = images.spacingOf(step);
@@ -432,6 +450,81 @@ Paths pathsOf(const Displacements& map, const Images& images, int step) {
     paths.bend[i] = Vec(float(bend[0]), float(bend[1]), float(bend[2]));
   });
   return paths;
+}
+
+/// Velocities on a level's nodes, in nodes per unit of time.
+Vectors velocitiesOn(const openvdb::Vec3SGrid& grid, const Images& images, int step) {
+  const Lattice box = images.boxOf(step);
+  const Chart& chart = images.chart();
+  const Vec3d origin = images.originOf(step);
+  const double spacing = images.spacingOf(step);
+  const bool staggered = grid.getGridClass() == openvdb::GRID_STAGGERED;
+  Vectors result(box.count());
+  tbb::parallel_for(0, box.size[2], [&](int z) {
+    const openvdb::Vec3SGrid::ConstAccessor accessor = grid.getConstAccessor();
+    for (int y = 0; y < box.size[1]; ++y)
+      for (int x = 0; x < box.size[0]; ++x) {
+        const Vec3d world = chart.toWorld(origin + spacing * Vec3d(x, y, z)), at = grid.worldToIndex(world);
+        const openvdb::Vec3s v = staggered ? openvdb::tools::StaggeredBoxSampler::sample(accessor, at)
+                                           : openvdb::tools::BoxSampler::sample(accessor, at);
+        const Vec3d way = (chart.toChart(world + Vec3d(v)) - chart.toChart(world)) / spacing;
+        result[box.index(x, y, z)] = Vec(float(way[0]), float(way[1]), float(way[2]));
+      }
+  });
+  return result;
+}
+
+/// Where the middle's points come from and go to that swim with the velocities, half of the time either way; these change
+/// evenly from those of the first object to those of the second.
+Paths swimming(const Images& images, const std::array<Vectors, 2>& velocity, float time) {
+  Paths paths{kVelocityStep, images.boxOf(kVelocityStep), {}, {}, {}};
+  const Lattice& box = paths.box;
+  paths.way.resize(box.count()), paths.bend.resize(box.count());
+  forNodes(box, [&](size_t i, int x, int y, int z) {
+    Vec end[2];
+    for (int side = 0; side < 2; ++side) {
+      const float sign = side == 0 ? -1.f : 1.f, step = sign * 0.5f * time / kSwimmingSteps;
+      Vec p = nodeAt(x, y, z);
+      for (int k = 0; k < kSwimmingSteps; ++k) {
+        const float t = 0.5f + sign * 0.5f * (float(k) + 0.5f) / kSwimmingSteps;
+        const auto at = [&](const Vec& q) {
+          return Vec((1 - t) * sample(box, velocity[0], q) + t * sample(box, velocity[1], q));
+        };
+        p += step * at(p + 0.5f * step * at(p));
+      }
+      end[side] = p;
+    }
+    paths.way[i] = 0.5f * (end[1] - end[0]);
+    paths.bend[i] = 0.5f * (end[0] + end[1]) - nodeAt(x, y, z);
+  });
+  return paths;
+}
+
+/// The paths by the objects' own velocities, whatever their unit, for the time that fits the densities best; none where
+/// these fit hardly better than where nothing moves.
+std::optional<Paths> pathsOfVelocities(const Images& images, const DensityVelocities& grids) {
+  if (!grids[0] || !grids[1]) return std::nullopt;
+  const std::array<Vectors, 2> velocity{velocitiesOn(*grids[0], images, kVelocityStep),
+                                        velocitiesOn(*grids[1], images, kVelocityStep)};
+  float fastest = 0;
+  for (const Vectors& field : velocity)
+    for (const Vec& v : field) fastest = std::max(fastest, v.norm());
+  if (!(fastest > 0) || !std::isfinite(fastest)) return std::nullopt;
+  Paths best{kVelocityStep, images.boxOf(kVelocityStep), {}, {}, {}};
+  best.way.assign(best.box.count(), Vec::Zero()), best.bend = best.way;
+  const double still = misfitOf(images, best);
+  double least = kWorthStarting * still;
+  bool any = false;
+  for (float way = kLeastWay; way < kMostWay; way *= kTimeFactor) {
+    Paths paths = swimming(images, velocity, way / fastest);
+    if (const double misfit = misfitOf(images, paths); misfit < least)
+      least = misfit, best = std::move(paths), any = true;
+  }
+  if (!any) return std::nullopt;
+  best.more = best.bend;
+  const Vectors told = bendOf(best.box, best.way);
+  for (size_t i = 0; i < told.size(); ++i) best.more[i] -= told[i];
+  return best;
 }
 
 /// Both densities' images of a level, with their channels.
@@ -450,11 +543,20 @@ Paths improved(const Level& level, Paths paths) {
 
 /// The same on the next finer level, as its start.
 Paths finer(const Images& images, const Paths& paths) {
-  Paths next{paths.step / 2, images.boxOf(paths.step / 2), {}, {}};
+  Paths next{paths.step / 2, images.boxOf(paths.step / 2), {}, {}, {}};
   next.way = resized(paths.box, paths.way, next.box, 0.5f);
-  for (Vec& w : next.way) w *= 2;
-  next.bend = bendOf(next.box, next.way);
+  if (!paths.more.empty()) next.more = resized(paths.box, paths.more, next.box, 0.5f);
+  for (Vectors* field : {&next.way, &next.more})
+    for (Vec& v : *field) v *= 2;
+  next.bend = wholeBend(next);
   return next;
+}
+
+/// The paths of a level after its steps and those of all finer ones.
+Paths refined(const Images& images, Paths paths) {
+  while (paths.step > kFinest) paths = improved(Level(images, paths.step / 2), finer(images, paths));
+  paths.bend = wholeBend(paths);
+  return paths;
 }
 
 /// From coarse to fine, begun from whichever of the starts is better on the coarsest level.
@@ -463,9 +565,7 @@ Paths found(const Images& images, const std::array<Paths, 2>& starts) {
   Paths paths = improved(coarsest, starts[0]);
   if (Paths other = improved(coarsest, starts[1]); misfitOf(images, other) < misfitOf(images, paths))
     paths = std::move(other);
-  while (paths.step > kFinest) paths = improved(Level(images, paths.step / 2), finer(images, paths));
-  paths.bend = bendOf(paths.box, paths.way);
-  return paths;
+  return refined(images, std::move(paths));
 }
 
 /// The map of the finest paths, on a lattice around which it fades to nothing.
@@ -503,7 +603,8 @@ Displacements mapOf(const Images& images, const Paths& paths) {
 
 }  // namespace
 
-DensityMatch matchDensities(const std::array<FloatGrid::ConstPtr, 2>& densities, const Chart& chart,
+DensityMatch matchDensities(const std::array<FloatGrid::ConstPtr, 2>& densities,
+                            const DensityVelocities& velocities, const Chart& chart,
                             const Displacements& map) {
   const Images images(densities, chart);
   int coarsest = kFinest;
@@ -511,11 +612,17 @@ DensityMatch matchDensities(const std::array<FloatGrid::ConstPtr, 2>& densities,
   DensityMatch match;
   match.before = match.after = misfitOf(images, pathsOf(map, images, kFinest));
   match.map = map;
-  Paths nothing{coarsest, images.boxOf(coarsest), {}, {}};
+  Paths nothing{coarsest, images.boxOf(coarsest), {}, {}, {}};
   nothing.way.assign(nothing.box.count(), Vec::Zero()), nothing.bend = nothing.way;
-  const Paths paths = found(images, {nothing, pathsOf(map, images, coarsest)});
-  if (const double misfit = misfitOf(images, paths); misfit < match.after)
-    match.after = misfit, match.map = mapOf(images, paths);
+  std::optional<Paths> best;
+  const auto take = [&](Paths paths) {
+    if (const double misfit = misfitOf(images, paths); misfit < match.after)
+      match.after = misfit, best = std::move(paths);
+  };
+  take(found(images, {nothing, pathsOf(map, images, coarsest)}));
+  if (const std::optional<Paths> swum = pathsOfVelocities(images, velocities))
+    take(refined(images, improved(Level(images, kVelocityStep), *swum)));
+  if (best) match.map = mapOf(images, *best);
   return match;
 }
 

@@ -13,6 +13,16 @@ namespace {
 /// Stems whose components are told by a last letter alone; any other stem needs a mark before it.
 const std::set<std::string> kBareStems{"vel", "v", "velocity"};
 
+openvdb::Vec3SGrid::Ptr asFloatVectors(const openvdb::GridBase::Ptr& grid) {
+  if (const auto vectors = openvdb::GridBase::grid<openvdb::Vec3SGrid>(grid)) return vectors;
+  const auto doubles = openvdb::GridBase::grid<openvdb::Vec3DGrid>(grid);
+  if (!doubles) return nullptr;
+  const auto vectors = std::make_shared<openvdb::Vec3SGrid>(*doubles);
+  vectors->setTransform(doubles->transformPtr());
+  vectors->setGridClass(doubles->getGridClass());
+  return vectors;
+}
+
 /// The name without its component: `vel` of `vel.x`, with the mark between them, and which component it is.
 struct Component {
   std::string stem, mark;
@@ -70,6 +80,23 @@ openvdb::GridBase::Ptr component(const Vectors& vectors, int axis) {
 }
 
 }  // namespace
+
+bool isVelocityName(const std::string& name) { return kBareStems.count(name) > 0; }
+
+openvdb::Vec3SGrid::Ptr readVelocity(const VdbFile& file) {
+  for (size_t i = 0; i < file.entries().size(); ++i) {
+    const std::string& name = file.entries()[i].name;
+    if (!isVelocityName(name.substr(0, name.find('[')))) continue;
+    const openvdb::GridBase::Ptr header = file.readHeader(i);
+    if (!header || !(header->isType<openvdb::Vec3SGrid>() || header->isType<openvdb::Vec3DGrid>())) continue;
+    return asFloatVectors(file.read(i));
+  }
+  for (const VectorParts& parts : findVectorParts(file))
+    if (isVelocityName(parts.name))
+      return asFloatVectors(joinParts(
+          {file.read(parts.index[0]), file.read(parts.index[1]), file.read(parts.index[2])}, parts.name));
+  return nullptr;
+}
 
 std::vector<VectorParts> findVectorParts(const VdbFile& file) {
   std::map<std::pair<std::string, std::string>, std::array<std::vector<size_t>, 3>> found;

@@ -18,6 +18,13 @@ struct VectorParts {
 /// Those of a file: of one type, on voxels of one transform, each name there once.
 std::vector<VectorParts> findVectorParts(const VdbFile& file);
 
+/// Whether a grid has a name that Houdini, Blender and other programs give to velocities: vel, v, velocity.
+bool isVelocityName(const std::string& name);
+
+/// The velocities of a file: of its first grid of vectors of such a name, or joined of components, as float vectors; null
+/// where it has none.
+openvdb::Vec3SGrid::Ptr readVelocity(const VdbFile& file);
+
 /// One grid of vectors, active where any of the parts is; with the metadata of the first part.
 openvdb::GridBase::Ptr joinParts(const std::array<openvdb::GridBase::ConstPtr, 3>& parts,
                                  const std::string& name);

@@ -3,6 +3,7 @@
 #include "engine/volume/surface_colors.h"
 #include "io/vdb/fog_reader.h"
 #include "io/vdb/grid_choice.h"
+#include "io/vdb/vector_parts.h"
 #include "slicemorph/errors.h"
 #include "slicemorph/io/image_writer.h"
 
@@ -125,8 +126,6 @@ void keepAsked(FrameContent& content, const MorphSettings& settings, bool first)
 }
 
 }  // namespace
-
-bool isVelocityName(const std::string& name) { return name == "vel" || name == "v" || name == "velocity"; }
 
 FrameContent contentOf(const MorphSettings& settings, const Inputs& inputs, bool first) {
   const MethodTraits& can = settings.can();

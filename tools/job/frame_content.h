@@ -21,9 +21,6 @@ struct FrameContent {
   Notes notes;            ///< what is left out and why
 };
 
-/// Whether a grid has a name that Houdini, Blender and other programs give to velocities.
-bool isVelocityName(const std::string& name);
-
 /// Chooses by output, method and --grids. `first`: these are the inputs of the first frame, which must have
 /// all grids that are asked for; in later frames of a sequence grids may be missing. Throws InputError.
 FrameContent contentOf(const MorphSettings& settings, const std::vector<LoadedObject>& inputs, bool first);

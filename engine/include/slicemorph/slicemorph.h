@@ -25,6 +25,9 @@ struct Object {
   /// The fog whose shape this is; null: it is none. Where all objects have one and keep their positions (Align::kNone), as
   /// two frames of a simulation do, the map is refined until their densities lie on each other.
   FloatGrid::ConstPtr density = nullptr;
+  /// How fast the density moves, world units in any unit of time; null: not known. Two of them are where the search for
+  /// that map begins.
+  openvdb::Vec3SGrid::ConstPtr velocity = nullptr;
 };
 
 enum class SpineKind { kAuto, kStraight, kCurved };

@@ -33,6 +33,22 @@ FloatGrid::ConstPtr smoke(const std::function<Vec3d(const Vec3d&)>& back) {
   return grid;
 }
 
+const DensityVelocities kUnknown{};
+
+/// Of a turn about z, by 7 radians per unit of time; at voxels' middles, or staggered at their faces, where they are the
+/// same, as a component does not change along its own axis.
+openvdb::Vec3SGrid::ConstPtr turningVelocity(bool staggered) {
+  const openvdb::Vec3SGrid::Ptr grid = openvdb::Vec3SGrid::create();
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+  if (staggered) grid->setGridClass(openvdb::GRID_STAGGERED);
+  auto accessor = grid->getAccessor();
+  for (auto c = openvdb::CoordBBox::createCube(openvdb::Coord(-25), 50).begin(); c; ++c) {
+    const Vec3d p = (*c).asVec3d();
+    accessor.setValue(*c, openvdb::Vec3s(float(-3.5 * p[1]), float(3.5 * p[0]), 0.f));
+  }
+  return grid;
+}
+
 /// A map that leaves everything where it is.
 Displacements still(const Chart& chart) {
   const Lattice lattice =
@@ -68,8 +84,8 @@ TEST(MatchDensities, AMotionAlongALine) {
   const Vec3d by(3, -3, 2.6);
   const Chart chart = chartOf();
   const DensityMatch match = matchDensities(
-      {smoke([](const Vec3d& p) { return p; }), smoke([&](const Vec3d& p) { return Vec3d(p - by); })}, chart,
-      still(chart));
+      {smoke([](const Vec3d& p) { return p; }), smoke([&](const Vec3d& p) { return Vec3d(p - by); })},
+      kUnknown, chart, still(chart));
   EXPECT_LT(meanError(match.map, chart, [&](const Vec3d& p, double t) { return Vec3d(p + t * by); }), 0.1);
   EXPECT_LT(match.after, 0.05);
   EXPECT_GT(match.before, 10 * match.after);
@@ -84,9 +100,35 @@ TEST(MatchDensities, ATurn) {
   const Chart chart = chartOf();
   const DensityMatch match = matchDensities(
       {smoke([](const Vec3d& p) { return p; }), smoke([&](const Vec3d& p) { return turned(p, -angle); })},
-      chart, still(chart));
+      kUnknown, chart, still(chart));
   EXPECT_LT(meanError(match.map, chart, [&](const Vec3d& p, double t) { return turned(p, t * angle); }), 0.5);
   EXPECT_GT(leastRatio(match.map), 0.1);
+}
+
+/// A turn by 140 degrees is too far for a search, which lays balls on other ones. The velocities tell it, in whatever
+/// unit: to a voxel, half the lattice's spacing, of ways of up to 24.
+TEST(MatchDensities, VelocitiesTellWhatIsTooFar) {
+  const double angle = 140 * M_PI / 180;
+  const auto turned = [](const Vec3d& p, double a) { return Vec3d(rotationFromVector({0, 0, a}) * p); };
+  const auto motion = [&](const Vec3d& p, double t) { return turned(p, t * angle); };
+  const Chart chart = chartOf();
+  const std::array<FloatGrid::ConstPtr, 2> densities{
+      smoke([](const Vec3d& p) { return p; }), smoke([&](const Vec3d& p) { return turned(p, -angle); })};
+  const DensityMatch blind = matchDensities(densities, kUnknown, chart, still(chart));
+  EXPECT_GT(meanError(blind.map, chart, motion), 3);
+  for (bool staggered : {false, true}) {
+    const openvdb::Vec3SGrid::ConstPtr velocity = turningVelocity(staggered);
+    const DensityMatch match = matchDensities(densities, {velocity, velocity}, chart, still(chart));
+    EXPECT_LT(meanError(match.map, chart, motion), 1) << staggered;
+    EXPECT_LT(match.after, 0.5 * blind.after) << staggered;
+    EXPECT_GT(leastRatio(match.map), 0.1) << staggered;
+  }
+  // What one object alone tells, or nonsense, changes nothing.
+  const DensityMatch half = matchDensities(densities, {turningVelocity(false), nullptr}, chart, still(chart));
+  EXPECT_EQ(half.map.of[0], blind.map.of[0]);
+  const openvdb::Vec3SGrid::Ptr wrong = openvdb::Vec3SGrid::create(openvdb::Vec3s(0.f, 0.f, NAN));
+  const DensityMatch nonsense = matchDensities(densities, {wrong, wrong}, chart, still(chart));
+  EXPECT_EQ(nonsense.map.of[0], blind.map.of[0]);
 }
 
 /// Either density may be called the first: what belongs together is the same.
@@ -95,8 +137,8 @@ TEST(MatchDensities, OrderDoesNotCount) {
   const Chart chart = chartOf();
   const FloatGrid::ConstPtr a = smoke([](const Vec3d&p) { return p; }),
                             b = smoke([&](const Vec3d&p) { return Vec3d(p - by); });
-  const DensityMatch one = matchDensities({a, b}, chart, still(chart)),
-                     other = matchDensities({b, a}, chart, still(chart));
+  const DensityMatch one = matchDensities({a, b}, kUnknown, chart, still(chart)),
+                     other = matchDensities({b, a}, kUnknown, chart, still(chart));
   double most = 0;
   for (size_t i = 0; i < one.map.of[0].size(); ++i)
     most = std::max(most, double((one.map.of[0][i] - other.map.of[1][i]).length()));
@@ -113,8 +155,8 @@ TEST(MatchDensities, AGoodMapStays) {
     for (auto& d : exact.of[k])
       d = openvdb::Vec3s(chart.toChart((k == 0 ? -0.25 : 0.25) * by) - chart.toChart(Vec3d(0.0)));
   const DensityMatch match = matchDensities(
-      {smoke([](const Vec3d& p) { return p; }), smoke([&](const Vec3d& p) { return Vec3d(p - by); })}, chart,
-      exact);
+      {smoke([](const Vec3d& p) { return p; }), smoke([&](const Vec3d& p) { return Vec3d(p - by); })},
+      kUnknown, chart, exact);
   EXPECT_LE(match.after, match.before);
   EXPECT_LT(meanError(match.map, chart, [&](const Vec3d& p, double t) { return Vec3d(p + t * by); }), 0.02);
 }
