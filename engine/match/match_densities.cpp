@@ -52,6 +52,11 @@ constexpr float kLongestStep = 1;  ///< nodes
 constexpr int kVelocityStep = 2 * kFinest, kSwimmingSteps = 8;
 constexpr float kLeastWay = 0.5f, kTimeFactor = 1.25f, kMostWay = 60;
 constexpr double kWorthStarting = 0.9;
+constexpr double kLeastSeen = 0.5;  ///< share of both densities' total
+/// Velocities bend paths whose ways they tell: where both correlate by at least so much. At so many rounds the places at
+/// which they are looked up settle.
+constexpr double kToldWays = 0.5;
+constexpr int kBendRounds = 3;
 /// Around the map it fades to nothing at least so slowly, in displacements.
 constexpr double kFade = 2.5;
 
@@ -353,13 +358,18 @@ class Images {
     finer_ = std::max(1, int(std::lround(spacing_ / finest)));
     origin_ = inside.min() - Vec3d(kPad * spacing_);
     for (int a = 0; a < 3; ++a) box_.size[a] = int(std::ceil(extents[a] / spacing_)) + 1 + 2 * kPad;
-    for (size_t k = 0; k < 2; ++k) density_[k] = sampled(*densities[k]), image_[k] = compressed(density_[k]);
+    for (size_t k = 0; k < 2; ++k) {
+      density_[k] = sampled(*densities[k]), image_[k] = compressed(density_[k]);
+      for (float d : density_[k]) total_ += double(d);
+    }
   }
 
   const Chart& chart() const { return chart_; }
   int longest() const { return std::max({box_.size[0], box_.size[1], box_.size[2]}); }
   const Values& density(size_t object) const { return density_[object]; }
   const Lattice& box() const { return box_; }
+  /// Of both densities.
+  double total() const { return total_; }
   Lattice boxOf(int step) const {
     Lattice box;
     for (int a = 0; a < 3; ++a) box.size[a] = std::max((box_.size[a] + step - 1) / step, 2);
@@ -415,9 +425,10 @@ class Images {
   double spacing_ = 1;     ///< chart units
   int finer_ = 1;          ///< samples per point and axis
   std::array<Values, 2> density_, image_;
+  double total_ = 0;
 };
 
-/// sum |a - b| / sum |a + b| half way.
+/// sum |a - b| / sum |a + b| half way; 1 where paths lead most of the smoke out of sight.
 double misfitOf(const Images& images, const Paths& paths) {
   const Lattice& box = images.box();
   std::vector<std::array<double, 2>> slabs(size_t(box.size[2]), {0, 0});
@@ -433,7 +444,7 @@ double misfitOf(const Images& images, const Paths& paths) {
   });
   double off = 0, all = 0;
   for (const auto& slab : slabs) off += slab[0], all += slab[1];
-  return all > 0 ? off / all : 0;
+  return all > kLeastSeen * images.total() ? off / all : 1;
 }
 
 /// A map as paths of a level.
@@ -525,6 +536,51 @@ std::optional<Paths> pathsOfVelocities(const Images& images, const DensityVeloci
   const Vectors told = bendOf(best.box, best.way);
   for (size_t i = 0; i < told.size(); ++i) best.more[i] -= told[i];
   return best;
+}
+
+/// What the two objects' velocities say of the paths between them.
+struct ToldWays {
+  float time = 0;          ///< that passes between the objects, by the length of ways and velocities
+  double correlation = 0;  ///< of the ways and the mean velocity at their two ends, where there is smoke
+};
+
+ToldWays toldWays(const Images& images, const std::array<Vectors, 2>& velocity, const Paths& paths) {
+  const Lattice& box = paths.box;
+  const Values smoke[2] = {images.level(0, paths.step), images.level(1, paths.step)};
+  std::vector<std::array<double, 3>> slabs(size_t(box.size[2]), {0, 0, 0});
+  forNodes(box, [&](size_t i, int x, int y, int z) {
+    const Vec middle = nodeAt(x, y, z) + paths.bend[i], a = middle - paths.way[i], b = middle + paths.way[i];
+    const double weight = double(std::min(sample(box, smoke[0], a), sample(box, smoke[1], b)));
+    if (!(weight > 0)) return;
+    const Vec mean = 0.5f * (sample(box, velocity[0], a) + sample(box, velocity[1], b));
+    const Vec way = 2 * paths.way[i];
+    std::array<double, 3>& sum = slabs[size_t(z)];
+    sum[0] += weight * double(mean.dot(way));
+    sum[1] += weight * double(mean.squaredNorm()), sum[2] += weight * double(way.squaredNorm());
+  });
+  std::array<double, 3> all{0, 0, 0};
+  for (const auto& slab : slabs)
+    for (size_t n = 0; n < 3; ++n) all[n] += slab[n];
+  if (!(all[1] > 0 && all[2] > 0)) return {};
+  return {float(std::sqrt(all[2] / all[1])), all[0] / std::sqrt(all[1] * all[2])};
+}
+
+/// Bends paths as cubics do that leave the first object and reach the second one with their velocities: by Hermite's, half
+/// way is off the middle of both ends by an eighth of the time times the difference of these. Where velocities are not
+/// known, or tell other ways, paths stay.
+void bendByVelocities(const Images& images, const DensityVelocities& grids, Paths& paths) {
+  if (!grids[0] || !grids[1]) return;
+  const std::array<Vectors, 2> velocity{velocitiesOn(*grids[0], images, paths.step),
+                                        velocitiesOn(*grids[1], images, paths.step)};
+  const ToldWays told = toldWays(images, velocity, paths);
+  if (!(told.correlation >= kToldWays)) return;
+  for (int round = 0; round < kBendRounds; ++round)
+    forNodes(paths.box, [&](size_t i, int x, int y, int z) {
+      const Vec middle = nodeAt(x, y, z) + paths.bend[i];
+      paths.bend[i] = 0.125f * told.time *
+                      Vec(sample(paths.box, velocity[1], Vec(middle + paths.way[i])) -
+                          sample(paths.box, velocity[0], Vec(middle - paths.way[i])));
+    });
 }
 
 /// Both densities' images of a level, with their channels.
@@ -622,7 +678,12 @@ DensityMatch matchDensities(const std::array<FloatGrid::ConstPtr, 2>& densities,
   take(found(images, {nothing, pathsOf(map, images, coarsest)}));
   if (const std::optional<Paths> swum = pathsOfVelocities(images, velocities))
     take(refined(images, improved(Level(images, kVelocityStep), *swum)));
-  if (best) match.map = mapOf(images, *best);
+  if (!best) return match;
+  if (best->more.empty()) {  // else velocities bent them already
+    bendByVelocities(images, velocities, *best);
+    match.after = misfitOf(images, *best);
+  }
+  match.map = mapOf(images, *best);
   return match;
 }
 

@@ -131,6 +131,29 @@ TEST(MatchDensities, VelocitiesTellWhatIsTooFar) {
   EXPECT_EQ(nonsense.map.of[0], blind.map.of[0]);
 }
 
+/// Smoke that falls as it drifts: half way it has done a quarter of its fall, a voxel less than half. Nothing but the
+/// velocities at both ends can tell; what lies there has the same accuracy as AMotionAlongALine.
+TEST(MatchDensities, VelocitiesTellHowPathsBend) {
+  const auto motion = [](const Vec3d& p, double t) { return Vec3d(p + Vec3d(5 * t, 0, -4 * t * t)); };
+  const Chart chart = chartOf();
+  const auto falling = [](float speed) {  // per third of the time
+    const openvdb::Vec3SGrid::Ptr grid = openvdb::Vec3SGrid::create(openvdb::Vec3s(7.5f, 0.f, -3 * speed));
+    grid->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+    return grid;
+  };
+  const std::array<FloatGrid::ConstPtr, 2> densities{
+      smoke([](const Vec3d& p) { return p; }),
+      smoke([&](const Vec3d& p) { return Vec3d(p + Vec3d(-5, 0, 4)); })};
+  const DensityMatch blind = matchDensities(densities, kUnknown, chart, still(chart));
+  EXPECT_NEAR(meanError(blind.map, chart, motion), 1, 0.1);
+  const DensityMatch match = matchDensities(densities, {falling(0), falling(4)}, chart, still(chart));
+  EXPECT_LT(meanError(match.map, chart, motion), 0.1);
+  // Velocities that have nothing to do with what happens bend nothing.
+  const DensityMatch other =
+      matchDensities(densities, {turningVelocity(false), turningVelocity(false)}, chart, still(chart));
+  EXPECT_NEAR(meanError(other.map, chart, motion), 1, 0.1);
+}
+
 /// Either density may be called the first: what belongs together is the same.
 TEST(MatchDensities, OrderDoesNotCount) {
   const Vec3d by(2, 1, -2);
