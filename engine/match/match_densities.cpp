@@ -463,6 +463,12 @@ Paths pathsOf(const Displacements& map, const Images& images, int step) {
   return paths;
 }
 
+Paths nothingMoves(const Images& images, int step) {
+  Paths paths{step, images.boxOf(step), {}, {}, {}};
+  paths.way.assign(paths.box.count(), Vec::Zero()), paths.bend = paths.way;
+  return paths;
+}
+
 /// Velocities on a level's nodes, in nodes per unit of time.
 Vectors velocitiesOn(const openvdb::Vec3SGrid& grid, const Images& images, int step) {
   const Lattice box = images.boxOf(step);
@@ -521,20 +527,17 @@ std::optional<Paths> pathsOfVelocities(const Images& images, const DensityVeloci
   for (const Vectors& field : velocity)
     for (const Vec& v : field) fastest = std::max(fastest, v.norm());
   if (!(fastest > 0) || !std::isfinite(fastest)) return std::nullopt;
-  Paths best{kVelocityStep, images.boxOf(kVelocityStep), {}, {}, {}};
-  best.way.assign(best.box.count(), Vec::Zero()), best.bend = best.way;
-  const double still = misfitOf(images, best);
-  double least = kWorthStarting * still;
-  bool any = false;
+  double least = kWorthStarting * misfitOf(images, nothingMoves(images, kVelocityStep));
+  std::optional<Paths> best;
   for (float way = kLeastWay; way < kMostWay; way *= kTimeFactor) {
     Paths paths = swimming(images, velocity, way / fastest);
     if (const double misfit = misfitOf(images, paths); misfit < least)
-      least = misfit, best = std::move(paths), any = true;
+      least = misfit, best = std::move(paths);
   }
-  if (!any) return std::nullopt;
-  best.more = best.bend;
-  const Vectors told = bendOf(best.box, best.way);
-  for (size_t i = 0; i < told.size(); ++i) best.more[i] -= told[i];
+  if (!best) return best;
+  best->more = best->bend;
+  const Vectors told = bendOf(best->box, best->way);
+  for (size_t i = 0; i < told.size(); ++i) best->more[i] -= told[i];
   return best;
 }
 
@@ -668,14 +671,12 @@ DensityMatch matchDensities(const std::array<FloatGrid::ConstPtr, 2>& densities,
   DensityMatch match;
   match.before = match.after = misfitOf(images, pathsOf(map, images, kFinest));
   match.map = map;
-  Paths nothing{coarsest, images.boxOf(coarsest), {}, {}, {}};
-  nothing.way.assign(nothing.box.count(), Vec::Zero()), nothing.bend = nothing.way;
   std::optional<Paths> best;
   const auto take = [&](Paths paths) {
     if (const double misfit = misfitOf(images, paths); misfit < match.after)
       match.after = misfit, best = std::move(paths);
   };
-  take(found(images, {nothing, pathsOf(map, images, coarsest)}));
+  take(found(images, {nothingMoves(images, coarsest), pathsOf(map, images, coarsest)}));
   if (const std::optional<Paths> swum = pathsOfVelocities(images, velocities))
     take(refined(images, improved(Level(images, kVelocityStep), *swum)));
   if (!best) return match;

@@ -23,7 +23,8 @@ using DensityVelocities = std::array<openvdb::Vec3SGrid::ConstPtr, 2>;
 /// counts; smooth, nearly without divergence, and only lightly bound to what was found at coarser levels, as smoke
 /// swirls. Paths bend as those of a fluid do that is not compressed. Begun from nothing, from the map that is given, and
 /// from where the velocities carry it, which finds ways too far for a search; what fits best is taken, the map itself
-/// where that does. Where velocities agree with the ways found, paths leave and arrive with them. `chart`: of both objects. Free of folds.
+/// where that does. Where velocities agree with the ways found, paths leave and arrive with them. `chart`: of both
+/// objects. Free of folds.
 DensityMatch matchDensities(const std::array<FloatGrid::ConstPtr, 2>& densities,
                             const DensityVelocities& velocities, const Chart& chart,
                             const Displacements& map);

@@ -101,9 +101,7 @@ Image interpolateLabels(Image labels, const GivenSlices& given) {
   const SliceLayout layout = layoutOf(labels.lattice, given.axis);
   checkGiven(labels.lattice, given);
   const auto slice = [&](size_t k) { return LabelSlice{labels.values, layout, given.at[k]}; };
-  std::vector<LabelCount> counts(given.at.size());
-  tbb::parallel_for(size_t(0), counts.size(), [&](size_t k) { counts[k] = countLabels(slice(k)); });
-  const std::vector<double> ranked = rankLabels(counts);
+  const std::vector<double> ranked = rankLabels(labels, given);
   GapFiller filler(labels.lattice, given, ranked);
   while (!filler.done())
     filler.fill(slice, [&](const FilledGap& gap) {

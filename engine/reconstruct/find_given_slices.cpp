@@ -67,12 +67,6 @@ void LabelledSlices::add(const ImageValues& slab) {
       slab);
 }
 
-GivenSlices findGivenSlices(const Image& labels, int axis, int every) {
-  LabelledSlices slices(labels.lattice.size);
-  slices.add(labels.values);
-  return findGivenSlices(slices, axis, every);
-}
-
 GivenSlices findGivenSlices(const LabelledSlices& slices, int axis, int every) {
   if (axis < -1 || axis > 2) throw InputError("axis must be 0, 1 or 2, got " + std::to_string(axis));
   if (every < 0 || every == 1)

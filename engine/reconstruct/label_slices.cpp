@@ -145,17 +145,24 @@ ScorePlane scoredPlane(const LabelSlice& slice, const std::vector<double>& ranke
   return plane;
 }
 
+std::vector<double> rankLabels(const Image& labels, const GivenSlices& given) {
+  const SliceLayout layout = layoutOf(labels.lattice, given.axis);
+  std::vector<LabelCount> counts(given.at.size());
+  tbb::parallel_for(size_t(0), counts.size(), [&](size_t k) {
+    counts[k] = countLabels({labels.values, layout, given.at[k]});
+  });
+  return rankLabels(counts);
+}
+
 RankedSlices rankSlices(const Image& labels, const GivenSlices& given) {
   const SliceLayout layout = layoutOf(labels.lattice, given.axis);
   const double spacing = labels.lattice.spacing()[given.axis];
   const size_t count = given.at.size();
-  std::vector<LabelCount> counts(count);
-  const auto slice = [&](size_t k) { return LabelSlice{labels.values, layout, given.at[k]}; };
-  tbb::parallel_for(size_t(0), count, [&](size_t k) { counts[k] = countLabels(slice(k)); });
-  RankedSlices result{emptyStack(labels.lattice, given.axis), rankLabels(counts)};
+  RankedSlices result{emptyStack(labels.lattice, given.axis), rankLabels(labels, given)};
   result.stack.planes.resize(count);
   tbb::parallel_for(size_t(0), count, [&](size_t k) {
-    result.stack.planes[k] = scoredPlane(slice(k), result.values, result.stack, given.at[k] * spacing);
+    result.stack.planes[k] =
+        scoredPlane({labels.values, layout, given.at[k]}, result.values, result.stack, given.at[k] * spacing);
   });
   return result;
 }

@@ -37,7 +37,6 @@ class LabelledSlices {
 /// `every` 0: n is to be found, else it is n. Throws InputError if values are not integers, nothing is
 /// labelled, only one slice is labelled, or no slice is missing in between.
 GivenSlices findGivenSlices(const LabelledSlices& slices, int axis = -1, int every = 0);
-GivenSlices findGivenSlices(const Image& labels, int axis = -1, int every = 0);
 
 /// Where the pixels of slices lie in an image's values; x fastest.
 struct SliceLayout {
@@ -64,6 +63,7 @@ LabelCount countLabels(const LabelSlice& slice);
 /// Labels by rank: in ascending order of their number of pixels on all given slices, ties by first appearance, so that
 /// no later decision depends on the numbers.
 std::vector<double> rankLabels(const std::vector<LabelCount>& slices);
+std::vector<double> rankLabels(const Image& labels, const GivenSlices& given);
 
 /// A stack without planes for slices along an axis.
 ScoreStack emptyStack(const ImageLattice& lattice, int axis);

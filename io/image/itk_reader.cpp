@@ -234,6 +234,7 @@ ImageSlices slicesOf(const std::string& path, ImageFile file, RawType type, cons
   const size_t each = size_t(size[0]) * size_t(size[1]), bytes = each * size_t(type.bytes);
   auto stream = std::make_shared<PackedBytes>(where.path, where.from, where.packed);
   const size_t all = bytes * size_t(size[2]);
+  file.image.values = noValues(type);
   return {std::move(file), [=, done = size_t(0), swap = where.bigEndian]() mutable {
             return readValues(type, each, [&](void* to) {
               const size_t got = stream->read(to, bytes);

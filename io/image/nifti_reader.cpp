@@ -194,6 +194,7 @@ std::optional<ImageSlices> openNifti(const std::string& path, int volume) {
   const size_t each = size_t(lattice.size[0]) * size_t(lattice.size[1]);
   auto data = std::make_shared<NiftiData>(path, *open->header, 0, lattice.count() * size_t(open->type.bytes));
   ImageFile file = open->file;
+  file.image.values = noValues(open->type);
   return ImageSlices{std::move(file), [open, data, each] {
                        return readValues(open->type, each,
                                          [&](void* to) { data->read(to, each * size_t(open->type.bytes)); });

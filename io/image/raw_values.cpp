@@ -64,6 +64,10 @@ ImageValues readValues(RawType type, size_t count, const std::function<void(void
   }
 }
 
+ImageValues noValues(RawType type) {
+  return readValues(type, 0, [](void*) {});
+}
+
 ImageValues rescaled(ImageValues values, double slope, double intercept) {
   if (slope == 1 && intercept == 0) return values;
   return std::visit(

@@ -17,6 +17,9 @@ struct RawType {
 /// all values fit, else to double.
 ImageValues readValues(RawType type, size_t count, const std::function<void(void*)>& read);
 
+/// No values, of the type that readValues() gives those of a file's type that are in range.
+ImageValues noValues(RawType type);
+
 /// Called with an image's size and the bytes that its values will take, before they are taken; throws where these are
 /// too many.
 using SizeCheck = std::function<void(const openvdb::Coord& size, double bytes)>;

@@ -184,6 +184,7 @@ std::optional<ImageSlices> openStack(const InputSpec& input, const ImageOptions&
   const SlicemorphReadPicture read = loadPlugin();
   auto stack = std::make_shared<OpenStack>(openedStack(input, options, true, read));
   ImageFile file = stack->file;
+  file.image.values = emptyValues(stack->first, 0);
   return ImageSlices{std::move(file), [stack, read, next = size_t(0)]() mutable {
                        ++next;
                        return valuesOf(stack->pages, next - 1, next, read, stack->first);

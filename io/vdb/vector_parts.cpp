@@ -83,19 +83,28 @@ openvdb::GridBase::Ptr component(const Vectors& vectors, int axis) {
 
 bool isVelocityName(const std::string& name) { return kBareStems.count(name) > 0; }
 
-openvdb::Vec3SGrid::Ptr readVelocity(const VdbFile& file) {
+std::vector<std::vector<size_t>> findVelocities(const VdbFile& file, const std::string& ownName) {
+  const auto named = [&](const std::string& name) { return isVelocityName(name) || name == ownName; };
+  std::vector<std::vector<size_t>> found;
   for (size_t i = 0; i < file.entries().size(); ++i) {
     const std::string& name = file.entries()[i].name;
-    if (!isVelocityName(name.substr(0, name.find('[')))) continue;
+    if (!named(name.substr(0, name.find('[')))) continue;
     const openvdb::GridBase::Ptr header = file.readHeader(i);
-    if (!header || !(header->isType<openvdb::Vec3SGrid>() || header->isType<openvdb::Vec3DGrid>())) continue;
-    return asFloatVectors(file.read(i));
+    if (header && (header->isType<openvdb::Vec3SGrid>() || header->isType<openvdb::Vec3DGrid>()))
+      found.push_back({i});
   }
   for (const VectorParts& parts : findVectorParts(file))
-    if (isVelocityName(parts.name))
-      return asFloatVectors(joinParts(
-          {file.read(parts.index[0]), file.read(parts.index[1]), file.read(parts.index[2])}, parts.name));
-  return nullptr;
+    if (named(parts.name)) found.emplace_back(parts.index.begin(), parts.index.end());
+  return found;
+}
+
+openvdb::Vec3SGrid::Ptr readVelocity(const VdbFile& file) {
+  const std::vector<std::vector<size_t>> found = findVelocities(file);
+  if (found.empty()) return nullptr;
+  const std::vector<size_t>& at = found.front();
+  return asFloatVectors(at.size() == 1
+                            ? file.read(at[0])
+                            : joinParts({file.read(at[0]), file.read(at[1]), file.read(at[2])}, "velocity"));
 }
 
 std::vector<VectorParts> findVectorParts(const VdbFile& file) {

@@ -21,8 +21,11 @@ std::vector<VectorParts> findVectorParts(const VdbFile& file);
 /// Whether a grid has a name that Houdini, Blender and other programs give to velocities: vel, v, velocity.
 bool isVelocityName(const std::string& name);
 
-/// The velocities of a file: of its first grid of vectors of such a name, or joined of components, as float vectors; null
-/// where it has none.
+/// The velocities of a file, by the index of their grid, or of the three of their components; such of a name of their own
+/// too.
+std::vector<std::vector<size_t>> findVelocities(const VdbFile& file, const std::string& ownName = "");
+
+/// The first of a file's velocities, those in one grid before those in three, as float vectors; null where it has none.
 openvdb::Vec3SGrid::Ptr readVelocity(const VdbFile& file);
 
 /// One grid of vectors, active where any of the parts is; with the metadata of the first part.

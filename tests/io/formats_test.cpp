@@ -1,12 +1,12 @@
 #include "slicemorph/io/formats.h"
 
+#include "io/scratch_folder.h"
 #include "slicemorph/errors.h"
 #include "slicemorph/io/input.h"
 
 #include <gtest/gtest.h>
 #include <stdlib.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -20,18 +20,13 @@ namespace fs = std::filesystem;
 
 class Formats : public ::testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("slicemorph_formats_" + std::to_string(getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  std::string file(const std::string& name) const { return (folder_ / name).string(); }
+  std::string file(const std::string& name) const { return folder_.file(name); }
   std::string write(const std::string& name, const std::string& bytes = "x") const {
     std::ofstream(file(name), std::ios::binary) << bytes;
     return file(name);
   }
 
-  fs::path folder_;
+  ScratchFolder folder_;
 };
 
 // ---------------------------------------------------------------- inputs

@@ -46,20 +46,6 @@ void copyBytes(const std::string& from, const std::string& to) {
 
 std::string withoutNumber(const std::string& name) { return name.substr(0, name.find('[')); }
 
-/// The grids of a file that are its velocities or their components.
-std::set<size_t> velocitiesOf(const VdbFile& file, const std::string& ownName) {
-  std::set<size_t> found;
-  const auto named = [&](const std::string& name) { return isVelocityName(name) || name == ownName; };
-  for (size_t i = 0; i < file.entries().size(); ++i) {
-    if (!named(withoutNumber(file.entries()[i].name))) continue;
-    const GridBase::Ptr header = file.readHeader(i);
-    if (header && isVectors(*header)) found.insert(i);
-  }
-  for (const VectorParts& parts : findVectorParts(file))
-    if (named(parts.name)) found.insert(parts.index.begin(), parts.index.end());
-  return found;
-}
-
 }  // namespace
 
 bool isOwnVelocity(const GridSet& set, const GridBase& grid, const VelocitySettings& velocity) {
@@ -75,8 +61,10 @@ GridBase::ConstPtr scaledVectors(const GridBase::ConstPtr& grid, double factor) 
 
 void copyAtSpeed(const FrameJob& job, const MorphSettings& settings) {
   const VdbFile file(job.given);
-  const std::set<size_t> velocities =
-      job.speed == 1 ? std::set<size_t>() : velocitiesOf(file, settings.velocity.name);
+  std::set<size_t> velocities;  // or their components
+  if (job.speed != 1)
+    for (const std::vector<size_t>& grids : findVelocities(file, settings.velocity.name))
+      velocities.insert(grids.begin(), grids.end());
   const auto asked = [&](size_t i) {
     const std::string name = withoutNumber(file.entries()[i].name);
     return settings.grids.empty() || std::count(settings.grids.begin(), settings.grids.end(), name) > 0;

@@ -18,7 +18,7 @@ struct LabelSurvey {
   ImageLattice lattice;  ///< of the dense map
   GivenSlices given;     ///< of the dense map
   std::vector<double> ranked;
-  ImageValues like;  ///< empty, of the type of the values
+  ImageValues like;  ///< none, of the type of the values
 };
 
 ImageValues valuesLike(const ImageValues& like, size_t count) {
@@ -28,13 +28,12 @@ ImageValues valuesLike(const ImageValues& like, size_t count) {
 
 /// Bytes that the whole map takes: the file's, the dense one where it is another, and the planes around the gaps that
 /// are filled at once.
-double neededInMemory(const ReconstructJob& job, ImageSlices& slices) {
+double neededInMemory(const ReconstructJob& job, const Image& image) {
   constexpr double kPlanes = 12,
                    kPerPixel = 32;  // measured: three to six labels overlap at a pixel, of 4 bytes each
-  const ImageLattice& lattice = slices.file.image.lattice;
+  const ImageLattice& lattice = image.lattice;
   const double pixels = double(lattice.size[0]) * lattice.size[1];
-  const double bytes =
-      double(std::visit([](const auto& values) { return sizeof(values[0]); }, slices.next()));
+  const double bytes = double(std::visit([](const auto& values) { return sizeof(values[0]); }, image.values));
   const double copies = job.between > 0 ? job.between + 2 : 1;
   return pixels * (bytes * lattice.size[2] * copies + kPlanes * kPerPixel);
 }
@@ -51,8 +50,8 @@ LabelSurvey surveyed(const ReconstructJob& job, ImageSlices slices, JobEvents& e
     if (job.between > 0) labelsOf(slice);
     labelled.add(slice.values);
     counts.push_back(countLabels({slice.values, layout, 0}));
-    if (k == 0) survey.like = valuesLike(slice.values, 0);
   }
+  survey.like = slices.file.image.values;
   survey.given = givenSlices(job, labelled, lattice);
   if (survey.given.axis != 2)
     throw MemoryError(job.input + ": its slices follow each other along axis " +
@@ -112,8 +111,7 @@ void writeDense(const ReconstructJob& job, ImageSlices slices, const LabelSurvey
 bool reconstructLabelSlabs(const ReconstructJob& job, JobEvents& events) {
   if (!isImageOutput(job.output) || !job.like.empty() || !job.reports.empty()) return false;
   std::optional<ImageSlices> slices = openImageSlices(job.input, job.image);
-  if (!slices || neededInMemory(job, *slices) <= job.memory.left()) return false;
-  slices = openImageSlices(job.input, job.image);  // its first slice was read
+  if (!slices || neededInMemory(job, slices->file.image) <= job.memory.left()) return false;
   Notes notes = slices->file.notes;
   const LabelSurvey survey = surveyed(job, std::move(*slices), events);
   notes.emplace_back("reconstruct.given-slices", Severity::kNote, "", described(survey.given));

@@ -44,6 +44,12 @@ Section sectionOf(const Image& image, int label, int k) {
   return s;
 }
 
+GivenSlices findGivenSlices(const Image& labels, int axis = -1, int every = 0) {
+  LabelledSlices slices(labels.lattice.size);
+  slices.add(labels.values);
+  return slicemorph::findGivenSlices(slices, axis, every);
+}
+
 Image fillIn(int n, int slices, int every, const Label& label) {
   const Image thin = paint(n, n, slices, label, every);
   GivenSlices given{2, {}};

@@ -1,10 +1,10 @@
 #include "slicemorph/io/image_slices.h"
+#include "io/scratch_folder.h"
 #include "io/whole_file.h"
 #include "slicemorph/errors.h"
 #include "slicemorph/io/image_writer.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -19,18 +19,13 @@ const std::vector<std::string> kExtensions{".nii", ".nii.gz", ".nrrd", ".mha"};
 
 class Slices : public ::testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("slicemorph_slices_" + std::to_string(getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  std::string at(const std::string& name) const { return (folder_ / name).string(); }
+  std::string at(const std::string& name) const { return folder_.file(name); }
   std::string write(const std::string& name, const std::string& bytes) const {
     std::ofstream(at(name), std::ios::binary) << bytes;
     return at(name);
   }
 
-  fs::path folder_;
+  ScratchFolder folder_;
 };
 
 /// An oblique image of runs of numbers, larger than the window of its compression.
@@ -63,7 +58,7 @@ std::vector<ImageValues> slicesOf(const Image& image) {
 }
 
 template <typename T>
-void checkBothWays(const Slices&, const std::string& whole, const std::string& sliced) {
+void checkBothWays(const std::string& whole, const std::string& sliced) {
   const Image image = runs<T>();
   writeImage(whole, image);
   ImageSliceWriter writer(sliced, image.lattice, image.values);
@@ -86,12 +81,12 @@ void checkBothWays(const Slices&, const std::string& whole, const std::string& s
 TEST_F(Slices, AreThoseOfTheWhole) {
   for (const std::string& extension : kExtensions) {
     const std::string whole = at("whole" + extension), sliced = at("sliced" + extension);
-    checkBothWays<std::uint8_t>(*this, whole, sliced);
-    checkBothWays<std::int16_t>(*this, whole, sliced);
-    checkBothWays<std::uint16_t>(*this, whole, sliced);
-    checkBothWays<std::int32_t>(*this, whole, sliced);
-    checkBothWays<float>(*this, whole, sliced);
-    checkBothWays<double>(*this, whole, sliced);
+    checkBothWays<std::uint8_t>(whole, sliced);
+    checkBothWays<std::int16_t>(whole, sliced);
+    checkBothWays<std::uint16_t>(whole, sliced);
+    checkBothWays<std::int32_t>(whole, sliced);
+    checkBothWays<float>(whole, sliced);
+    checkBothWays<double>(whole, sliced);
   }
 }
 

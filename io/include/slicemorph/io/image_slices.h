@@ -10,7 +10,7 @@ namespace slicemorph {
 
 /// An image that is read slice by slice along k, so that the whole need not be in memory.
 struct ImageSlices {
-  ImageFile file;  ///< without values
+  ImageFile file;  ///< its values: none, but of the type of those that follow
   /// The values of the next slice, for as many as there are: those that readImage() reads. Throws IoError.
   std::function<ImageValues()> next;
 };
