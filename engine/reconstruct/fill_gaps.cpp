@@ -1,8 +1,8 @@
 #include "engine/reconstruct/fill_gaps.h"
 
+#include "engine/numerics/parallel_each.h"
 #include "slicemorph/errors.h"
 
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -15,6 +15,8 @@ namespace {
 
 /// Gaps that are filled at once: of eight the planes at the borders, which two fillings look at, are a third.
 constexpr size_t kLeastAtOnce = 8, kAtOncePerThread = 2;
+/// Of wide gaps fewer: so many slices together, but one gap.
+constexpr int kSlicesAtOnce = 64;
 
 void checkGiven(const ImageLattice& lattice, const GivenSlices& given) {
   if (given.axis < 0 || given.axis > 2)
@@ -39,7 +41,10 @@ GapFiller::GapFiller(const ImageLattice& lattice, GivenSlices given, std::vector
 GapRange GapFiller::next() const {
   const size_t atOnce =
       std::max(kLeastAtOnce, kAtOncePerThread * size_t(tbb::this_task_arena::max_concurrency()));
-  return {filled_, std::min(filled_ + atOnce, given_.at.size() - 1)};
+  const size_t most = std::min(filled_ + atOnce, given_.at.size() - 1);
+  size_t end = filled_ + 1;
+  while (end < most && given_.at[end + 1] - given_.at[filled_] <= kSlicesAtOnce) ++end;
+  return {filled_, end};
 }
 
 /// A label's path through a gap bends with the planes beyond it.
@@ -53,12 +58,13 @@ void GapFiller::fill(const std::function<LabelSlice(size_t)>& slice,
   planes.erase(planes.begin(), planes.begin() + std::ptrdiff_t(firstPlane - firstPlane_));
   const size_t kept = planes.size();
   planes.resize(endPlane - firstPlane);
-  tbb::parallel_for(kept, planes.size(), [&](size_t n) {
-    const size_t k = firstPlane + n;
-    planes[n] = scoredPlane(slice(k), ranked_, stack_, given_.at[k] * spacing_);
+  parallelEach(planes.size() - kept, [&](size_t n) {
+    const size_t k = firstPlane + kept + n;
+    planes[kept + n] = scoredPlane(slice(k), ranked_, stack_, given_.at[k] * spacing_);
   });
   SliceScores scores(std::move(stack_), {gaps.first - firstPlane, gaps.end - firstPlane});
-  tbb::parallel_for(gaps.first, gaps.end, [&](size_t g) {
+  parallelEach(gaps.end - gaps.first, [&](size_t n) {
+    const size_t g = gaps.first + n;
     const int first = given_.at[g] + 1, count = given_.at[g + 1] - first;
     std::vector<double> positions;
     positions.reserve(size_t(count));

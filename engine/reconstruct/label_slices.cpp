@@ -1,8 +1,7 @@
 #include "engine/reconstruct/label_slices.h"
 
 #include "engine/numerics/mask_distance.h"
-
-#include <tbb/parallel_for.h>
+#include "engine/numerics/parallel_each.h"
 
 #include <cmath>
 #include <numeric>
@@ -148,7 +147,7 @@ ScorePlane scoredPlane(const LabelSlice& slice, const std::vector<double>& ranke
 std::vector<double> rankLabels(const Image& labels, const GivenSlices& given) {
   const SliceLayout layout = layoutOf(labels.lattice, given.axis);
   std::vector<LabelCount> counts(given.at.size());
-  tbb::parallel_for(size_t(0), counts.size(), [&](size_t k) {
+  parallelEach(counts.size(), [&](size_t k) {
     counts[k] = countLabels({labels.values, layout, given.at[k]});
   });
   return rankLabels(counts);
@@ -160,7 +159,7 @@ RankedSlices rankSlices(const Image& labels, const GivenSlices& given) {
   const size_t count = given.at.size();
   RankedSlices result{emptyStack(labels.lattice, given.axis), rankLabels(labels, given)};
   result.stack.planes.resize(count);
-  tbb::parallel_for(size_t(0), count, [&](size_t k) {
+  parallelEach(count, [&](size_t k) {
     result.stack.planes[k] =
         scoredPlane({labels.values, layout, given.at[k]}, result.values, result.stack, given.at[k] * spacing);
   });

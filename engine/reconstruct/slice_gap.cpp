@@ -1,8 +1,7 @@
 #include "engine/reconstruct/slice_gap.h"
 
+#include "engine/numerics/parallel_each.h"
 #include "engine/reconstruct/regions.h"
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -77,11 +76,12 @@ SlicePlan planSlices(ScoreStack stack, const GapRange& wanted) {
   plan.gaps.resize(s.planes.size() - 1);
   const size_t first = wanted.first, end = std::min(wanted.end, plan.gaps.size());
   PlaneRegions regions(s.planes.size());
-  tbb::parallel_for(first, end + 1, [&](size_t k) {
-    for (const LabelScore& l : s.planes[k].labels) regions[k].push_back(findRegions(l));
+  parallelEach(end + 1 - first, [&](size_t n) {
+    for (const LabelScore& l : s.planes[first + n].labels) regions[first + n].push_back(findRegions(l));
   });
   const size_t before = first > 0 ? first - 1 : 0, after = std::min(end + 1, plan.gaps.size());
-  tbb::parallel_for(before, after, [&](size_t g) {
+  parallelEach(after - before, [&](size_t n) {
+    const size_t g = before + n;
     if (first <= g && g < end)
       plan.gaps[g] = makeGap(plan.stack, g, regions);
     else

@@ -235,7 +235,7 @@ ImageSlices slicesOf(const std::string& path, ImageFile file, RawType type, cons
   auto stream = std::make_shared<PackedBytes>(where.path, where.from, where.packed);
   const size_t all = bytes * size_t(size[2]);
   file.image.values = noValues(type);
-  return {std::move(file), [=, done = size_t(0), swap = where.bigEndian]() mutable {
+  return {std::move(file), bytesWhileRead(type), [=, done = size_t(0), swap = where.bigEndian]() mutable {
             return readValues(type, each, [&](void* to) {
               const size_t got = stream->read(to, bytes);
               done += got;

@@ -195,7 +195,7 @@ std::optional<ImageSlices> openNifti(const std::string& path, int volume) {
   auto data = std::make_shared<NiftiData>(path, *open->header, 0, lattice.count() * size_t(open->type.bytes));
   ImageFile file = open->file;
   file.image.values = noValues(open->type);
-  return ImageSlices{std::move(file), [open, data, each] {
+  return ImageSlices{std::move(file), bytesWhileRead(open->type), [open, data, each] {
                        return readValues(open->type, each,
                                          [&](void* to) { data->read(to, each * size_t(open->type.bytes)); });
                      }};

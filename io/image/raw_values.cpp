@@ -68,6 +68,12 @@ ImageValues noValues(RawType type) {
   return readValues(type, 0, [](void*) {});
 }
 
+size_t bytesWhileRead(RawType type) {
+  const RawType as = rawTypeOf(noValues(type));
+  const bool same = as.bytes == type.bytes && as.kind == type.kind;
+  return size_t(type.bytes + (same ? 0 : as.bytes));
+}
+
 ImageValues rescaled(ImageValues values, double slope, double intercept) {
   if (slope == 1 && intercept == 0) return values;
   return std::visit(

@@ -20,6 +20,9 @@ ImageValues readValues(RawType type, size_t count, const std::function<void(void
 /// No values, of the type that readValues() gives those of a file's type that are in range.
 ImageValues noValues(RawType type);
 
+/// Bytes that a value takes while it is read: in the file's type, and in that of the values where it is another.
+size_t bytesWhileRead(RawType type);
+
 /// Called with an image's size and the bytes that its values will take, before they are taken; throws where these are
 /// too many.
 using SizeCheck = std::function<void(const openvdb::Coord& size, double bytes)>;

@@ -185,7 +185,7 @@ std::optional<ImageSlices> openStack(const InputSpec& input, const ImageOptions&
   auto stack = std::make_shared<OpenStack>(openedStack(input, options, true, read));
   ImageFile file = stack->file;
   file.image.values = emptyValues(stack->first, 0);
-  return ImageSlices{std::move(file), [stack, read, next = size_t(0)]() mutable {
+  return ImageSlices{std::move(file), size_t(stack->first.bytes), [stack, read, next = size_t(0)]() mutable {
                        ++next;
                        return valuesOf(stack->pages, next - 1, next, read, stack->first);
                      }};

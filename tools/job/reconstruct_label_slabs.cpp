@@ -28,12 +28,12 @@ ImageValues valuesLike(const ImageValues& like, size_t count) {
 
 /// Bytes that the whole map takes: the file's, the dense one where it is another, and the planes around the gaps that
 /// are filled at once.
-double neededInMemory(const ReconstructJob& job, const Image& image) {
+double neededInMemory(const ReconstructJob& job, const ImageSlices& slices) {
   constexpr double kPlanes = 12,
                    kPerPixel = 32;  // measured: three to six labels overlap at a pixel, of 4 bytes each
-  const ImageLattice& lattice = image.lattice;
+  const ImageLattice& lattice = slices.file.image.lattice;
   const double pixels = double(lattice.size[0]) * lattice.size[1];
-  const double bytes = double(std::visit([](const auto& values) { return sizeof(values[0]); }, image.values));
+  const double bytes = double(slices.bytes);
   const double copies = job.between > 0 ? job.between + 2 : 1;
   return pixels * (bytes * lattice.size[2] * copies + kPlanes * kPerPixel);
 }
@@ -111,7 +111,7 @@ void writeDense(const ReconstructJob& job, ImageSlices slices, const LabelSurvey
 bool reconstructLabelSlabs(const ReconstructJob& job, JobEvents& events) {
   if (!isImageOutput(job.output) || !job.like.empty() || !job.reports.empty()) return false;
   std::optional<ImageSlices> slices = openImageSlices(job.input, job.image);
-  if (!slices || neededInMemory(job, slices->file.image) <= job.memory.left()) return false;
+  if (!slices || neededInMemory(job, *slices) <= job.memory.left()) return false;
   Notes notes = slices->file.notes;
   const LabelSurvey survey = surveyed(job, std::move(*slices), events);
   notes.emplace_back("reconstruct.given-slices", Severity::kNote, "", described(survey.given));

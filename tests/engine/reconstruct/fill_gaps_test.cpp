@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <mutex>
+#include <new>
 
 namespace slicemorph {
 namespace {
@@ -104,6 +105,45 @@ TEST(FillGaps, AsksForEachSliceOnce) {
   std::sort(gaps.begin(), gaps.end());
   ASSERT_EQ(gaps.size(), given.at.size() - 1);
   for (size_t g = 0; g < gaps.size(); ++g) EXPECT_EQ(gaps[g], g);
+}
+
+/// What one gap throws, as where memory is short, is thrown when the others are done: their inner loops go on whole.
+TEST(FillGaps, OneThatFailsLeavesTheOthersWhole) {
+  const Image sparse = windingTubes(2);
+  const GivenSlices given = everyThird(2);
+  const SliceLayout layout = layoutOf(sparse.lattice, 2);
+  const Image expected = interpolateLabels(sparse, given);
+  const std::vector<double> ranked = rankLabels(sparse, given);
+  for (size_t bad = 0; bad < 8; ++bad) {
+    GapFiller filler(sparse.lattice, given, ranked);
+    Image made = expected;
+    std::mutex one;
+    size_t others = 0;
+    EXPECT_THROW(filler.fill(
+                     [&](size_t n) {
+                       return LabelSlice{sparse.values, layout, given.at[n]};
+                     },
+                     [&](const FilledGap& gap) {
+                       if (gap.gap == bad) throw std::bad_alloc();
+                       const std::lock_guard<std::mutex> lock(one);
+                       paintGap(gap, ranked, layout, given.at[gap.gap] + 1, made.values);
+                       ++others;
+                     }),
+                 std::bad_alloc);
+    EXPECT_EQ(others, 7u) << bad;
+    EXPECT_EQ(made.values, expected.values) << bad;
+  }
+}
+
+/// Of wide gaps fewer are filled at once; the first one always.
+TEST(FillGaps, WideGapsAreFewAtOnce) {
+  ImageLattice lattice;
+  lattice.size = openvdb::Coord(4, 4, 500);
+  const GapFiller wide(lattice, {2, {0, 200, 400, 450}}, {0}), mixed(lattice, {2, {0, 30, 60, 90, 400}}, {0}),
+      narrow(lattice, {2, {0, 2, 4, 6}}, {0});
+  EXPECT_EQ(wide.next().end, 1u);
+  EXPECT_EQ(mixed.next().end, 2u);
+  EXPECT_EQ(narrow.next().end, 3u);
 }
 
 TEST(FillGaps, SlicesOutsideAreRefused) {

@@ -10,7 +10,8 @@ namespace slicemorph {
 
 /// An image that is read slice by slice along k, so that the whole need not be in memory.
 struct ImageSlices {
-  ImageFile file;  ///< its values: none, but of the type of those that follow
+  ImageFile file;    ///< its values: none, but of the type of those that follow
+  size_t bytes = 0;  ///< that each voxel takes while readImage() reads it
   /// The values of the next slice, for as many as there are: those that readImage() reads. Throws IoError.
   std::function<ImageValues()> next;
 };
