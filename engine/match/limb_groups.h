@@ -31,8 +31,11 @@ struct LimbGroup {
 std::vector<LimbGroup> groupLimbs(const std::vector<std::vector<PlacedLimb>>& limbs, const Fields& fields,
                                   const std::vector<Chart>& charts, const Displacements& map, double size);
 
-/// Correspondences of one limb of all objects: points along its centre line and around it at the limb's
-/// radius, in rotation-minimising frames. In the middle space the limb has the mean length, direction and
+/// Number of points that follow each one of a limb's centre line, around it.
+constexpr size_t kPointsAround = 4;
+
+/// Correspondences of one limb of all objects: points along its centre line, each followed by kPointsAround around it at
+/// the limb's radius, in rotation-minimising frames. In the middle space the limb has the mean length, direction and
 /// bending, so that it swings instead of moving along straight lines and becoming shorter.
 std::vector<Correspondence> limbPoints(const std::vector<PlacedLimb>& limbs);
 

@@ -7,12 +7,16 @@
 
 namespace slicemorph {
 
-double mapOverlap(const MatchObjects& objects, const Displacements& map) {
+namespace {
+
+/// Calls `action(s, inside)` for the nodes of the lattice on which overlaps are summed, slab by slab in parallel: how far
+/// each object is inside there, 0 to 1, in ascending order.
+template <typename Action>
+void forInsides(const MatchObjects& objects, const Displacements& map, const Lattice& lattice,
+                const Action& action) {
   const size_t count = objects.count();
   const Fields& fields = objects.shape.fields;
   const std::vector<Chart>& charts = objects.charts;
-  const Lattice lattice = objects.lattice(objects.overlapSpacing);
-  std::vector<double> both(lattice.size[2], 0), either(lattice.size[2], 0);
   std::vector<double> unit;
   unit.reserve(count);
   for (const Chart& chart : charts) unit.push_back(1 / (chart.meanScale() * lattice.spacing));
@@ -29,16 +33,58 @@ double mapOverlap(const MatchObjects& objects, const Displacements& map) {
           const double d = samplers[k].coarse(fields[k]->relative(charts[k].toWorld(z))) * unit[k];
           inside[k] = charts[k].spread(z) > 0 ? std::min(std::max(0.5 - d, 0.0), 1.0) : 0;
         }
-        // Sums of min and max over all pairs: the n-th smallest is the minimum of its pairs
-        // with the larger ones.
         std::sort(inside.begin(), inside.end());
-        for (size_t n = 0; n < count; ++n)
-          both[size_t(iz)] += inside[n] * double(count - 1 - n), either[size_t(iz)] += inside[n] * double(n);
+        action(size_t(iz), s, inside);
       }
   });
-  double sumBoth = 0, sumEither = 0;
-  for (size_t z = 0; z < both.size(); ++z) sumBoth += both[z], sumEither += either[z];
-  return sumEither > 0 ? sumBoth / sumEither : 0;
+}
+
+/// Sums of min and max over all pairs of objects.
+struct Shared {
+  double both = 0, either = 0;
+  /// The n-th smallest is the minimum of its pairs with the larger ones.
+  void add(const std::vector<double>& inside) {
+    const size_t count = inside.size();
+    for (size_t n = 0; n < count; ++n)
+      both += inside[n] * double(count - 1 - n), either += inside[n] * double(n);
+  }
+  double overlap() const { return either > 0 ? both / either : 0; }
+};
+
+}  // namespace
+
+double mapOverlap(const MatchObjects& objects, const Displacements& map) {
+  const Lattice lattice = objects.lattice(objects.overlapSpacing);
+  std::vector<Shared> slabs(lattice.size[2]);
+  forInsides(objects, map, lattice,
+             [&](size_t slab, const Vec3d&, const std::vector<double>& inside) { slabs[slab].add(inside); });
+  Shared sum;
+  for (const Shared& slab : slabs) sum.both += slab.both, sum.either += slab.either;
+  return sum.overlap();
+}
+
+std::vector<double> overlapsAround(const MatchObjects& objects, const Displacements& map,
+                                   const std::vector<std::vector<Vec3d>>& lines, double reach) {
+  const Lattice lattice = objects.lattice(objects.overlapSpacing);
+  std::vector<std::vector<Shared>> slabs(lattice.size[2], std::vector<Shared>(lines.size()));
+  forInsides(objects, map, lattice, [&](size_t slab, const Vec3d& s, const std::vector<double>& inside) {
+    if (inside.back() == 0) return;
+    double least = reach * reach;
+    size_t nearest = lines.size();
+    for (size_t i = 0; i < lines.size(); ++i)
+      for (const Vec3d& point : lines[i]) {
+        const double square = (point - s).lengthSqr();
+        if (square < least) least = square, nearest = i;
+      }
+    if (nearest < lines.size()) slabs[slab][nearest].add(inside);
+  });
+  std::vector<double> overlaps;
+  for (size_t i = 0; i < lines.size(); ++i) {
+    Shared sum;
+    for (const std::vector<Shared>& slab : slabs) sum.both += slab[i].both, sum.either += slab[i].either;
+    overlaps.push_back(sum.overlap());
+  }
+  return overlaps;
 }
 
 double mapStrain(const MatchObjects& objects, const Displacements& map) {
