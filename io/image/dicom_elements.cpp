@@ -275,6 +275,11 @@ std::string_view DicomElements::bytes(DicomTag tag) const {
   return found == values_.end() ? std::string_view() : found->second.bytes;
 }
 
+std::string_view DicomElements::type(DicomTag tag) const {
+  const auto found = values_.find(tag);
+  return found == values_.end() ? std::string_view() : found->second.type;
+}
+
 std::vector<double> DicomElements::numbers(DicomTag tag, std::string_view type) const {
   const auto found = values_.find(tag);
   if (found == values_.end()) return {};

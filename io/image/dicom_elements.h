@@ -39,6 +39,8 @@ class DicomElements {
   double first(DicomTag tag, std::string_view type = "DS", double otherwise = 0) const;
   /// An element's value as it is stored; empty where there is none.
   std::string_view bytes(DicomTag tag) const;
+  /// The value representation that stands in the file; empty where none does.
+  std::string_view type(DicomTag tag) const;
   bool bigEndian() const { return bigEndian_; }
   /// UID of the transfer syntax that the file states; empty where it states none.
   const std::string& transferSyntax() const { return transferSyntax_; }

@@ -48,9 +48,8 @@ void readPixelFormat(const DicomElements& data, std::string_view bytes, DicomFil
   if (p.bitsUsed < 1 || p.bitsUsed > p.bits) p.bitsUsed = p.bits;
   if (p.highBit < p.bitsUsed - 1 || p.highBit >= p.bits) p.highBit = p.bitsUsed - 1;
   p.padding = paddingOf(data, p.isSigned);
-  const bool plain = p.bits == 1 || p.bits == 8 || p.bits == 16 || p.bits == 32 || p.bits == 64;
-  p.decode =
-      !data.plainPixels() || !data.inFile() || data.bigEndian() || (p.kind == DicomPixels::kWhole && !plain);
+  p.tag = tag;
+  p.decode = !data.plainPixels() || !data.inFile() || data.bigEndian();
   if (!p.decode) p.at = std::uint64_t(data.bytes(tag).data() - bytes.data());
   const double samples = std::max(1.0, data.first(kSamples, "US", 1));
   const std::uint64_t needed = (std::uint64_t(p.rows) * std::uint64_t(p.columns) * std::uint64_t(p.frames) *
@@ -60,11 +59,19 @@ void readPixelFormat(const DicomElements& data, std::string_view bytes, DicomFil
   if (data.plainPixels() && data.text(kPhotometric).rfind("YBR_FULL_422", 0) != 0 && data.size(tag) < needed)
     throw DicomDamage("it has " + std::to_string(data.size(tag)) + " bytes of pixels, " +
                       std::to_string(needed) + " are needed");
+  if (data.plainPixels() && data.size(tag) >= 2 * needed && needed > 1)
+    throw DicomDamage("it has " + std::to_string(data.size(tag)) +
+                      " bytes of pixels, which are more frames than the " + std::to_string(p.frames) +
+                      " that it states");
   if (samples != 1)
     file.foreign = "its pixels have " + std::to_string(int(samples)) + " values, and only grey ones are read";
   else if (data.text(kPhotometric) == "PALETTE COLOR")
     file.foreign = "its pixels are colours of a palette, and only grey ones are read";
-  if (p.bits == 1 && p.decode) file.foreign = "its pixels are single bits and compressed, which is not read";
+  else if (p.bits != 1 && p.bits != 8 && p.bits != 16 && p.bits != 32 && p.bits != 64)
+    file.foreign =
+        "its pixels take " + std::to_string(p.bits) + " bits each, and only 1, 8, 16, 32 and 64 are read";
+  else if (p.bits == 1 && !data.plainPixels())
+    file.foreign = "its pixels are single bits and compressed, which is not read";
 }
 
 void readSegments(const DicomElements& data, DicomFile& file) {

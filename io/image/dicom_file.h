@@ -52,7 +52,8 @@ struct DicomPixels {
   int bits = 16, bitsUsed = 16, highBit = 15;
   bool isSigned = false;
   std::uint64_t at = 0;  ///< where they begin in the file
-  bool decode = false;   ///< compressed, big endian, or in a deflated file: GDCM decodes them
+  DicomTag tag = 0;      ///< of their element
+  bool decode = false;   ///< compressed, big endian or in a deflated file: read as a whole
   std::optional<std::pair<double, double>> padding;  ///< stored values, from and to, that are no measurement
 };
 

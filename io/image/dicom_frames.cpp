@@ -230,7 +230,6 @@ void placeFrames(const DicomElements& data, DicomFile& file) {
   if (!first.axes) first.axes = axesOf(detector.numbers(kOrientation));
   if (const std::vector<double> at = detector.numbers(kPosition); !first.position && at.size() == 3)
     first.position = Vec3d(at[0], at[1], at[2]);
-  if (data.has(kDoseScaling)) first.slope = data.first(kDoseScaling, "DS", 1), first.intercept = 0;
   for (size_t k = 1; k < file.frames.size(); ++k) {
     file.frames[k] = first;
     file.frames[k].number = int(k);
@@ -302,6 +301,8 @@ void readDicomFrames(const DicomElements& data, DicomFile& file) {
   const Groups groups(none, none, data);
   readGeometry(groups, file.frames[0]);
   readMarks(groups, data, {}, file.frames[0]);
+  if (data.has(kDoseScaling))
+    file.frames[0].slope = data.first(kDoseScaling, "DS", 1), file.frames[0].intercept = 0;
   takeImagerSpacing(data, file);
   if (file.frames.size() > 1) placeFrames(data, file);
 }

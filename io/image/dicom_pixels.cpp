@@ -1,9 +1,11 @@
 #include "io/image/dicom_pixels.h"
 
 #include "io/image/raw_values.h"
+#include "io/whole_file.h"
 #include "slicemorph/errors.h"
 
-#include <gdcmImageReader.h>
+#include <gdcmImage.h>
+#include <gdcmSequenceOfFragments.h>
 
 #include <tbb/parallel_for.h>
 
@@ -29,64 +31,111 @@ PixelLayout layoutOf(const DicomPixels& p) {
   return {{std::max(1, p.bits / 8), kind}, p.bitsUsed, p.highBit};
 }
 
-/// All frames of a file, decoded by GDCM.
+/// All frames of a file that is read as a whole.
 struct DecodedFile {
   PixelLayout layout;
   std::vector<char> bytes;
 };
 
-DecodedFile decode(const DicomFile& file) {
-  gdcm::ImageReader reader;
-  reader.SetFileName(file.path.c_str());
-  DecodedFile out;
-  try {
-    if (!reader.Read())
-      throw IoError(file.path, "its pixels cannot be decoded: they are damaged or of an unknown compression");
-    const gdcm::Image& image = reader.GetImage();
-    const gdcm::PixelFormat& format = image.GetPixelFormat();
-    out.bytes.resize(image.GetBufferLength());
-    if (!image.GetBuffer(out.bytes.data()))
-      throw IoError(file.path, std::string("its pixels cannot be decoded (") +
-                                   image.GetTransferSyntax().GetString() + ")");
-    const bool real = format == gdcm::PixelFormat::FLOAT32 || format == gdcm::PixelFormat::FLOAT64;
-    out.layout = {{format.GetBitsAllocated() <= 8    ? 1
-                   : format.GetBitsAllocated() <= 16 ? 2
-                                                     : format.GetBitsAllocated() / 8,
-                   real                              ? RawType::kFloat
-                   : format.GetPixelRepresentation() ? RawType::kSigned
-                                                     : RawType::kUnsigned},
-                  format.GetBitsStored(),
-                  format.GetHighBit()};
-  } catch (const IoError&) {
-    throw;
-  } catch (const std::exception& error) {
-    throw IoError(file.path, std::string("its pixels cannot be decoded: ") + error.what());
+/// The items that compressed pixels lie in (PS3.5 section A.4), as the file's elements hold them.
+gdcm::SmartPointer<gdcm::SequenceOfFragments> fragmentsOf(std::string_view items) {
+  gdcm::SmartPointer<gdcm::SequenceOfFragments> fragments = new gdcm::SequenceOfFragments;
+  constexpr size_t kHead = 8;
+  for (bool table = true; items.size() >= kHead; table = false) {
+    std::uint32_t size = 0;
+    for (size_t i = 0; i < 4; ++i) size |= std::uint32_t(static_cast<unsigned char>(items[4 + i])) << (8 * i);
+    if (items[1] != char(0xff) || size > items.size() - kHead ||
+        items.substr(2, 2) != std::string_view("\x00\xe0", 2))
+      break;
+    // The first item is a table of offsets, mostly empty.
+    if (!table) {
+      gdcm::Fragment fragment;
+      fragment.SetByteValue(items.data() + kHead, size);
+      fragments->AddFragment(fragment);
+    }
+    items.remove_prefix(kHead + size);
   }
+  return fragments;
+}
+
+/// Unpacks compressed pixels by GDCM, from the pixels alone: its reader of whole files aborts the program where other
+/// elements are odd.
+DecodedFile decompressed(const DicomFile& file, const DicomElements& data, std::string_view items) {
   const DicomPixels& p = file.pixels;
-  const size_t needed = size_t(p.columns) * size_t(p.rows) * size_t(p.frames) * size_t(out.layout.type.bytes);
-  if (out.bytes.size() < needed)
-    throw IoError(file.path, "its pixels unpack to " + std::to_string(out.bytes.size()) + " bytes, " +
-                                 std::to_string(needed) + " are needed");
+  gdcm::Image image;
+  image.SetNumberOfDimensions(p.frames > 1 ? 3 : 2);
+  image.SetDimension(0, unsigned(p.columns)), image.SetDimension(1, unsigned(p.rows));
+  if (p.frames > 1) image.SetDimension(2, unsigned(p.frames));
+  image.SetPixelFormat(gdcm::PixelFormat(1, std::uint16_t(p.bits), std::uint16_t(p.bitsUsed),
+                                         std::uint16_t(p.highBit), p.isSigned ? 1 : 0));
+  image.SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
+  image.SetTransferSyntax(gdcm::TransferSyntax::GetTSType(data.transferSyntax().c_str()));
+  gdcm::DataElement pixels(gdcm::Tag(0x7fe0, 0x0010));
+  pixels.SetVR(gdcm::VR::OB);
+  pixels.SetValue(*fragmentsOf(items));
+  image.SetDataElement(pixels);
+  DecodedFile out;
+  out.bytes.resize(image.GetBufferLength());
+  if (!image.GetBuffer(out.bytes.data()))
+    throw IoError(file.path, "its pixels cannot be unpacked (transfer syntax " + data.transferSyntax() + ")");
+  const gdcm::PixelFormat& format = image.GetPixelFormat();
+  out.layout = {{std::max(1, format.GetBitsAllocated() / 8),
+                 format.GetPixelRepresentation() ? RawType::kSigned : RawType::kUnsigned},
+                format.GetBitsStored(),
+                format.GetHighBit()};
   return out;
 }
 
-/// Bytes of one stored frame that is not compressed.
-std::vector<char> storedBytes(const DicomFile& file, int frame, size_t each) {
+/// Pixels that are not compressed, of a deflated or big endian file.
+DecodedFile unpacked(const DicomFile& file, const DicomElements& data, std::string_view stored) {
+  DecodedFile out;
+  out.layout = layoutOf(file.pixels);
+  out.bytes.assign(stored.begin(), stored.end());
+  if (!data.bigEndian()) return out;
+  // Pixels of 8 bits and less lie in words of 16 (OW) or in bytes (OB).
+  const int bits = file.pixels.bits, size = bits > 8 ? bits / 8 : data.type(file.pixels.tag) == "OW" ? 2 : 1;
+  swapBytes(out.bytes.data(), out.bytes.size() / size_t(size), size);
+  return out;
+}
+
+DecodedFile decode(const DicomFile& file) {
+  const std::string bytes = readWholeFile(file.path);
+  try {
+    const DicomElements data = DicomElements::ofFile(bytes);
+    const std::string_view stored = data.bytes(file.pixels.tag);
+    DecodedFile out = data.plainPixels() ? unpacked(file, data, stored) : decompressed(file, data, stored);
+    const DicomPixels& p = file.pixels;
+    const size_t needed = (size_t(p.columns) * size_t(p.rows) * size_t(p.frames) *
+                               size_t(p.bits == 1 ? 1 : 8 * out.layout.type.bytes) +
+                           7) /
+                          8;
+    if (out.bytes.size() < needed)
+      throw IoError(file.path, "its pixels unpack to " + std::to_string(out.bytes.size()) + " bytes, " +
+                                   std::to_string(needed) + " are needed");
+    return out;
+  } catch (const IoError&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw IoError(file.path, std::string("its pixels cannot be unpacked: ") + error.what());
+  }
+}
+
+/// Fills `bytes` from the stored pixels, from byte `offset` of these on.
+void readAt(const DicomFile& file, std::uint64_t offset, std::vector<char>& bytes) {
   std::ifstream in(file.path, std::ios::binary);
-  in.seekg(std::streamoff(file.pixels.at + std::uint64_t(frame) * each));
-  std::vector<char> bytes(each);
-  if (!in.read(bytes.data(), std::streamsize(each))) throw IoError(file.path, "its pixels cannot be read");
-  return bytes;
+  in.seekg(std::streamoff(file.pixels.at + offset));
+  if (!in.read(bytes.data(), std::streamsize(bytes.size())))
+    throw IoError(file.path, "its pixels cannot be read");
 }
 
 /// A frame whose pixels are bits, which follow each other through all frames without a gap.
-ImageValues bitsOf(const DicomFile& file, const DicomFrame& frame) {
+ImageValues bitsOf(const DicomFile& file, const DicomFrame& frame, const DecodedFile& decoded) {
   const size_t count = size_t(file.columns) * size_t(file.rows), first = count * size_t(frame.number);
-  std::ifstream in(file.path, std::ios::binary);
-  in.seekg(std::streamoff(file.pixels.at + first / 8));
   std::vector<char> bytes((first % 8 + count + 7) / 8);
-  if (!in.read(bytes.data(), std::streamsize(bytes.size())))
-    throw IoError(file.path, "its pixels cannot be read");
+  if (file.pixels.decode)
+    std::copy_n(decoded.bytes.begin() + std::ptrdiff_t(first / 8), bytes.size(), bytes.begin());
+  else
+    readAt(file, first / 8, bytes);
   std::vector<std::uint8_t> values(count);
   for (size_t i = 0; i < count; ++i) {
     const size_t bit = first % 8 + i;
@@ -145,10 +194,11 @@ void keepUsedBits(char* bytes, size_t count, const PixelLayout& layout,
 ImageValues sliceOf(const DicomFile& file, const DicomFrame& frame, const DecodedFile& decoded,
                     std::vector<bool>& padded) {
   const DicomPixels& p = file.pixels;
-  if (p.bits == 1) return bitsOf(file, frame);
+  if (p.bits == 1) return bitsOf(file, frame, decoded);
   const PixelLayout layout = p.decode ? decoded.layout : layoutOf(p);
   const size_t size = size_t(layout.type.bytes), each = size_t(p.columns) * size_t(p.rows) * size;
-  const std::vector<char> stored = p.decode ? std::vector<char>() : storedBytes(file, frame.number, each);
+  std::vector<char> stored(p.decode ? 0 : each);
+  if (!p.decode) readAt(file, std::uint64_t(frame.number) * each, stored);
   const char* from = p.decode ? decoded.bytes.data() + size_t(frame.number) * each : stored.data();
   const size_t count = size_t(file.columns) * size_t(file.rows), row = size_t(file.columns) * size;
   std::vector<char> bytes(count * size);
