@@ -168,6 +168,26 @@ std::vector<double> offsetsOfTiles(const MosaicHeader& header, int count, const 
   return offsets;
 }
 
+/// Whether all pixels of the tiles behind the last slice are equal, as they must be. Not known of compressed ones.
+bool isBlankBehind(const DicomElements& data, const DicomFile& file, int count, int across) {
+  const DicomPixels& p = file.pixels;
+  if (p.decode || count == across * across) return true;
+  const std::string_view pixels = data.bytes(p.tag);
+  const size_t bytes = size_t(p.bits) / 8, columns = size_t(p.columns / across),
+               rows = size_t(p.rows / across);
+  const auto at = [&](int tile, size_t row, size_t column) {
+    const size_t i =
+        (size_t(tile / across) * rows + row) * size_t(p.columns) + size_t(tile % across) * columns + column;
+    return pixels.substr(i * bytes, bytes);
+  };
+  const std::string_view blank = at(count, 0, 0);
+  for (int tile = count; tile < across * across; ++tile)
+    for (size_t j = 0; j < rows; ++j)
+      for (size_t i = 0; i < columns; ++i)
+        if (at(tile, j, i) != blank) return false;
+  return true;
+}
+
 }  // namespace
 
 bool isMosaic(const DicomElements& data) {
@@ -193,6 +213,10 @@ void splitMosaic(const DicomElements& data, DicomFile& file) {
   if (count > kMostTiles || file.columns % across != 0 || file.rows % across != 0) {
     file.uncertain = what + std::to_string(count) + " do not fit in " + std::to_string(file.columns) + " x " +
                      std::to_string(file.rows) + " pixels";
+    return;
+  }
+  if (!isBlankBehind(data, file, count, across)) {
+    file.uncertain = what + "there is something behind the last of " + std::to_string(count) + " tiles";
     return;
   }
   const DicomFrame whole = file.frames[0];

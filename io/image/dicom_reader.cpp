@@ -162,6 +162,22 @@ std::vector<DicomSlice> withoutDoubles(const std::string& path, std::vector<Dico
   return kept;
 }
 
+/// Throws InputError where more slices are missing than there are: what is between would be made up.
+void checkMissing(const std::string& path, const std::vector<DicomSlice>& slices, const Vec3d& normal) {
+  if (slices.size() < 3) return;
+  std::vector<double> gaps;
+  for (size_t i = 1; i < slices.size(); ++i)
+    gaps.push_back((slices[i].position - slices[i - 1].position).dot(normal));
+  const size_t widest = size_t(std::max_element(gaps.begin(), gaps.end()) - gaps.begin());
+  const double length = (slices.back().position - slices[0].position).dot(normal), most = gaps[widest];
+  std::nth_element(gaps.begin(), gaps.begin() + std::ptrdiff_t(gaps.size() / 2), gaps.end());
+  const double missing = std::rint(length / gaps[gaps.size() / 2]) + 1 - double(slices.size());
+  if (missing <= double(slices.size())) return;
+  throw InputError(path, "more slices are missing than there are (" + slices[widest].name + " and " +
+                             slices[widest + 1].name + " are " + inMillimetres(most) +
+                             " apart): these are several stacks; put each in a folder of its own");
+}
+
 void noteOnValues(const DicomValues& values, Notes& notes) {
   if (values.padded == 0) return;
   char text[160];
@@ -203,6 +219,7 @@ ImageFile readSlices(const std::string& path, const DicomSeries& series, const D
   for (size_t k = 0; k < order.size(); ++k)
     slices.push_back({nameOf(series, order[k]), places.position[k], std::move(values.slices[k])});
   slices = withoutDoubles(path, std::move(slices), places.normal, file.notes);
+  checkMissing(path, slices, places.normal);
   SliceStackInput stack;
   for (int d = 0; d < 2; ++d) stack.step[d] = places.step[d];
   stack.size[0] = first.columns, stack.size[1] = first.rows;

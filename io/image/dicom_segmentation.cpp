@@ -1,6 +1,7 @@
 #include "io/image/dicom_segmentation.h"
 
 #include "io/image/dicom_pixels.h"
+#include "io/image/image_formats.h"
 #include "slicemorph/errors.h"
 
 #include <algorithm>
@@ -174,6 +175,8 @@ ImageFile readDicomSegmentation(const DicomSeries& series, int segment, const Si
   const DicomFile& source = series.files[0];
   checkSegments(source, segment);
   ImageFile file;
+  file.notes.emplace_back(kLabelsStated, Severity::kDetail, "",
+                          "it is a segmentation: its values are labels");
   const Planes planes = planesOf(source, file.notes);
   int most = 0;
   for (const DicomFrame& frame : source.frames) most = std::max(most, frame.segment);

@@ -140,6 +140,11 @@ std::vector<ImageFile> listDicomImages(const InputSpec& input, const ImageOption
   return {std::move(file)};
 }
 
+bool isStatedLabels(const ImageFile& file) {
+  return std::any_of(file.notes.begin(), file.notes.end(),
+                     [](const Note& note) { return note.code == kLabelsStated; });
+}
+
 ImageFile readStackImage(const InputSpec& input, const ImageOptions& options) {
   return readStack(input, options);
 }
