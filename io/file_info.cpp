@@ -173,7 +173,9 @@ ImageInfo describeImage(const ImageFile& file) {
       },
       file.image.values);
   if (!any) {
-    info.reading = "cannot be read without --spacing X,Y,Z";
+    const bool refused = std::any_of(file.notes.begin(), file.notes.end(),
+                                     [](const Note& note) { return note.code == "image.refused"; });
+    info.reading = refused ? "refused" : "cannot be read without --spacing X,Y,Z";
   } else if (isStatedLabels(file) || looksLikeLabels(file.image)) {
     info.labels = labelsOf(file.image).size();
     info.reading = "map of " + std::to_string(info.labels) + (info.labels == 1 ? " label" : " labels") +

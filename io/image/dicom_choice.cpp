@@ -98,6 +98,11 @@ std::string listed(const std::string& path, const std::vector<DicomSeries>& all,
   if (s.isSegmentation()) return text + "segments " + segmentsOf(s) + ", UID " + s.uid;
   text += countOf(s.slices(), "slice") + (s.localizer ? " (localizer)" : "") + ", UID " + s.uid;
   if (s.volumes.size() == 1) return text;
+  constexpr size_t kMostListed = 20;
+  if (s.volumes.size() > kMostListed)
+    return text + "\n  " + name + "@1 to " + name + "@" + std::to_string(s.volumes.size()) +
+           "  volumes, from '" + s.volumes[0].apart + "' to '" + s.volumes.back().apart +
+           "'; info lists them";
   for (size_t v = 0; v < s.volumes.size(); ++v)
     text += "\n  " + name + "@" + std::to_string(v + 1) + "  " +
             countOf(s.volumes[v].slices.size(), "slice") + ", " + s.volumes[v].apart;

@@ -9,13 +9,13 @@ namespace {
 
 constexpr DicomTag kSopClass = 0x00080016, kSopInstance = 0x00080018, kModality = 0x00080060,
                    kDescription = 0x0008103e, kImageTypeTag = 0x00080008, kSeries = 0x0020000e,
-                   kInstanceNumber = 0x00200013, kSamples = 0x00280002, kPhotometric = 0x00280004,
-                   kFrameCount = 0x00280008, kRows = 0x00280010, kColumns = 0x00280011,
-                   kBitsAllocated = 0x00280100, kBitsStored = 0x00280101, kHighBit = 0x00280102,
-                   kSign = 0x00280103, kPadding = 0x00280120, kPaddingLimit = 0x00280121,
-                   kFloatPixels = 0x7fe00008, kDoublePixels = 0x7fe00009, kPixels = 0x7fe00010,
-                   kSegmentationType = 0x00620001, kSegments = 0x00620002, kSegmentNumber = 0x00620004,
-                   kSegmentLabel = 0x00620005, kFullFraction = 0x0062000e;
+                   kFrameOfReference = 0x00200052, kInstanceNumber = 0x00200013, kSamples = 0x00280002,
+                   kPhotometric = 0x00280004, kFrameCount = 0x00280008, kRows = 0x00280010,
+                   kColumns = 0x00280011, kBitsAllocated = 0x00280100, kBitsStored = 0x00280101,
+                   kHighBit = 0x00280102, kSign = 0x00280103, kPadding = 0x00280120,
+                   kPaddingLimit = 0x00280121, kFloatPixels = 0x7fe00008, kDoublePixels = 0x7fe00009,
+                   kPixels = 0x7fe00010, kSegmentationType = 0x00620001, kSegments = 0x00620002,
+                   kSegmentNumber = 0x00620004, kSegmentLabel = 0x00620005, kFullFraction = 0x0062000e;
 constexpr int kMostFrames = 1 << 20;  // far more than any scanner writes; damaged numbers are larger
 
 /// Stored values between which lies what is no measurement (PS3.3 C.7.5.1.1.2).
@@ -85,6 +85,7 @@ void readSegments(const DicomElements& data, DicomFile& file) {
 
 void read(const DicomElements& data, std::string_view bytes, DicomFile& file) {
   file.seriesUid = data.text(kSeries), file.instanceUid = data.text(kSopInstance);
+  file.frameOfReference = data.text(kFrameOfReference);
   file.modality = data.text(kModality), file.description = data.text(kDescription);
   file.instance = int(data.first(kInstanceNumber, "IS"));
   const std::string type = data.text(kImageTypeTag);
@@ -93,11 +94,14 @@ void read(const DicomElements& data, std::string_view bytes, DicomFile& file) {
   if (!file.damage.empty() || file.columns <= 0 || file.rows <= 0) return;
   readPixelFormat(data, bytes, file);
   if (!file.foreign.empty()) return;
-  // Segmentation Storage; its successor, Label Map Segmentation, holds labels as pixels.
-  if (data.text(kSopClass) == "1.2.840.10008.5.1.4.1.1.66.4") readSegments(data, file);
+  // Segmentation Storage, and Label Map Segmentation Storage, whose pixels are numbers of segments.
+  const std::string sop = data.text(kSopClass);
+  file.labelPixels = sop == "1.2.840.10008.5.1.4.1.1.66.7";
+  if (sop == "1.2.840.10008.5.1.4.1.1.66.4" || file.labelPixels) readSegments(data, file);
   readDicomFrames(data, file);
-  if (isMosaic(data)) splitMosaic(data, file);
-  file.isWhole = file.isWhole || file.frames.size() > 1;
+  const bool mosaic = isMosaic(data);
+  if (mosaic) splitMosaic(data, file);
+  file.isWhole = file.isWhole || mosaic || file.frames.size() > 1;
 }
 
 }  // namespace

@@ -29,9 +29,10 @@ enum DicomMark {
 
 /// One slice: a frame of a file, or a tile of one.
 struct DicomFrame {
-  int number = 0;                              ///< of the frame in its file, from 0
-  int tile[2] = {0, 0};                        ///< column and row of its first pixel in that frame
-  std::optional<Vec3d> position;               ///< LPS millimetres: centre of the first pixel
+  int number = 0;                 ///< of the frame in its file, from 0
+  int tile[2] = {0, 0};           ///< column and row of its first pixel in that frame
+  std::optional<Vec3d> position;  ///< LPS millimetres: centre of the first pixel
+  bool badAxes = false;           ///< directions are stated, but are no unit vectors at right angles
   std::optional<std::array<Vec3d, 2>> axes;    ///< unit directions along a row, and down a column
   std::optional<std::array<double, 2>> pixel;  ///< millimetres from pixel to pixel along these
   double between = 0, thickness = 0;           ///< millimetres as stated, of the slices; 0: not stated
@@ -59,7 +60,7 @@ struct DicomPixels {
 
 /// What one file says of itself.
 struct DicomFile {
-  std::string path, seriesUid, instanceUid, modality, description;
+  std::string path, seriesUid, instanceUid, frameOfReference, modality, description;
   enum Kind { kSlices, kSegmentation } kind = kSlices;
   DicomPixels pixels;
   int columns = 0, rows = 0;  ///< of a slice
@@ -68,11 +69,12 @@ struct DicomFile {
   bool isWhole = false;            ///< holds several slices: stands for itself, not for its series
   std::vector<DicomFrame> frames;  ///< none where it is no image
   std::vector<DicomSegment> segments;
-  double fullFraction = 0;  ///< of a segmentation by fractions: the value that is all; 0: it is binary
-  std::string foreign;      ///< why it is no grey image, for a note; empty: it is one
-  std::string uncertain;    ///< why its frames' places are not known; empty: they are, or there is one frame
-  std::string assumed;      ///< what was assumed of them, for a note
-  std::string damage;       ///< why it cannot be read; what was read before the damage is above
+  bool labelPixels = false;  ///< of a segmentation: pixels are the segments' numbers
+  double fullFraction = 0;   ///< of a segmentation by fractions: the value that is all; 0: it is binary
+  std::string foreign;       ///< why it is no grey image, for a note; empty: it is one
+  std::string uncertain;     ///< why its frames' places are not known; empty: they are, or there is one frame
+  std::string assumed;       ///< what was assumed of them, for a note
+  std::string damage;        ///< why it cannot be read; what was read before the damage is above
   bool isDicom = true;
 };
 

@@ -37,6 +37,8 @@ constexpr DicomTag kManufacturer = 0x00080070, kImageTypeTag = 0x00080008, kEcho
 constexpr DicomTag kIncrement = 0x00280009, kGridOffsets = 0x3004000c, kDoseScaling = 0x3004000e,
                    kSliceVector = 0x00182005, kDetectors = 0x00540022, kImagerSpacing = 0x00181164;
 
+constexpr const char* kBadAxes =
+    "its directions (ImageOrientationPatient) are no unit vectors at right angles";
 constexpr double kSkewed = 5e-3;  // directions in files have three decimals or more
 
 /// A functional groups item, whose groups are parsed once.
@@ -80,7 +82,7 @@ class Groups {
 
 std::string written(double value) {
   char digits[32];
-  std::snprintf(digits, sizeof digits, "%.9g", value);
+  std::snprintf(digits, sizeof digits, "%.6g", value);
   return digits;
 }
 
@@ -107,7 +109,9 @@ std::optional<std::array<double, 2>> pixelOf(const std::vector<double>& v) {
 void readGeometry(const Groups& groups, DicomFrame& frame) {
   const std::vector<double> at = groups.numbers(kPlanePosition, kPosition);
   if (at.size() == 3) frame.position = Vec3d(at[0], at[1], at[2]);
-  frame.axes = axesOf(groups.numbers(kPlaneOrientation, kOrientation));
+  const std::vector<double> axes = groups.numbers(kPlaneOrientation, kOrientation);
+  frame.axes = axesOf(axes);
+  frame.badAxes = !axes.empty() && !frame.axes;
   frame.pixel = pixelOf(groups.numbers(kPixelMeasures, kPixelSpacing));
   const auto length = [&](DicomTag tag) {
     const std::vector<double> v = groups.numbers(kPixelMeasures, tag);
@@ -280,8 +284,9 @@ void readFunctionalGroups(const DicomElements& data, const std::vector<DicomElem
     if (file.frames.size() > 1 && !groups.hasInGroup(kPlanePosition, kPosition)) frame.position.reset();
     readMarks(groups, data, dimensions, frame);
     if (file.uncertain.empty() && file.frames.size() > 1 && (!frame.position || !frame.axes))
-      file.uncertain = "frame " + std::to_string(k + 1) + " has no " +
-                       (frame.position ? "(or no possible) direction" : "position");
+      file.uncertain =
+          "frame " + std::to_string(k + 1) + " has no " + (frame.position ? "direction" : "position");
+    if (frame.badAxes) file.uncertain = kBadAxes;
   }
 }
 
@@ -305,6 +310,7 @@ void readDicomFrames(const DicomElements& data, DicomFile& file) {
     file.frames[0].slope = data.first(kDoseScaling, "DS", 1), file.frames[0].intercept = 0;
   takeImagerSpacing(data, file);
   if (file.frames.size() > 1) placeFrames(data, file);
+  if (file.frames[0].badAxes) file.uncertain = kBadAxes;
 }
 
 }  // namespace slicemorph

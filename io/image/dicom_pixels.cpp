@@ -58,6 +58,21 @@ gdcm::SmartPointer<gdcm::SequenceOfFragments> fragmentsOf(std::string_view items
   return fragments;
 }
 
+/// Bits of the samples in a JPEG stream, by its frame header (ITU-T T.81 B.2.2); 0 where it is none.
+int jpegPrecisionOf(const gdcm::SequenceOfFragments& fragments) {
+  if (fragments.GetNumberOfFragments() == 0) return 0;
+  const gdcm::ByteValue* value = fragments.GetFragment(0).GetByteValue();
+  if (!value) return 0;
+  const auto* bytes = reinterpret_cast<const unsigned char*>(value->GetPointer());
+  const size_t size = value->GetLength();
+  for (size_t at = 2; at + 9 < size && bytes[at] == 0xff;) {
+    const int marker = bytes[at + 1];
+    if (marker >= 0xc0 && marker <= 0xc3) return bytes[at + 4];
+    at += 2 + 256 * size_t(bytes[at + 2]) + bytes[at + 3];
+  }
+  return 0;
+}
+
 /// Unpacks compressed pixels by GDCM, from the pixels alone: its reader of whole files aborts the program where other
 /// elements are odd.
 DecodedFile decompressed(const DicomFile& file, const DicomElements& data, std::string_view items) {
@@ -66,13 +81,18 @@ DecodedFile decompressed(const DicomFile& file, const DicomElements& data, std::
   image.SetNumberOfDimensions(p.frames > 1 ? 3 : 2);
   image.SetDimension(0, unsigned(p.columns)), image.SetDimension(1, unsigned(p.rows));
   if (p.frames > 1) image.SetDimension(2, unsigned(p.frames));
-  image.SetPixelFormat(gdcm::PixelFormat(1, std::uint16_t(p.bits), std::uint16_t(p.bitsUsed),
-                                         std::uint16_t(p.highBit), p.isSigned ? 1 : 0));
+  const auto fragments = fragmentsOf(items);
+  // GDCM takes its decoder by the bits in use, and where the stream has others complains on the terminal and tries again.
+  const int precision = jpegPrecisionOf(*fragments);
+  const int used = precision > 0 && precision <= p.bits ? precision : p.bitsUsed;
+  image.SetPixelFormat(gdcm::PixelFormat(1, std::uint16_t(p.bits), std::uint16_t(used),
+                                         std::uint16_t(precision > 0 ? used - 1 : p.highBit),
+                                         p.isSigned ? 1 : 0));
   image.SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
   image.SetTransferSyntax(gdcm::TransferSyntax::GetTSType(data.transferSyntax().c_str()));
   gdcm::DataElement pixels(gdcm::Tag(0x7fe0, 0x0010));
   pixels.SetVR(gdcm::VR::OB);
-  pixels.SetValue(*fragmentsOf(items));
+  pixels.SetValue(*fragments);
   image.SetDataElement(pixels);
   DecodedFile out;
   out.bytes.resize(image.GetBufferLength());
@@ -81,8 +101,8 @@ DecodedFile decompressed(const DicomFile& file, const DicomElements& data, std::
   const gdcm::PixelFormat& format = image.GetPixelFormat();
   out.layout = {{std::max(1, format.GetBitsAllocated() / 8),
                  format.GetPixelRepresentation() ? RawType::kSigned : RawType::kUnsigned},
-                format.GetBitsStored(),
-                format.GetHighBit()};
+                precision > 0 ? p.bitsUsed : format.GetBitsStored(),
+                precision > 0 ? p.highBit : format.GetHighBit()};
   return out;
 }
 
@@ -283,31 +303,31 @@ void rescaleAll(std::vector<ImageValues>& slices, const std::vector<Rescale>& re
   convert<float>(slices, rescale);
 }
 
+/// So near below the least measurement, as a share of all measurements' range, padding is no surface of its own and
+/// stays: MR images often state 0, where 1 is the least of others.
+constexpr double kNearLeast = 0.01;
+
 /// Gives padding the least value of all other pixels.
+template <typename T>
 void fillPadding(DicomValues& values, const std::vector<std::vector<bool>>& padded) {
-  for (const std::vector<bool>& p : padded) values.padded += size_t(std::count(p.begin(), p.end(), true));
-  if (values.padded == 0) return;
-  std::visit(
-      [&](const auto& first) {
-        using T = typename std::decay_t<decltype(first)>::value_type;
-        bool any = false;
-        T least = 0;
-        for (size_t k = 0; k < padded.size(); ++k) {
-          const auto& slice = std::get<std::vector<T>>(values.slices[k]);
-          for (size_t i = 0; i < slice.size(); ++i)
-            if ((padded[k].empty() || !padded[k][i]) && (!any || slice[i] < least))
-              least = slice[i], any = true;
-        }
-        values.least = double(least);
-        if (!any) {
-          values.padded = 0;  // nothing else is there: what is stored stays
-          return;
-        }
-        for (size_t k = 0; k < padded.size(); ++k)
-          for (size_t i = 0; i < padded[k].size(); ++i)
-            if (padded[k][i]) std::get<std::vector<T>>(values.slices[k])[i] = least;
-      },
-      values.slices[0]);
+  double least = INFINITY, most = -INFINITY, padLeast = INFINITY, padMost = -INFINITY;
+  size_t count = 0;
+  for (size_t k = 0; k < padded.size(); ++k) {
+    const auto& slice = std::get<std::vector<T>>(values.slices[k]);
+    for (size_t i = 0; i < slice.size(); ++i) {
+      const double v = double(slice[i]);
+      if (padded[k].empty() || !padded[k][i])
+        least = std::min(least, v), most = std::max(most, v);
+      else
+        padLeast = std::min(padLeast, v), padMost = std::max(padMost, v), ++count;
+    }
+  }
+  const bool near = padMost <= least && padLeast >= least - kNearLeast * (most - least);
+  if (count == 0 || !(least <= most) || near) return;  // where nothing else is there, it stays, too
+  for (size_t k = 0; k < padded.size(); ++k)
+    for (size_t i = 0; i < padded[k].size(); ++i)
+      if (padded[k][i]) std::get<std::vector<T>>(values.slices[k])[i] = T(least);
+  values.padded = count, values.least = least;
 }
 
 /// Those files that need it, decoded.
@@ -339,7 +359,11 @@ DicomValues readDicomValues(const DicomSeries& series, const std::vector<DicomSl
   rescaleAll(out.slices, rescale);
   const auto& padding = series.files[slices[0].file].pixels.padding;
   if (padding) out.padding = padding->first;
-  fillPadding(out, padded);
+  const bool any = std::any_of(padded.begin(), padded.end(), [](const auto& p) { return !p.empty(); });
+  if (any)
+    std::visit(
+        [&](const auto& v) { fillPadding<typename std::decay_t<decltype(v)>::value_type>(out, padded); },
+        out.slices[0]);
   return out;
 }
 

@@ -53,8 +53,8 @@ std::string nameOf(const DicomSeries& series, const DicomSliceRef& ref) {
 }
 
 /// Directions and pixel size of the slices.
-void placePixels(const std::string& path, const DicomFrame& first, const Vec3d& spacing, SlicePlaces& places,
-                 Notes& notes) {
+void placePixels(const std::string& path, const DicomFrame& first, bool alone, const Vec3d& spacing,
+                 SlicePlaces& places, Notes& notes) {
   double pixel[2] = {spacing[0], spacing[1]};
   if (first.pixel) {
     pixel[0] = (*first.pixel)[0], pixel[1] = (*first.pixel)[1];
@@ -66,7 +66,7 @@ void placePixels(const std::string& path, const DicomFrame& first, const Vec3d& 
   }
   Vec3d axes[2] = {{1, 0, 0}, {0, 1, 0}};
   if (first.axes) axes[0] = (*first.axes)[0], axes[1] = (*first.axes)[1];
-  if (!first.axes || !first.position)
+  if ((!first.axes || !first.position) && alone)
     notes.emplace_back("image.positions-missing", Severity::kWarning, "",
                        std::string("states no ") + (first.axes ? "position" : "directions") +
                            ": it lies at the origin, rows to the left, columns to the back");
@@ -74,9 +74,10 @@ void placePixels(const std::string& path, const DicomFrame& first, const Vec3d& 
   places.normal = axes[0].cross(axes[1]).unit();
 }
 
-/// Slices without positions: in the order of their instance numbers, or of their frames.
-void placeInOrder(const std::string& path, const DicomSeries& series, std::vector<DicomSliceRef>& slices,
-                  const Vec3d& spacing, SlicePlaces& places, Notes& notes) {
+/// Slices whose places are not known: in the order of their instance numbers, or of their frames.
+void placeInOrder(const std::string& path, const std::string& why, const DicomSeries& series,
+                  std::vector<DicomSliceRef>& slices, const Vec3d& spacing, SlicePlaces& places,
+                  Notes& notes) {
   const auto key = [&](const DicomSliceRef& r) {
     return std::pair(series.files[r.file].instance, series.frameOf(r).number);
   };
@@ -87,18 +88,12 @@ void placeInOrder(const std::string& path, const DicomSeries& series, std::vecto
       throw InputError(path, "its slices have no positions, and " + nameOf(series, slices[i - 1]) + " and " +
                                  nameOf(series, slices[i]) +
                                  " have the same instance number: their order is not known");
-  const DicomFrame& first = series.frameOf(slices[0]);
-  double gap = spacing[2];
-  std::string from = "--spacing";
-  if (gap == 0 && first.between != 0) gap = std::abs(first.between), from = "SpacingBetweenSlices";
-  if (gap == 0) gap = first.thickness, from = "SliceThickness";
-  if (gap == 0) refuseGeometry(path, "they have neither positions nor a distance");
-  const Vec3d origin = first.position.value_or(Vec3d(0.0));
+  const Vec3d origin = series.frameOf(slices[0]).position.value_or(Vec3d(0.0));
   for (size_t k = 0; k < slices.size(); ++k)
-    places.position.push_back(origin + double(k) * gap * places.normal);
-  notes.emplace_back("image.positions-missing", Severity::kWarning, "",
-                     "its slices have no positions: ordered by instance number, " + inMillimetres(gap) +
-                         " apart (" + from + ")");
+    places.position.push_back(origin + double(k) * spacing[2] * places.normal);
+  notes.emplace_back("image.geometry-insisted", Severity::kWarning, "",
+                     why + ": they are " + inMillimetres(spacing[2]) +
+                         " apart in the order of their numbers, as --spacing asks");
 }
 
 SlicePlaces placesOf(const std::string& path, const DicomSeries& series, std::vector<DicomSliceRef>& slices,
@@ -106,12 +101,13 @@ SlicePlaces placesOf(const std::string& path, const DicomSeries& series, std::ve
   const DicomFile& file = series.files[0];
   const DicomFrame& first = series.frameOf(slices[0]);
   const bool given = spacing[2] > 0;
-  if (!file.uncertain.empty() && (slices.size() == 1 || !given)) {
-    if (slices.size() == 1) throw InputError(file.path, "cannot be read as slices: " + file.uncertain);
-    refuseGeometry(file.path, file.uncertain);
-  }
+  std::string why = file.uncertain;
+  if (why.empty() && slices.size() > 1 && (!first.position || !first.axes))
+    why = std::string("its slices have no ") + (first.position ? "directions" : "positions");
+  if (!why.empty() && slices.size() == 1) throw InputError(file.path, "cannot be read as slices: " + why);
+  if (!why.empty() && !given) refuseGeometry(file.isWhole ? file.path : path, why);
   SlicePlaces places;
-  placePixels(file.path, first, spacing, places, notes);
+  placePixels(file.path, first, slices.size() == 1, spacing, places, notes);
   for (const DicomFile& each : series.files)
     if (!each.assumed.empty()) {
       notes.emplace_back("image.geometry-assumed", Severity::kWarning, "", each.assumed);
@@ -121,16 +117,12 @@ SlicePlaces placesOf(const std::string& path, const DicomSeries& series, std::ve
                      : first.thickness > 0 ? first.thickness
                      : given               ? spacing[2]
                                            : places.step[0].length();
-  const bool placed = first.position && first.axes && file.uncertain.empty();
   if (slices.size() == 1) {
     places.position.push_back(first.position.value_or(Vec3d(0.0)));
-  } else if (placed) {
+  } else if (why.empty()) {
     for (const DicomSliceRef& r : slices) places.position.push_back(*series.frameOf(r).position);
   } else {
-    if (!file.uncertain.empty())
-      notes.emplace_back("image.geometry-insisted", Severity::kWarning, "",
-                         file.uncertain + ": stacked in the file's order, as --spacing asks");
-    placeInOrder(path, series, slices, spacing, places, notes);
+    placeInOrder(path, why, series, slices, spacing, places, notes);
   }
   return places;
 }

@@ -137,13 +137,17 @@ std::vector<T> drawAll(const DicomFile& file, const Planes& planes, int segment,
   std::vector<T> labels(planes.lattice.count());
   const size_t each = size_t(file.columns) * size_t(file.rows);
   for (size_t k = 0; k < stored.size(); ++k) {
+    T* plane = labels.data() + size_t(planes.planeOf[k]) * each;
     const int label = file.frames[k].segment;
-    if (segment != 0 && label != segment) continue;
+    if (!file.labelPixels && segment != 0 && label != segment) continue;
     // A fraction is inside from a half on.
     const double from = file.fullFraction > 0 ? file.fullFraction / 2 : 1;
     const auto shared = std::visit(
         [&](const auto& frame) {
-          return draw(frame, from, T(label), labels.data() + size_t(planes.planeOf[k]) * each);
+          if (!file.labelPixels) return draw(frame, from, T(label), plane);
+          for (size_t i = 0; i < each; ++i)
+            if (segment == 0 || int(frame[i]) == segment) plane[i] = T(frame[i]);
+          return std::map<int, size_t>();
         },
         stored[k]);
     for (const auto& [other, count] : shared) overlaps[std::minmax(other, label)] += count;
@@ -154,7 +158,7 @@ std::vector<T> drawAll(const DicomFile& file, const Planes& planes, int segment,
 void checkSegments(const DicomFile& file, int segment) {
   std::set<int> known;
   for (const DicomSegment& s : file.segments) known.insert(s.number);
-  for (size_t k = 0; k < file.frames.size(); ++k)
+  for (size_t k = 0; !file.labelPixels && k < file.frames.size(); ++k)
     if (const int n = file.frames[k].segment; n < 1 || n > 65535 || (!known.empty() && !known.count(n)))
       throw InputError(file.path, "is a segmentation whose frame " + std::to_string(k + 1) +
                                       " is of no segment that it describes (" + std::to_string(n) + ")");
@@ -180,6 +184,7 @@ ImageFile readDicomSegmentation(const DicomSeries& series, int segment, const Si
   const Planes planes = planesOf(source, file.notes);
   int most = 0;
   for (const DicomFrame& frame : source.frames) most = std::max(most, frame.segment);
+  if (source.labelPixels && source.pixels.bits > 8) most = 65535;
   check(planes.lattice.size, double(planes.lattice.count()) * (most > 255 ? 2 : 1) +
                                  double(source.frames.size()) * source.columns * source.rows);
   file.image.lattice = planes.lattice;

@@ -31,10 +31,13 @@ bool shareGeometry(const DicomFrame& a, const DicomFrame& b) {
 
 bool belongsTo(const DicomSeries& series, const DicomFile& file, const DicomFrame& frame) {
   const DicomFile& first = series.files[0];
-  if (series.uid != file.seriesUid || first.columns != file.columns || first.rows != file.rows) return false;
-  const bool alone = file.kind == DicomFile::kSegmentation || first.kind == DicomFile::kSegmentation ||
-                     !file.uncertain.empty() || !first.uncertain.empty();
-  if (alone) return first.path == file.path;
+  if (series.uid != file.seriesUid || first.frameOfReference != file.frameOfReference ||
+      first.columns != file.columns || first.rows != file.rows)
+    return false;
+  const auto isAlone = [](const DicomFile& f) {
+    return f.kind == DicomFile::kSegmentation || (f.isWhole && !f.uncertain.empty());
+  };
+  if (isAlone(file) || isAlone(first)) return first.path == file.path;
   return shareGeometry(first.frames[0], frame);
 }
 
@@ -149,10 +152,10 @@ class Splitter {
   }
 
   void splitAlways(Refs slices, int m, const Path& path) {
-    if (m > kTemporal) return splitPlaces(std::move(slices), m, path);
+    if (m > kTemporal) return splitPlaces(std::move(slices), 0, path);
     std::map<std::string, Refs, Less> parts = byMark(slices, m);
-    // What differs from slice to slice without coming twice is no volume's.
-    const bool perSlice = parts.size() == slices.size() && mostAtOnePlace(slices) == 1;
+    // What differs from slice to slice is no volume's, though its order may tell volumes apart.
+    const bool perSlice = parts.size() == slices.size() && byPlace(slices).size() > 1;
     if (parts.size() == 1 || perSlice) return splitAlways(std::move(slices), m + 1, path);
     for (auto& [value, part] : parts) {
       Path next = path;

@@ -174,6 +174,10 @@ def case_volumes_of_frames():
     frames = [(k, dict(content(DimensionIndexValues=[k + 1, 7 + v]), pixels=grid.values(k, v))) for k in range(4) for v in (1, 0)]
     enhanced("index.dcm", grid, frames, DimensionIndexSequence=[item(DimensionIndexPointer=0x00200032), item(DimensionIndexPointer=0x00189073)])
     volumes_are("index.dcm", grid, range(4), ["index 7", "index 8"], grid.values)
+    # An index that counts all frames.
+    frames = [(k, dict(content(TemporalPositionIndex=1 + 4 * v + k), pixels=grid.values(k, v))) for v in (1, 0) for k in range(4)]
+    enhanced("counted.dcm", grid, frames)
+    volumes_are("counted.dcm", grid, range(4), ["time 1", "time 5"], grid.values)
     # A file a time.
     for v in (0, 1):
         enhanced("times/%d.dcm" % v, grid, [(k, dict(content(TemporalPositionIndex=v + 1), pixels=grid.values(k, v))) for k in range(4)])
@@ -232,13 +236,17 @@ def case_one_position():
     for k in range(4):
         classic("unplaced/%d.dcm" % (9 - k), grid, k, ImagePositionPatient=None, SliceThickness="2")
         classic("sizeless/%d.dcm" % k, grid, k, PixelSpacing=None)
-        classic("bare/%d.dcm" % k, grid, k, ImagePositionPatient=None)
-    values, affine, said = read("unplaced")
+    refused("convert", "unplaced", "-o", "x.nii", says=["no positions", "--spacing"])
+    values, affine, said = read("unplaced", "--spacing", "9,9,2")
     assert "no positions" in said and np.allclose(affine[:3, 2], 2 * grid.normal, atol=CLOSE), (said, affine)
     assert all(np.array_equal(values[:, :, k].T, grid.values(k)) for k in range(4))
+    for k in range(3):
+        classic("undirected/%d.dcm" % k, grid, k, ImageOrientationPatient=None, SliceThickness="2")
+        classic("bent/%d.dcm" % k, grid, k, ImageOrientationPatient=["1", "0", "0", "0.3", "1", "0"])
+    refused("convert", "undirected", "-o", "x.nii", says=["no directions", "--spacing"])
+    refused("convert", "bent", "-o", "x.nii", says=["ImageOrientationPatient", "right angles"])
     refused("convert", "sizeless", "-o", "x.nii", says=["pixel size", "--spacing"])
     has_planes(*read("sizeless", "--spacing", "0.75,1.5,2")[:2], grid, range(4))
-    refused("convert", "bare", "-o", "x.nii", says=["neither positions nor a distance", "--spacing"])
 
 
 def case_mosaics():
@@ -320,6 +328,17 @@ def case_segmentations():
     values, affine, said = read("part.dcm")
     has_planes(values, affine, grid, range(2), lambda k: [part, part.T.reshape(7, 9)][k] >= 127.5)
     assert "fractions" in said, said
+    # Pixels that are the segments' numbers.
+    labels = np.array([np.where(masks[7], 7, masks[1]).astype(np.uint8), masks[2] * np.uint8(2)])
+    d = dcm.data_set("numbers.dcm", "1.2.840.10008.5.1.4.1.1.66.7", labels, modality="SEG", SegmentationType="LABELMAP",
+                     SegmentSequence=[item(SegmentNumber=n, SegmentLabel=name) for n, name in names.items()],
+                     SharedFunctionalGroupsSequence=[item(**dcm.shared_groups(grid))],
+                     PerFrameFunctionalGroupsSequence=[item(**dcm.plane_groups(grid, k)) for k in (0, 3)])
+    d.SharedFunctionalGroupsSequence[0].PixelMeasuresSequence[0].SpacingBetweenSlices = "2"
+    dcm.save(d)
+    values, affine, _ = read("numbers.dcm")
+    has_planes(values, affine, grid, range(4), lambda k: labels[k // 3] if k in (0, 3) else 0 * labels[0])
+    has_planes(*read("numbers.dcm:@7")[:2], grid, range(4), lambda k: 7 * (labels[0] == 7) if k == 0 else 0 * labels[0])
     # Planes at no even distance, and a frame beside the others'.
     grid.position = lambda k: grid.origin + [0, 2, 5][k] * grid.normal
     dcm.segmentation("uneven.dcm", grid, [(k, 1, masks[1]) for k in range(3)], names)
@@ -341,6 +360,7 @@ def case_values():
         padded = below.copy()
         padded[0, :2] = -2000
         classic("pad/%d.dcm" % k, grid, k, pixels=padded, x00280120SS=-2000, RescaleSlope="2", RescaleIntercept="5")
+        classic("near/%d.dcm" % k, grid, k, x00280120US=0)  # 0, and 1 beside it: no surface lies between
         padded = grid.values(k) + np.uint16(100)
         padded[1, :2] = 40, 50
         classic("range/%d.dcm" % k, grid, k, pixels=padded, x00280120US=50, x00280121US=40)
@@ -355,6 +375,8 @@ def case_values():
     values, affine, said = read("pad")
     has_planes(values, affine, grid, range(3), filled)
     assert "6 voxels" in said and "-2000" in said, said
+
+    has_planes(*read("near")[:2], grid, range(3))
 
     def cut(k):
         values = grid.values(k) + 100
@@ -395,6 +417,10 @@ def case_folders():
     has_planes(values, affine, grid, range(3))
     assert "3.dcm" in said, said
     has_planes(*read("mixed/1.dcm")[:2], grid, range(3))
+    # Two frames of reference: places in one say nothing of the other.
+    for k in range(4):
+        classic("frames/%d.dcm" % k, grid, k, FrameOfReferenceUID="1.2.%d" % (k // 2))
+    refused("convert", "frames", "-o", "x.nii", says=["2 series"])
     # Two stacks, none of them a localizer.
     for k in range(3):
         classic("two/a%d.dcm" % k, grid, k)
