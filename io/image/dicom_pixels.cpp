@@ -1,11 +1,7 @@
 #include "io/image/dicom_pixels.h"
 
-#include "io/image/raw_values.h"
-#include "io/whole_file.h"
+#include "io/image/dicom_decode.h"
 #include "slicemorph/errors.h"
-
-#include <gdcmImage.h>
-#include <gdcmSequenceOfFragments.h>
 
 #include <tbb/parallel_for.h>
 
@@ -17,128 +13,6 @@
 
 namespace slicemorph {
 namespace {
-
-/// How decoded or stored pixels lie in memory.
-struct PixelLayout {
-  RawType type;
-  int bitsUsed = 16, highBit = 15;
-};
-
-PixelLayout layoutOf(const DicomPixels& p) {
-  const RawType::Kind kind = p.kind != DicomPixels::kWhole ? RawType::kFloat
-                             : p.isSigned                  ? RawType::kSigned
-                                                           : RawType::kUnsigned;
-  return {{std::max(1, p.bits / 8), kind}, p.bitsUsed, p.highBit};
-}
-
-/// All frames of a file that is read as a whole.
-struct DecodedFile {
-  PixelLayout layout;
-  std::vector<char> bytes;
-};
-
-/// The items that compressed pixels lie in (PS3.5 section A.4), as the file's elements hold them.
-gdcm::SmartPointer<gdcm::SequenceOfFragments> fragmentsOf(std::string_view items) {
-  gdcm::SmartPointer<gdcm::SequenceOfFragments> fragments = new gdcm::SequenceOfFragments;
-  constexpr size_t kHead = 8;
-  for (bool table = true; items.size() >= kHead; table = false) {
-    std::uint32_t size = 0;
-    for (size_t i = 0; i < 4; ++i) size |= std::uint32_t(static_cast<unsigned char>(items[4 + i])) << (8 * i);
-    if (items[1] != char(0xff) || size > items.size() - kHead ||
-        items.substr(2, 2) != std::string_view("\x00\xe0", 2))
-      break;
-    // The first item is a table of offsets, mostly empty.
-    if (!table) {
-      gdcm::Fragment fragment;
-      fragment.SetByteValue(items.data() + kHead, size);
-      fragments->AddFragment(fragment);
-    }
-    items.remove_prefix(kHead + size);
-  }
-  return fragments;
-}
-
-/// Bits of the samples in a JPEG stream, by its frame header (ITU-T T.81 B.2.2); 0 where it is none.
-int jpegPrecisionOf(const gdcm::SequenceOfFragments& fragments) {
-  if (fragments.GetNumberOfFragments() == 0) return 0;
-  const gdcm::ByteValue* value = fragments.GetFragment(0).GetByteValue();
-  if (!value) return 0;
-  const auto* bytes = reinterpret_cast<const unsigned char*>(value->GetPointer());
-  const size_t size = value->GetLength();
-  for (size_t at = 2; at + 9 < size && bytes[at] == 0xff;) {
-    const int marker = bytes[at + 1];
-    if (marker >= 0xc0 && marker <= 0xc3) return bytes[at + 4];
-    at += 2 + 256 * size_t(bytes[at + 2]) + bytes[at + 3];
-  }
-  return 0;
-}
-
-/// Unpacks compressed pixels by GDCM, from the pixels alone: its reader of whole files aborts the program where other
-/// elements are odd.
-DecodedFile decompressed(const DicomFile& file, const DicomElements& data, std::string_view items) {
-  const DicomPixels& p = file.pixels;
-  gdcm::Image image;
-  image.SetNumberOfDimensions(p.frames > 1 ? 3 : 2);
-  image.SetDimension(0, unsigned(p.columns)), image.SetDimension(1, unsigned(p.rows));
-  if (p.frames > 1) image.SetDimension(2, unsigned(p.frames));
-  const auto fragments = fragmentsOf(items);
-  // GDCM takes its decoder by the bits in use, and where the stream has others complains on the terminal and tries again.
-  const int precision = jpegPrecisionOf(*fragments);
-  const int used = precision > 0 && precision <= p.bits ? precision : p.bitsUsed;
-  image.SetPixelFormat(gdcm::PixelFormat(1, std::uint16_t(p.bits), std::uint16_t(used),
-                                         std::uint16_t(precision > 0 ? used - 1 : p.highBit),
-                                         p.isSigned ? 1 : 0));
-  image.SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
-  image.SetTransferSyntax(gdcm::TransferSyntax::GetTSType(data.transferSyntax().c_str()));
-  gdcm::DataElement pixels(gdcm::Tag(0x7fe0, 0x0010));
-  pixels.SetVR(gdcm::VR::OB);
-  pixels.SetValue(*fragments);
-  image.SetDataElement(pixels);
-  DecodedFile out;
-  out.bytes.resize(image.GetBufferLength());
-  if (!image.GetBuffer(out.bytes.data()))
-    throw IoError(file.path, "its pixels cannot be unpacked (transfer syntax " + data.transferSyntax() + ")");
-  const gdcm::PixelFormat& format = image.GetPixelFormat();
-  out.layout = {{std::max(1, format.GetBitsAllocated() / 8),
-                 format.GetPixelRepresentation() ? RawType::kSigned : RawType::kUnsigned},
-                precision > 0 ? p.bitsUsed : format.GetBitsStored(),
-                precision > 0 ? p.highBit : format.GetHighBit()};
-  return out;
-}
-
-/// Pixels that are not compressed, of a deflated or big endian file.
-DecodedFile unpacked(const DicomFile& file, const DicomElements& data, std::string_view stored) {
-  DecodedFile out;
-  out.layout = layoutOf(file.pixels);
-  out.bytes.assign(stored.begin(), stored.end());
-  if (!data.bigEndian()) return out;
-  // Pixels of 8 bits and less lie in words of 16 (OW) or in bytes (OB).
-  const int bits = file.pixels.bits, size = bits > 8 ? bits / 8 : data.type(file.pixels.tag) == "OW" ? 2 : 1;
-  swapBytes(out.bytes.data(), out.bytes.size() / size_t(size), size);
-  return out;
-}
-
-DecodedFile decode(const DicomFile& file) {
-  const std::string bytes = readWholeFile(file.path);
-  try {
-    const DicomElements data = DicomElements::ofFile(bytes);
-    const std::string_view stored = data.bytes(file.pixels.tag);
-    DecodedFile out = data.plainPixels() ? unpacked(file, data, stored) : decompressed(file, data, stored);
-    const DicomPixels& p = file.pixels;
-    const size_t needed = (size_t(p.columns) * size_t(p.rows) * size_t(p.frames) *
-                               size_t(p.bits == 1 ? 1 : 8 * out.layout.type.bytes) +
-                           7) /
-                          8;
-    if (out.bytes.size() < needed)
-      throw IoError(file.path, "its pixels unpack to " + std::to_string(out.bytes.size()) + " bytes, " +
-                                   std::to_string(needed) + " are needed");
-    return out;
-  } catch (const IoError&) {
-    throw;
-  } catch (const std::exception& error) {
-    throw IoError(file.path, std::string("its pixels cannot be unpacked: ") + error.what());
-  }
-}
 
 /// Fills `bytes` from the stored pixels, from byte `offset` of these on.
 void readAt(const DicomFile& file, std::uint64_t offset, std::vector<char>& bytes) {
@@ -335,8 +209,11 @@ std::vector<DecodedFile> decodeAll(const DicomSeries& series, const std::vector<
   std::vector<bool> used(series.files.size());
   for (const DicomSliceRef& r : slices) used[r.file] = series.files[r.file].pixels.decode;
   std::vector<DecodedFile> decoded(series.files.size());
+  const bool any = std::find(used.begin(), used.end(), true) != used.end();
+  if (!any) return decoded;
+  const WithoutTerminal silence;
   tbb::parallel_for(size_t(0), decoded.size(), [&](size_t f) {
-    if (used[f]) decoded[f] = decode(series.files[f]);
+    if (used[f]) decoded[f] = decodeFile(series.files[f]);
   });
   return decoded;
 }
@@ -368,7 +245,7 @@ DicomValues readDicomValues(const DicomSeries& series, const std::vector<DicomSl
 }
 
 std::vector<ImageValues> readStoredFrames(const DicomFile& file) {
-  const DecodedFile decoded = file.pixels.decode ? decode(file) : DecodedFile();
+  const DecodedFile decoded = file.pixels.decode ? decodeFile(file) : DecodedFile();
   std::vector<ImageValues> out(file.frames.size());
   tbb::parallel_for(size_t(0), out.size(), [&](size_t k) {
     std::vector<bool> padded;
