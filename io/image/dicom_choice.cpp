@@ -162,6 +162,8 @@ size_t onlySeries(const std::string& path, const DicomFolder& found, Notes& note
 /// Adds notes on damaged files. Throws IoError where one belongs to a series that was not named.
 void checkDamage(const std::string& path, const DicomFolder& found, size_t series, bool named, Notes& notes) {
   for (const auto& [uid, note] : found.damaged) {
+    const bool other = !uid.empty() && uid != found.series[series].uid;
+    if (other && !fs::is_directory(path)) continue;  // a file was asked for, not its folder
     if (!named && uid == found.series[series].uid)
       throw IoError(note.about, note.text + "; " + path + ":" + std::to_string(series + 1) +
                                     " reads the rest of its series");

@@ -187,8 +187,9 @@ class Splitter {
     if (!splitByRank(slices, most, kMarkCount, path)) leaf(std::move(slices), path);
   }
 
+  /// The first slices at all places are one volume, the second another, in the order of a mark or (kMarkCount) of the
+  /// files. False where places have unlike numbers of slices and volumes do not follow each other in that order.
   bool splitByRank(const Refs& slices, size_t most, int m, const Path& path) {
-    std::map<size_t, Refs> places = byPlace(slices);
     const auto key = [&](const DicomSliceRef& r) {
       const DicomFrame& frame = series_.frameOf(r);
       return std::make_tuple(series_.files[r.file].instance, frame.number, frame.tile[1], frame.tile[0]);
@@ -196,20 +197,29 @@ class Splitter {
     const auto before = [&](const DicomSliceRef& a, const DicomSliceRef& b) {
       return m < kMarkCount ? isLess(mark(a, m), mark(b, m)) : key(a) < key(b);
     };
-    for (auto& [place, here] : places) {
-      if (here.size() != most) return false;
-      std::sort(here.begin(), here.end(), before);
-      for (size_t i = 1; i < here.size(); ++i)
-        if (!before(here[i - 1], here[i])) return false;
+    std::vector<Refs> volumes(most);
+    bool even = true;
+    for (auto& [place, here] : byPlace(slices)) {
+      even = even && here.size() == most;
+      Refs sorted = here;
+      std::sort(sorted.begin(), sorted.end(), before);
+      for (size_t i = 0; i < sorted.size(); ++i) {
+        if (i > 0 && !before(sorted[i - 1], sorted[i])) return false;
+        volumes[i].push_back(sorted[i]);
+      }
     }
-    for (size_t rank = 0; rank < most; ++rank) {
-      Refs part;
-      for (const auto& [place, here] : places) part.push_back(here[rank]);
+    for (size_t v = 1; !even && v < most; ++v) {
+      const auto last = std::max_element(volumes[v - 1].begin(), volumes[v - 1].end(), before);
+      const auto first = std::min_element(volumes[v].begin(), volumes[v].end(), before);
+      if (!before(*last, *first)) return false;
+    }
+    for (size_t v = 0; v < most; ++v) {
       Path next = path;
-      next.emplace_back(m, m < kMarkCount ? mark(part[0], m)
-                                          : std::to_string(rank + 1) + " of " + std::to_string(most) +
-                                                " in the order of the files");
-      leaf(std::move(part), next);
+      next.emplace_back(
+          m, m < kMarkCount
+                 ? mark(*std::min_element(volumes[v].begin(), volumes[v].end(), before), m)
+                 : std::to_string(v + 1) + " of " + std::to_string(most) + " in the order of the files");
+      leaf(std::move(volumes[v]), next);
     }
     return true;
   }

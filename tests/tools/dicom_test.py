@@ -201,6 +201,11 @@ def case_volumes_of_slices():
             for k in range(3):
                 classic("%s/%d%d.dcm" % (name, k, v), grid, k, pixels=grid.values(k, v), number=10 * k + v, **elements(v, k))
         volumes_are(name, grid, range(3), words, grid.values)
+    # The last volume is incomplete.
+    for n, (v, k) in enumerate((v, k) for v in range(3) for k in range(3) if (v, k) != (2, 2)):
+        classic("part/%d.dcm" % n, grid, k, pixels=grid.values(k, v), number=n + 1, AcquisitionTime="1200%02d" % n)
+    refused("convert", "part", "-o", "x.nii", says=["3 volumes", "part:1@3", "2 slices"])
+    has_planes(*read("part:@3")[:2], grid, range(2), lambda k: grid.values(k, 2))
     has_planes(*read("echo/21.dcm")[:2], grid, range(3), lambda k: grid.values(k, 1))
     refused("convert", "echo:1@3", "-o", "x.nii", says=["no volume '3'", "echo:1@2"])
     # One slice that comes twice with other values, and nothing tells why.
