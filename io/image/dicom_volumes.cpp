@@ -231,6 +231,22 @@ class Splitter {
   std::vector<Leaf> leaves_;
 };
 
+/// Makes the frames of reference of a series one where every file has its own: anonymised archives replace each.
+void joinFrames(std::vector<DicomFile>& files) {
+  std::map<std::string, std::vector<DicomFile*>> series;
+  for (DicomFile& file : files) series[file.seriesUid].push_back(&file);
+  for (auto& [uid, members] : series) {
+    std::set<std::string> frames;
+    for (const DicomFile* file : members) frames.insert(file->frameOfReference);
+    if (members.size() < 2 || frames.size() < members.size()) continue;
+    for (DicomFile* file : members) {
+      file->frameOfReference.clear();
+      if (file->assumed.empty())
+        file->assumed = "every file of it names a frame of reference of its own: they are taken as one";
+    }
+  }
+}
+
 }  // namespace
 
 size_t DicomSeries::slices() const {
@@ -242,6 +258,7 @@ size_t DicomSeries::slices() const {
 std::vector<DicomVolume> splitIntoVolumes(const DicomSeries& series) { return Splitter(series).volumes(); }
 
 std::vector<DicomSeries> seriesOfFiles(std::vector<DicomFile> files) {
+  joinFrames(files);
   std::vector<DicomSeries> all;
   for (DicomFile& file : files) {
     std::vector<DicomFrame> frames = std::move(file.frames);

@@ -426,6 +426,11 @@ def case_folders():
     for k in range(4):
         classic("frames/%d.dcm" % k, grid, k, FrameOfReferenceUID="1.2.%d" % (k // 2))
     refused("convert", "frames", "-o", "x.nii", says=["2 series"])
+    for k in range(4):  # as anonymised archives have it
+        classic("masked/%d.dcm" % k, grid, k, FrameOfReferenceUID="1.2.%d" % k)
+    values, affine, said = read("masked")
+    has_planes(values, affine, grid, range(4))
+    assert "frame of reference of its own" in said, said
     # Two stacks, none of them a localizer.
     for k in range(3):
         classic("two/a%d.dcm" % k, grid, k)
