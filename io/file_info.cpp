@@ -3,6 +3,7 @@
 #include "engine/volume/image_shape.h"
 #include "engine/volume/level_set.h"
 #include "io/format.h"
+#include "io/image/image_formats.h"
 #include "io/mesh/mesh_reader.h"
 #include "io/paths.h"
 #include "io/vdb/grid_choice.h"
@@ -172,8 +173,10 @@ ImageInfo describeImage(const ImageFile& file) {
       },
       file.image.values);
   if (!any) {
-    info.reading = "cannot be read without --spacing X,Y,Z";
-  } else if (looksLikeLabels(file.image)) {
+    const bool refused = std::any_of(file.notes.begin(), file.notes.end(),
+                                     [](const Note& note) { return note.code == "image.refused"; });
+    info.reading = refused ? "refused" : "cannot be read without --spacing X,Y,Z";
+  } else if (isStatedLabels(file) || looksLikeLabels(file.image)) {
     info.labels = labelsOf(file.image).size();
     info.reading = "map of " + std::to_string(info.labels) + (info.labels == 1 ? " label" : " labels") +
                    ", the shape is that of all";

@@ -26,6 +26,11 @@ ImageFile readStackImage(const InputSpec& input, const ImageOptions& options);
 std::vector<ImageFile> listDicomImages(const InputSpec& input, const ImageOptions& options);
 std::vector<ImageFile> listStackImages(const InputSpec& input, const ImageOptions& options);
 
+/// Code of the note by which a reader says so.
+constexpr const char* kLabelsStated = "image.labels-stated";
+/// Whether a file itself says that its values are labels, as segmentations do; a note's code tells it.
+bool isStatedLabels(const ImageFile& file);
+
 /// As openImageSlices.
 std::optional<ImageSlices> openNiftiSlices(const InputSpec& input, const ImageOptions& options);
 std::optional<ImageSlices> openNrrdSlices(const InputSpec& input, const ImageOptions& options);

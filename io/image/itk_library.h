@@ -12,9 +12,10 @@ struct ItkReaders {
   decltype(&readMetaImage) metaImage;
   decltype(&openNrrd) nrrdSlices;
   decltype(&openMetaImage) metaImageSlices;
-  decltype(&scanDicomFolder) dicomFolder;
-  decltype(&chooseDicomSeries) chooseSeries;
-  decltype(&readDicomSeries) dicomSeries;
+  decltype(&scanDicom) dicomFolder;
+  decltype(&holdsDicomVolumes) dicomHoldsVolumes;
+  decltype(&chooseDicomVolume) chooseVolume;
+  decltype(&readDicomVolume) dicomVolume;
 };
 
 /// Loads the plug-in, once. Throws IoError where it is missing.

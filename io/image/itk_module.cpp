@@ -2,7 +2,7 @@
 
 const slicemorph::ItkReaders* slicemorphItkReaders() {
   using namespace slicemorph;
-  static const ItkReaders readers{readNrrd,        readMetaImage,     openNrrd,       openMetaImage,
-                                  scanDicomFolder, chooseDicomSeries, readDicomSeries};
+  static const ItkReaders readers{readNrrd,  readMetaImage,     openNrrd,          openMetaImage,
+                                  scanDicom, holdsDicomVolumes, chooseDicomVolume, readDicomVolume};
   return &readers;
 }

@@ -4,6 +4,7 @@
 #include "engine/volume/image_shape.h"
 #include "engine/volume/level_set.h"
 #include "engine/volume/resample_image.h"
+#include "io/image/image_formats.h"
 #include "io/paths.h"
 #include "io/vdb/grid_choice.h"
 #include "slicemorph/errors.h"
@@ -35,6 +36,12 @@ Image onAskedLattice(Image image, const ConvertSettings& s) {
       s.like.empty() ? cubicLattice(image.lattice, s.load) : readImage(s.like, s.load.image).image.lattice;
   require(s.load.memory, s.output, needOfImage(on, 1));
   return isLabelMap(image, s.load.imageKind) ? nearestTo(image, on) : resampledTo(image, on);
+}
+
+/// The settings for a file that may say itself that its values are labels.
+ConvertSettings settingsFor(const ImageFile& file, ConvertSettings s) {
+  if (s.load.imageKind == ImageKind::kAuto && isStatedLabels(file)) s.load.imageKind = ImageKind::kLabels;
+  return s;
 }
 
 /// Writes an image's values as a grid, and with --iso its surface as another.
@@ -80,7 +87,7 @@ void convertToImage(const ConvertSettings& s) {
   if (isImageInput(s.input)) {
     ImageFile file = readImage(s.input, s.load.image);
     printNotes(s.input + ": ", file.notes, s.quiet, s.verbose);
-    writeImage(s.output, onAskedLattice(std::move(file.image), s));
+    writeImage(s.output, onAskedLattice(std::move(file.image), settingsFor(file, s)));
   } else if (parseInput(s.input).isGrids()) {
     writeImage(s.output, onAskedLattice(imageOfGrid(s), s));
   } else {
@@ -109,7 +116,8 @@ void runConvert(const OptionSet& options) {
   } else if (isImageInput(s.input) && extensionOf(s.output) == ".vdb") {
     ImageFile file = readImage(s.input, s.load.image);
     printNotes(s.input + ": ", file.notes, s.quiet, s.verbose);
-    writeGrids(s, onAskedLattice(std::move(file.image), s));
+    const ConvertSettings own = settingsFor(file, s);
+    writeGrids(own, onAskedLattice(std::move(file.image), own));
   } else {
     if (!s.like.empty()) throw InputError("--like is for images; the output " + s.output + " is none");
     const LoadedObject loaded = loadObject(s.input, s.load);

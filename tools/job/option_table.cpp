@@ -370,7 +370,8 @@ Rows imageRows() {
           "What an image's values are; auto: labels where whole numbers are mostly like their neighbours")
           .oneOf({"auto", "grey", "labels"}),
       Row(kReaders, "spacing", at<&J::spacing>, "X,Y,Z",
-          "Of image stacks: pixel width, pixel height, gap between pictures")
+          "Of image stacks, and of DICOM files that do not tell it: pixel width, pixel height, gap between "
+          "pictures")
           .as(OptionType::kNumbers)
           .unit("millimetres"),
       Row(kMorph, "like", at<&J::like>, "IMAGE", "Put in-between images on the voxels of this one")
