@@ -157,7 +157,8 @@ void carryPositions(const ApplyJob& job, const PositionFile& file, const TimeMap
 }
 
 void carryImage(const ApplyJob& job, const TimeMap& map, JobEvents& events) {
-  const ImageFile file = readImage(job.what, job.load.image);
+  ImageFile file = readImage(job.what, job.load.image);
+  takeLabels(file, job.load.imageKind);
   events.notes(about(job.what, file.notes));
   const bool labels = isLabelMap(file.image, job.load.imageKind);
   const ImageLattice on = !job.like.empty() ? readImage(job.like, job.load.image).image.lattice
