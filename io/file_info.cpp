@@ -8,12 +8,17 @@
 #include "io/paths.h"
 #include "io/vdb/grid_choice.h"
 #include "slicemorph/errors.h"
+#include "slicemorph/io/image_slices.h"
 #include "slicemorph/io/placing.h"
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
+#include <optional>
 #include <sstream>
+#include <tuple>
+#include <utility>
 
 namespace slicemorph {
 namespace {
@@ -155,6 +160,18 @@ VdbInfo describeVdb(const InputSpec& input, const Placing& placing) {
   return info;
 }
 
+/// The least and the largest finite value; 0 where there is none.
+template <typename T>
+std::pair<double, double> finiteRange(const std::vector<T>& values) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const T value : values) {
+    const double v = double(value);
+    if (!std::isfinite(v)) continue;
+    low = std::min(low, v), high = std::max(high, v);
+  }
+  return low <= high ? std::pair(low, high) : std::pair(0.0, 0.0);
+}
+
 ImageInfo describeImage(const ImageFile& file) {
   constexpr const char* kTypes[] = {"uint8", "int16", "uint16", "int32", "float", "double"};
   const ImageLattice& lattice = file.image.lattice;
@@ -167,14 +184,14 @@ ImageInfo describeImage(const ImageFile& file) {
   const bool any = std::visit(
       [&](const auto& values) {
         if (values.empty()) return false;
-        const auto [low, high] = std::minmax_element(values.begin(), values.end());
-        info.minimum = double(*low), info.maximum = double(*high);
+        std::tie(info.minimum, info.maximum) = finiteRange(values);
         return true;
       },
       file.image.values);
   if (!any) {
     const bool refused = std::any_of(file.notes.begin(), file.notes.end(),
                                      [](const Note& note) { return note.code == "image.refused"; });
+    info.looked = false;
     info.reading = refused ? "refused" : "cannot be read without --spacing X,Y,Z";
   } else if (isStatedLabels(file) || looksLikeLabels(file.image)) {
     info.labels = labelsOf(file.image).size();
@@ -190,6 +207,28 @@ ImageInfo describeImage(const ImageFile& file) {
   return info;
 }
 
+/// Images of more voxels are described by their headers where these alone can be read: of 400^3, which takes a second.
+constexpr double kMostToRead = 64e6;
+
+/// The images of an input, without the values of a large one.
+std::vector<ImageInfo> describeImages(const InputSpec& input, const ImageOptions& options) {
+  if (std::optional<ImageSlices> slices = openImageSlices(input, options)) {
+    const double voxels = double(slices->file.image.lattice.count());
+    if (voxels > kMostToRead) {
+      slices->file.name = input.text;
+      ImageInfo info = describeImage(slices->file);
+      std::ostringstream text;
+      text << "not looked at: of more than " << kMostToRead / 1e6
+           << " million voxels only the header is read";
+      info.looked = false, info.reading = text.str();
+      return {info};
+    }
+  }
+  std::vector<ImageInfo> infos;
+  for (const ImageFile& file : listImages(input, options)) infos.push_back(describeImage(file));
+  return infos;
+}
+
 }  // namespace
 
 FileInfo describeFile(const InputSpec& given, const ImageOptions& options) {
@@ -201,7 +240,7 @@ FileInfo describeFile(const InputSpec& given, const ImageOptions& options) {
   info.path = input.path;
   if (input.isImage()) {
     for (const std::string& file : filesOfInput(input)) info.bytes += std::filesystem::file_size(file);
-    for (const ImageFile& file : listImages(input, options)) info.images.push_back(describeImage(file));
+    info.images = describeImages(input, options);
     info.format = info.images[0].format;
     return info;
   }

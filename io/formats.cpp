@@ -89,7 +89,8 @@ std::vector<Format> makeFormats() {
   rows.push_back(mesh(".off", readOff, nullptr, "Object File Format"));
   rows.push_back(mesh(".glb", readGlb, writeStillGlb, "glTF 2.0, colours of points and materials"));
   rows.back().reads.push_back(".gltf");
-  rows.push_back(image(row("nifti", C::kImage, {".nii", ".nii.gz"}, {".nii", ".nii.gz"}, "NIfTI-1"),
+  rows.push_back(image(row("nifti", C::kImage, {".nii", ".nii.gz", ".hdr", ".hdr.gz", ".img", ".img.gz"},
+                           {".nii", ".nii.gz"}, "NIfTI-1 and -2, Analyze 7.5"),
                        readNiftiImage, openNiftiSlices, niftiHead));
   rows.push_back(image(row("nrrd", C::kImage, {".nrrd", ".nhdr"}, {".nrrd"}, "NRRD, attached or detached"),
                        readNrrdImage, openNrrdSlices, nrrdHead));

@@ -9,6 +9,7 @@
 #include "engine/volume/voxelise.h"
 #include "io/format.h"
 #include "io/image/image_formats.h"
+#include "io/image/label_values.h"
 #include "io/mesh/mesh_reader.h"
 #include "io/vdb/grid_choice.h"
 #include "io/vdb/vector_parts.h"
@@ -269,9 +270,11 @@ LoadedObject loadImage(const InputSpec& input, const LoadOptions& options) {
   LoadedObject loaded;
   loaded.notes = std::move(file.notes);
   place(file.image.lattice, options.placing);
+  const bool isoGiven = options.isoGiven || options.iso != 0;
+  if (options.imageKind == ImageKind::kLabels || (options.imageKind == ImageKind::kAuto && !isoGiven))
+    takeLabels(file.image, options.imageKind == ImageKind::kLabels, loaded.notes);
   loaded.image = std::make_shared<const Image>(std::move(file.image));
   const Image& image = *loaded.image;
-  const bool isoGiven = options.isoGiven || options.iso != 0;
   const bool labels =
       options.imageKind == ImageKind::kLabels ||
       (options.imageKind == ImageKind::kAuto && !isoGiven && (stated || looksLikeLabels(image)));

@@ -1,6 +1,7 @@
 #include "slicemorph/io/image_file.h"
 
 #include "io/format.h"
+#include "io/image/chosen_volume.h"
 #include "io/image/image_formats.h"
 #include "io/image/itk_library.h"
 #include "io/image/nifti_reader.h"
@@ -9,24 +10,13 @@
 #include "slicemorph/errors.h"
 #include "slicemorph/io/placing.h"
 
-#include <algorithm>
-#include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <string_view>
 
 namespace slicemorph {
 namespace {
-
-int volumeOf(const InputSpec& input) {
-  const std::string& chosen = input.selection;
-  if (chosen.empty()) return 0;
-  const bool digits =
-      std::all_of(chosen.begin(), chosen.end(), [](unsigned char c) { return std::isdigit(c); });
-  if (!digits || chosen.size() > 9)
-    throw InputError(input.text, "'" + chosen + "' is no volume of the file; give its number, from 0");
-  return std::stoi(chosen);
-}
 
 bool isFolder(const std::string& path) {
   std::error_code ignored;
@@ -103,6 +93,22 @@ bool beginsAsDicom(const std::string& path) {
   return file.read(head, sizeof head) && std::string_view(head + 128, 4) == "DICM";
 }
 
+void noteNotFinite(ImageFile& file) {
+  const auto [all, count] = std::visit(
+      [](const auto& values) {
+        using T = typename std::decay_t<decltype(values)>::value_type;
+        size_t found = 0;
+        if constexpr (std::is_floating_point_v<T>)
+          for (const T v : values) found += !std::isfinite(v);
+        return std::pair(values.size(), found);
+      },
+      file.image.values);
+  if (count > 0)
+    file.notes.emplace_back("image.not-finite", Severity::kWarning, "",
+                            std::to_string(count) + " of its " + std::to_string(all) +
+                                " values are not finite (NaN or infinite): shapes have NaN outside");
+}
+
 }  // namespace
 
 bool isDicomImage(const std::string& path) {
@@ -166,7 +172,7 @@ std::optional<ImageSlices> openStackSlices(const InputSpec& input, const ImageOp
 }
 
 std::vector<ImageFile> listStackImages(const InputSpec& input, const ImageOptions& options) {
-  ImageFile file = readStack(input, options, /*values=*/options.spacing[0] != 0);
+  ImageFile file = readStack(input, options, /*placed=*/options.spacing[0] != 0);
   file.name = input.text;
   return {std::move(file)};
 }
@@ -176,10 +182,7 @@ ImageFile readImage(const InputSpec& input, const ImageOptions& options) {
     throw InputError(input.text, "is no image; use " + readableList(Contents::kImage));
   ImageFile file = input.format->readImage(input, options);
   place(file.image.lattice, placingOf(input.placing, options.up));
-  if (file.volumes > 1 && input.selection.empty())
-    file.notes.emplace_back(
-        "image.volume-chosen", Severity::kNote, "",
-        "took volume 0 of " + std::to_string(file.volumes) + " (" + input.path + ":N takes another)");
+  noteNotFinite(file);
   return file;
 }
 
@@ -188,7 +191,10 @@ ImageFile readImage(const std::string& text, const ImageOptions& options) {
 }
 
 std::optional<ImageSlices> openImageSlices(const std::string& text, const ImageOptions& options) {
-  const InputSpec input = parseInput(text);
+  return openImageSlices(parseInput(text), options);
+}
+
+std::optional<ImageSlices> openImageSlices(const InputSpec& input, const ImageOptions& options) {
   if (!input.format || !input.format->openSlices) return std::nullopt;
   std::optional<ImageSlices> slices = input.format->openSlices(input, options);
   if (slices) place(slices->file.image.lattice, placingOf(input.placing, options.up));

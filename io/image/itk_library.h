@@ -1,7 +1,8 @@
 #pragma once
 
 #include "io/image/dicom_reader.h"
-#include "io/image/itk_reader.h"
+#include "io/image/metaimage_reader.h"
+#include "io/image/nrrd_reader.h"
 
 namespace slicemorph {
 

@@ -44,6 +44,14 @@ ConvertSettings settingsFor(const ImageFile& file, ConvertSettings s) {
   return s;
 }
 
+/// The image that is converted; labels that are stored as floating point are rounded but where values stay as they are.
+ImageFile imageToConvert(const ConvertSettings& s) {
+  ImageFile file = readImage(s.input, s.load.image);
+  const bool resampled = !s.like.empty() || s.load.voxelSize != 0 || s.load.resolution != 0;
+  if (resampled || !isImageOutput(s.output)) takeLabels(file, s.load.imageKind);
+  return file;
+}
+
 /// Writes an image's values as a grid, and with --iso its surface as another.
 void writeGrids(const ConvertSettings& s, const Image& image) {
   const bool labels = isLabelMap(image, s.load.imageKind);
@@ -85,7 +93,7 @@ Image maskOf(const FloatGrid& levelSet) {
 
 void convertToImage(const ConvertSettings& s) {
   if (isImageInput(s.input)) {
-    ImageFile file = readImage(s.input, s.load.image);
+    ImageFile file = imageToConvert(s);
     printNotes(s.input + ": ", file.notes, s.quiet, s.verbose);
     writeImage(s.output, onAskedLattice(std::move(file.image), settingsFor(file, s)));
   } else if (parseInput(s.input).isGrids()) {
@@ -114,7 +122,7 @@ void runConvert(const OptionSet& options) {
   if (isImageOutput(s.output)) {
     convertToImage(s);
   } else if (isImageInput(s.input) && extensionOf(s.output) == ".vdb") {
-    ImageFile file = readImage(s.input, s.load.image);
+    ImageFile file = imageToConvert(s);
     printNotes(s.input + ": ", file.notes, s.quiet, s.verbose);
     const ConvertSettings own = settingsFor(file, s);
     writeGrids(own, onAskedLattice(std::move(file.image), own));

@@ -65,9 +65,9 @@ Json describeImage(const ImageInfo& i) {
           {"origin", toJson(i.origin)},
           {"axes", {toJson(i.axes[0]), toJson(i.axes[1]), toJson(i.axes[2])}},
           {"volumes", i.volumes},
-          {"minimum", i.minimum},
-          {"maximum", i.maximum},
-          {"labels", i.labels},
+          {"minimum", i.looked ? Json(i.minimum) : Json()},
+          {"maximum", i.looked ? Json(i.maximum) : Json()},
+          {"labels", i.looked ? Json(i.labels) : Json()},
           {"reading", i.reading},
           {"notes", sentencesOf(i.notes)}};
 }
@@ -132,7 +132,7 @@ void printImage(const ImageInfo& i) {
   printLine("spacing", toText(i.spacing) + " mm");
   printLine("origin", toText(i.origin) + " (LPS)");
   for (int d = 0; d < 3; ++d) printLine(d == 0 ? "axes" : "", toText(i.axes[d]));
-  printLine("values", formatNumber(i.minimum) + " .. " + formatNumber(i.maximum));
+  if (i.looked) printLine("values", formatNumber(i.minimum) + " .. " + formatNumber(i.maximum));
   printLine("read as", i.reading);
   for (const Note& note : i.notes) printLine("on reading", note.sentence());
 }

@@ -158,7 +158,8 @@ void carryPositions(const ApplyJob& job, const PositionFile& file, const TimeMap
 }
 
 void carryImage(const ApplyJob& job, const TimeMap& map, JobEvents& events) {
-  const ImageFile file = readImage(job.what, job.load.image);
+  ImageFile file = readImage(job.what, job.load.image);
+  takeLabels(file, job.load.imageKind);
   events.notes(about(job.what, file.notes));
   const bool stated = job.load.imageKind == ImageKind::kAuto && isStatedLabels(file);
   const bool labels = stated || isLabelMap(file.image, job.load.imageKind);

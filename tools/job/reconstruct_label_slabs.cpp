@@ -2,11 +2,13 @@
 
 #include "engine/reconstruct/fill_gaps.h"
 #include "engine/volume/image_shape.h"
+#include "io/image/label_values.h"
 #include "slicemorph/io/image_slices.h"
 #include "slicemorph/io/image_writer.h"
 #include "tools/job/given_slices.h"
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -36,6 +38,16 @@ double neededInMemory(const ReconstructJob& job, const ImageSlices& slices) {
   const double bytes = double(slices.bytes);
   const double copies = job.between > 0 ? job.between + 2 : 1;
   return pixels * (bytes * lattice.size[2] * copies + kPlanes * kPerPixel);
+}
+
+/// The slices with labels that are stored as floating point rounded, each of which `notes` tells.
+ImageSlices roundedSlices(ImageSlices slices, const std::shared_ptr<Notes>& notes) {
+  slices.next = [lattice = slices.file.image.lattice, next = std::move(slices.next), notes] {
+    Image slice{lattice, next()};
+    takeLabels(slice, /*asked=*/true, *notes);
+    return std::move(slice.values);
+  };
+  return slices;
 }
 
 LabelSurvey surveyed(const ReconstructJob& job, ImageSlices slices, JobEvents& events) {
@@ -113,12 +125,16 @@ bool reconstructLabelSlabs(const ReconstructJob& job, JobEvents& events) {
   std::optional<ImageSlices> slices = openImageSlices(job.input, job.image);
   if (!slices || neededInMemory(job, *slices) <= job.memory.left()) return false;
   Notes notes = slices->file.notes;
-  const LabelSurvey survey = surveyed(job, std::move(*slices), events);
+  const auto rounded = std::make_shared<Notes>();
+  const LabelSurvey survey = surveyed(job, roundedSlices(std::move(*slices), rounded), events);
+  if (!rounded->empty())
+    notes.emplace_back("image.labels-rounded", Severity::kNote, "",
+                       "its labels are whole numbers but for 0.001 at most: rounded");
   notes.emplace_back("reconstruct.given-slices", Severity::kNote, "", described(survey.given));
   notes.emplace_back("reconstruct.slice-by-slice", Severity::kNote, "",
                      "the whole map would not fit the memory: filled in slice by slice");
   events.notes(about(job.input, notes));
-  writeDense(job, std::move(*openImageSlices(job.input, job.image)), survey, events);
+  writeDense(job, roundedSlices(std::move(*openImageSlices(job.input, job.image)), rounded), survey, events);
   events.fileWritten(job.output, false);
   return true;
 }

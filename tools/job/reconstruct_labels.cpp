@@ -7,6 +7,7 @@
 #include "engine/volume/manifold.h"
 #include "engine/volume/resample_image.h"
 #include "engine/volume/voxelise.h"
+#include "io/image/label_values.h"
 #include "io/paths.h"
 #include "slicemorph/io/image_writer.h"
 #include "tools/job/given_slices.h"
@@ -51,9 +52,14 @@ SparseLabels readSparse(const ReconstructJob& job) {
   ImageFile file = readImage(job.input, job.image);
   SparseLabels sparse{std::move(file.image), {}, std::move(file.notes)};
   Image& image = sparse.image;
+  takeLabels(image, /*asked=*/true, sparse.notes);
   LabelledSlices labelled(image.lattice.size);
-  if (job.between > 0) labelsOf(image);
-  labelled.add(image.values);
+  try {
+    if (job.between > 0) labelsOf(image);
+    labelled.add(image.values);
+  } catch (const InputError& error) {
+    throw InputError(job.input, error.what());
+  }
   sparse.given = givenSlices(job, labelled, image.lattice);
   if (job.between > 0) image = expanded(image, sparse.given.axis, job.between);
   sparse.notes.emplace_back("reconstruct.given-slices", Severity::kNote, "", described(sparse.given));

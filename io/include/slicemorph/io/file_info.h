@@ -56,8 +56,9 @@ struct ImageInfo {
   Vec3d spacing{0, 0, 0}, origin{0, 0, 0};  ///< LPS millimetres; origin: centre of the first voxel
   Vec3d axes[3];                            ///< unit directions of i, j, k
   int volumes = 1;                          ///< times or components in the file
-  double minimum = 0, maximum = 0;
-  size_t labels = 0;  ///< of a label map; 0: grey values
+  bool looked = true;               ///< values were read; else minimum, maximum and labels mean nothing
+  double minimum = 0, maximum = 0;  ///< of the finite values
+  size_t labels = 0;                ///< of a label map; 0: grey values
   Notes notes;
   std::string reading;  ///< how it is read as a shape
 };

@@ -1,0 +1,83 @@
+#include "io/image/metaimage_header.h"
+
+#include "slicemorph/errors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+namespace slicemorph {
+namespace {
+
+constexpr const char *kSlope = "ElementToIntensityFunctionSlope",
+                     *kOffset = "ElementToIntensityFunctionOffset";
+
+std::string withoutSpaceAtTheEnds(std::string text) {
+  text.erase(0, std::min(text.find_first_not_of(" \t"), text.size()));
+  text.erase(text.find_last_not_of(" \t\r") + 1);
+  return text;
+}
+
+}  // namespace
+
+void MetaHeader::check(const std::string& path) const {
+  for (const char* key : {"NDims", "DimSize", "ElementType"})
+    if (!has(key)) throw IoError(path, std::string("its MetaImage header has no ") + key);
+  scale(path);
+}
+
+bool MetaHeader::is(const char* key) const {
+  const std::string said = text(key);
+  return !said.empty() && (said[0] == 'T' || said[0] == 't' || said[0] == '1');
+}
+
+bool MetaHeader::inOneFile() const {
+  const std::string name = text("ElementDataFile");
+  return name.find('%') == std::string::npos && name.rfind("LIST", 0) != 0;
+}
+
+std::string MetaHeader::dataFile(const std::string& path) const {
+  const std::string name = text("ElementDataFile");
+  const bool local = name == "LOCAL" || name == "Local" || name == "local";
+  return local ? path : (std::filesystem::path(path).parent_path() / name).string();
+}
+
+std::pair<double, double> MetaHeader::scale(const std::string& path) const {
+  const auto number = [&](const char* key, double otherwise) {
+    if (!has(key)) return otherwise;
+    char* end = nullptr;
+    const double number = std::strtod(value.at(key).c_str(), &end);
+    if (end == value.at(key).c_str() || !std::isfinite(number))
+      throw IoError(path, std::string("its ") + key + " '" + value.at(key) + "' is no number");
+    return number;
+  };
+  const double slope = number(kSlope, 1), offset = number(kOffset, 0);
+  if (slope == 0) throw IoError(path, std::string("its ") + kSlope + " is 0, which leaves no values");
+  return {slope, offset};
+}
+
+Note MetaHeader::scaleNote() const {
+  return {"image.rescaled", Severity::kNote, "",
+          "its values are stored as others: multiplied by " + (has(kSlope) ? text(kSlope) : "1") + ", plus " +
+              (has(kOffset) ? text(kOffset) : "0") + " (" + kSlope + ", " + kOffset + ")"};
+}
+
+MetaHeader metaHeaderOf(const std::string& path) {
+  MetaHeader header;
+  std::ifstream file(path, std::ios::binary);
+  for (std::string line; std::getline(file, line);) {
+    const size_t mark = line.find('=');
+    if (mark == std::string::npos) continue;
+    const std::string key = withoutSpaceAtTheEnds(line.substr(0, mark));
+    header.value[key] = withoutSpaceAtTheEnds(line.substr(mark + 1));
+    if (key == "ElementDataFile") break;
+  }
+  if (!header.has("ElementDataFile"))
+    throw IoError(path, "is no MetaImage file, or its header is damaged: it has no ElementDataFile");
+  header.bytes = std::uint64_t(file.tellg());
+  return header;
+}
+
+}  // namespace slicemorph
