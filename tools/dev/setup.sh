@@ -9,7 +9,7 @@ packages=(
 )
 test_packages=(libgtest-dev libbenchmark-dev libopenvdb-tools python3-openvdb python3-numpy
   openimageio-tools python3-openimageio python3-nibabel python3-pydicom python3-scipy mricron-data ffmpeg
-  chromium clang-format slurmctld slurmd slurm-client munge)
+  chromium clang-format slurmctld slurmd slurm-client munge dicom3tools plastimatch elastix)
 
 say() { printf '\n== %s\n' "$*"; }
 
