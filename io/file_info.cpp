@@ -2,6 +2,7 @@
 
 #include "engine/volume/image_shape.h"
 #include "engine/volume/level_set.h"
+#include "io/contours/contour_info.h"
 #include "io/format.h"
 #include "io/image/image_formats.h"
 #include "io/mesh/mesh_reader.h"
@@ -245,6 +246,12 @@ FileInfo describeFile(const InputSpec& given, const ImageOptions& options) {
     return info;
   }
   info.bytes = sizeOfInput(input.path);
+  if (input.contents == Contents::kContours) {
+    ContourFile file = readContours(input);
+    info.structures = describeStructures(file.sets);
+    info.notes = std::move(file.notes), info.format = input.format->name;
+    return info;
+  }
   if (input.contents != Contents::kMesh && input.contents != Contents::kGrids) refuseAsShape(input);
   info.format = input.format->name;
   if (input.isGrids())

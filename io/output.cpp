@@ -45,7 +45,7 @@ void checkSurfaceOutput(const std::string& path) {
                   (extension.empty() ? "a file without an extension" : "the extension '" + extension + "'") +
                   "; use " + writableList(Contents::kGrids, ", ") + ", " +
                   writableList(Contents::kMesh, ", ") + ", or " + writableList(Contents::kImage, ", ") +
-                  " for images");
+                  " for images, " + structureList(", ") + " for structures");
   }
   std::filesystem::path folder = std::filesystem::path(path).parent_path();
   if (folder.empty()) folder = ".";
@@ -96,7 +96,7 @@ void writeSurface(const std::string& path, const FloatGrid& levelSet, const Surf
     if (options.colors) grids.push_back(options.colors);
     writeVdb(path, grids, options.vdb);
   } else {
-    writeMesh(path, meshForFile(levelSet, options.colors.get()));
+    writeMesh(path, meshForFile(levelSet, options.colors.get()), options.space);
   }
 }
 

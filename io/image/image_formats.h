@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 /// Functions of image formats, for the table of formats (io/formats.cpp).
@@ -44,6 +45,7 @@ struct Voxels {
   size_t bytes;          ///< of a number
   bool vectors = false;  ///< three numbers a voxel
   std::string meaning;   ///< one line; empty: nothing to say
+  Volumes volumes = {};
 };
 enum class Packing { kNone, kGzip, kZlib };
 /// What stands before the values, and how these follow.
@@ -52,9 +54,16 @@ struct VoxelHead {
   Packing packing = Packing::kNone;  ///< of the values
   bool packed = false;               ///< the head too is
   bool interleaved = true;           ///< the three numbers of a vector stand together
+  /// Where the bytes of the packed values are told, in kSizeDigits letters, if the head does.
+  std::optional<size_t> sizeAt = std::nullopt;
+  static constexpr size_t kSizeDigits = 20;
 };
 VoxelHead niftiHead(const std::string& path, const Voxels& voxels);
 VoxelHead nrrdHead(const std::string& path, const Voxels& voxels);
+/// Labels of several layers; `wide`: of 16 bits, else 8. `keys`: lines of key and value.
+VoxelHead nrrdLabelsHead(const ImageLattice& lattice, int layers, bool wide, const std::string& keys);
 VoxelHead metaImageHead(const std::string& path, const Voxels& voxels);
+/// Writes a head and the values behind it, whole or not at all. Throws IoError.
+void writeVoxels(const std::string& path, const VoxelHead& head, std::string_view values);
 
 }  // namespace slicemorph

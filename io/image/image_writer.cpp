@@ -40,6 +40,8 @@ class Packer {
 
   void add(std::string_view bytes) { run(bytes, Z_NO_FLUSH); }
   void finish() { run({}, Z_FINISH); }
+  /// Of all that was written, compressed.
+  std::uint64_t bytes() const { return stream_.total_out; }
 
  private:
   void run(std::string_view bytes, int flush) {
@@ -66,7 +68,7 @@ class Packer {
 /// A head, followed by values.
 class VoxelFile {
  public:
-  VoxelFile(const std::string& path, const VoxelHead& head) : file_(path) {
+  VoxelFile(const std::string& path, const VoxelHead& head) : file_(path), sizeAt_(head.sizeAt) {
     if (head.packing != Packing::kNone && !head.packed) file_.write(head.bytes);
     if (head.packing != Packing::kNone) packer_.emplace(file_, head.packing);
     if (head.packing == Packing::kNone || head.packed) add(head.bytes);
@@ -74,12 +76,18 @@ class VoxelFile {
   void add(std::string_view bytes) { packer_ ? packer_->add(bytes) : file_.write(bytes); }
   void commit() {
     if (packer_) packer_->finish();
+    if (sizeAt_) {
+      std::string digits = std::to_string(packer_->bytes());
+      digits.resize(VoxelHead::kSizeDigits, ' ');
+      file_.overwrite(*sizeAt_, digits);
+    }
     file_.commit();
   }
 
  private:
   AtomicFile file_;
   std::optional<Packer> packer_;
+  std::optional<size_t> sizeAt_;
 };
 
 namespace {
@@ -141,11 +149,17 @@ nifti_1_header niftiHeader(const std::string& path, const Voxels& voxels) {
                                  std::to_string(lattice.size[d]) + "; use .nrrd or .mha");
     h.dim[d + 1] = short(lattice.size[d]);
   }
+  if (voxels.volumes.count > 1) {
+    if (voxels.volumes.count > std::numeric_limits<short>::max())
+      throw InputError(path, "NIfTI holds at most 32767 volumes");
+    h.dim[0] = 4, h.dim[4] = short(voxels.volumes.count);
+    h.pixdim[4] = float(voxels.volumes.seconds), h.xyzt_units = NIFTI_UNITS_SEC;
+  }
   h.datatype = namesOf(voxels.type).nifti;
   h.bitpix = short(8 * voxels.bytes);
   h.vox_offset = 352;
   h.scl_slope = 1;
-  h.xyzt_units = NIFTI_UNITS_MM;
+  h.xyzt_units = char(h.xyzt_units | NIFTI_UNITS_MM);
   const std::string description = voxels.meaning.empty() ? "slicemorph" : "slicemorph: " + voxels.meaning;
   std::strncpy(h.descrip, description.c_str(), sizeof h.descrip - 1);
   std::memcpy(h.magic, "n+1", 4);
@@ -180,29 +194,31 @@ nifti_1_header niftiHeader(const std::string& path, const Voxels& voxels) {
   return h;
 }
 
-std::string nrrdText(const Voxels& voxels) {
+/// `numbers`: of a voxel; `kind`: what these are, with a blank behind it, nothing of one number.
+std::string nrrdText(const Voxels& voxels, int numbers, const std::string& kind, const std::string& keys) {
   const ImageLattice& l = voxels.lattice;
-  const bool vectors = voxels.vectors;
+  const bool vectors = numbers > 1;
   std::string text = "NRRD0004\n# written by slicemorph\n";
   if (!voxels.meaning.empty()) text += "content: " + voxels.meaning + "\n";
   text += "type: " + std::string(namesOf(voxels.type).nrrd) + "\ndimension: " + (vectors ? "4" : "3") +
-          "\nspace: left-posterior-superior\nsizes: " + (vectors ? "3 " : "") + std::to_string(l.size[0]) +
-          " " + std::to_string(l.size[1]) + " " + std::to_string(l.size[2]) +
+          "\nspace: left-posterior-superior\nsizes: " + (vectors ? std::to_string(numbers) + " " : "") +
+          std::to_string(l.size[0]) + " " + std::to_string(l.size[1]) + " " + std::to_string(l.size[2]) +
           "\nspace directions:" + (vectors ? " none" : "");
   for (const Vec3d& s : l.step) text += " (" + numbersText(s, ",") + ")";
-  return text + "\nkinds: " + (vectors ? "vector " : "") +
-         "domain domain domain\nendian: little\nencoding: gzip\nspace origin: (" +
-         numbersText(l.origin, ",") + ")\n\n";
+  return text + "\nkinds: " + kind + "domain domain domain\nendian: little\nencoding: gzip\nspace origin: (" +
+         numbersText(l.origin, ",") + ")\n" + keys + "\n";
 }
+
+/// Without it ITK reads zeros.
+constexpr const char* kPackedSize = "CompressedDataSize = ";
 
 std::string metaImageText(const Voxels& voxels) {
   const ImageLattice& l = voxels.lattice;
   const Vec3d spacing = l.spacing();
   std::string text = "ObjectType = Image\nNDims = 3\n";
   if (!voxels.meaning.empty()) text += "Comment = " + voxels.meaning + "\n";
-  text +=
-      "BinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = "
-      "True\nTransformMatrix =";
+  text += "BinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = True\n" +
+          std::string(kPackedSize) + std::string(VoxelHead::kSizeDigits, ' ') + "\nTransformMatrix =";
   for (int d = 0; d < 3; ++d) text += " " + numbersText(l.step[d] / spacing[d], " ");
   return text + "\nOffset = " + numbersText(l.origin, " ") +
          "\nCenterOfRotation = 0 0 0\nElementSpacing = " + numbersText(spacing, " ") +
@@ -258,16 +274,35 @@ VoxelHead niftiHead(const std::string& path, const Voxels& voxels) {
 }
 
 VoxelHead nrrdHead(const std::string&, const Voxels& voxels) {
-  return {nrrdText(voxels), Packing::kGzip, false, true};
+  return {nrrdText(voxels, voxels.vectors ? 3 : 1, voxels.vectors ? "vector " : "", ""), Packing::kGzip,
+          false, true};
+}
+
+VoxelHead nrrdLabelsHead(const ImageLattice& lattice, int layers, bool wide, const std::string& keys) {
+  const ImageValues like =
+      wide ? ImageValues(std::vector<std::uint16_t>()) : ImageValues(std::vector<std::uint8_t>());
+  return {nrrdText(voxelsOf(lattice, like), layers, layers > 1 ? "list " : "", keys), Packing::kGzip, false,
+          true};
+}
+
+void writeVoxels(const std::string& path, const VoxelHead& head, std::string_view values) {
+  VoxelFile file(path, head);
+  file.add(values);
+  file.commit();
 }
 
 VoxelHead metaImageHead(const std::string&, const Voxels& voxels) {
-  return {metaImageText(voxels), Packing::kZlib, false, true};
+  VoxelHead head{metaImageText(voxels), Packing::kZlib, false, true};
+  head.sizeAt = head.bytes.find(kPackedSize) + std::strlen(kPackedSize);
+  return head;
 }
 
 ImageSliceWriter::ImageSliceWriter(const std::string& path, const ImageLattice& lattice,
-                                   const ImageValues& like)
-    : file_(std::make_unique<VoxelFile>(path, headerOf(path)(path, voxelsOf(lattice, like)))) {}
+                                   const ImageValues& like, const Volumes& volumes) {
+  Voxels voxels = voxelsOf(lattice, like);
+  voxels.volumes = volumes;
+  file_ = std::make_unique<VoxelFile>(path, headerOf(path)(path, voxels));
+}
 
 ImageSliceWriter::~ImageSliceWriter() = default;
 

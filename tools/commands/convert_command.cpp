@@ -17,16 +17,20 @@
 #include "tools/job/load_settings.h"
 #include "tools/job/memory_need.h"
 #include "tools/job/option_values.h"
+#include "tools/job/write_structures.h"
 
 #include <cstdio>
+#include <filesystem>
+#include <memory>
 
 namespace slicemorph {
 namespace {
 
 struct ConvertSettings {
-  std::string input, output, like;
+  std::string input, output, like, source, names;
   LoadOptions load;
   bool quiet = false, verbose = false;
+  MeshSpace space = MeshSpace::kUnsaid;  ///< of meshes
 };
 
 /// The image on the lattice that the options ask for; unchanged where they ask for none.
@@ -108,18 +112,51 @@ void convertToImage(const ConvertSettings& s) {
   }
 }
 
+/// Labels, or the shape of anything else, as structures.
+void convertToStructures(const ConvertSettings& s) {
+  const StructuresJob job{s.input, s.output, s.source, s.like, s.names, s.load.image};
+  if (isImageInput(s.input)) {
+    ImageFile file = readImage(s.input, s.load.image);
+    if (isLabelMap(file.image, s.load.imageKind)) {
+      printNotes(s.input + ": ", file.notes, s.quiet, s.verbose);
+      const auto labels = std::make_shared<const Image>(onAskedLattice(std::move(file.image), s));
+      printNotes(s.output + ": ", writeLabelStructures(job, labels), s.quiet, s.verbose);
+      return;
+    }
+  }
+  const LoadedObject loaded = loadObject(s.input, s.load);
+  printNotes(s.input + ": ", loaded.notes, s.quiet, s.verbose);
+  const std::string name = loaded.gridName.empty()
+                               ? std::filesystem::path(parseInput(s.input).path).stem().string()
+                               : loaded.gridName;
+  const FloatGrid& shape = *loaded.object.levelSet;
+  ImageLattice otherwise;
+  if (loaded.image) {
+    otherwise = loaded.image->lattice;
+  } else if (s.like.empty() && s.source.empty()) {
+    require(s.load.memory, s.input, needOfDenseGrid(shape));
+    otherwise = imageOf(shape).lattice;
+  }
+  const Notes notes = writeSurfaceStructures(job, {{1, name, loaded.object.levelSet}}, otherwise);
+  printNotes(s.output + ": ", notes, s.quiet, s.verbose);
+}
+
 void runConvert(const OptionSet& options) {
   options.checkExclusions();
   const JobOptions& given = options.values();
-  const ConvertSettings s = {given.input,           given.output, given.like,
-                             loadSettings(options), given.quiet,  given.verbose};
+  const MeshSpace usual = isImageInput(given.input) ? MeshSpace::kLps : MeshSpace::kUnsaid;
+  const ConvertSettings s = {given.input,  given.output,  given.like,
+                             given.source, given.names,   loadSettings(options),
+                             given.quiet,  given.verbose, meshSpace(options, given.output, usual)};
   if (OutputName(s.output).isSequence())
     throw InputError("-o " + s.output + ": convert writes one file; leave out the ####");
   checkOutput(s.output);
   checkInputExists(s.input);
   const auto limit = limitThreads(given.threads);
   s.load.memory.enforce();
-  if (isImageOutput(s.output)) {
+  if (isStructureOutput(s.output)) {
+    convertToStructures(s);
+  } else if (isImageOutput(s.output)) {
     convertToImage(s);
   } else if (isImageInput(s.input) && extensionOf(s.output) == ".vdb") {
     ImageFile file = imageToConvert(s);
@@ -133,7 +170,7 @@ void runConvert(const OptionSet& options) {
     SurfaceOutput options;
     options.halfFloat = loaded.halfFloat, options.doubles = loaded.doubles && !loaded.fog;
     options.name = surfaceNameOf({loaded});
-    options.colors = loaded.colors;
+    options.colors = loaded.colors, options.space = s.space;
     writeSurface(s.output, *loaded.object.levelSet, options);
   }
   if (!s.quiet) std::printf("%s\n", s.output.c_str());

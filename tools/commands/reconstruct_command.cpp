@@ -19,7 +19,9 @@ ReconstructJob reconstructJob(const OptionSet& options) {
   job.input = given.input, job.output = given.output;
   if (given.axis != "auto") job.axis = int(std::string("ijk").find(given.axis));
   job.every = given.every, job.between = given.between, job.voxelSize = given.load.voxelSize;
-  job.like = given.like, job.reports = given.reports, job.image = loadSettings(options).image;
+  job.space = meshSpace(options, job.output, MeshSpace::kLps);
+  job.like = given.like, job.source = given.source, job.names = given.names, job.reports = given.reports,
+  job.image = loadSettings(options).image;
   job.memory = memorySettings(options);
   if (options.given("grids")) job.grids = parseNames("--grids", given.grids);
   checkOutput(OutputName(job.output).path(1));

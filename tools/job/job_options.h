@@ -28,7 +28,8 @@ struct JobOptions {
   bool fogAsSurface = false;
 
   // Outputs
-  std::string output, at, weights, keys, timing = "linear", ease = "linear", grids, sliceFolder, like;
+  std::string output, at, weights, keys, timing = "linear", ease = "linear", grids, sliceFolder, like, source,
+                                         names, space = "auto";
   int frames = 24, start = 1;
   std::string range, planFile;
   double framesPerSecond = 24;

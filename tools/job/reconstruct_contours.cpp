@@ -8,6 +8,7 @@
 #include "slicemorph/errors.h"
 #include "slicemorph/io/image_writer.h"
 #include "tools/job/surface_writer.h"
+#include "tools/job/write_structures.h"
 
 #include <algorithm>
 #include <limits>
@@ -53,6 +54,26 @@ std::vector<StructureRow> rowsOf(const Image& dense, const std::vector<ContourSe
   return rows;
 }
 
+/// Structures, each by its own surface: they may overlap.
+void writeContourStructures(const ReconstructJob& job, const std::vector<ContourSet>& sets,
+                            const std::vector<ContourSurface>& surfaces, const Notes& notes,
+                            JobEvents& events) {
+  std::vector<NamedSurface> named;
+  std::vector<StructureRow> rows;
+  double finest = std::numeric_limits<double>::infinity();
+  for (size_t i = 0; i < sets.size(); ++i) {
+    named.push_back({sets[i].label, sets[i].name, surfaces[i].grid});
+    finest = std::min(finest, surfaces[i].voxelSize);
+    if (!job.reports.empty())
+      rows.push_back(rowOf(sets[i].label, sets[i].name, contourMesh(sets[i], surfaces[i]), job.output));
+  }
+  events.notes(writeSurfaceStructures({job.input, job.output, job.source, job.like, job.names, job.image},
+                                      named,
+                                      contourLattice(sets, job.voxelSize > 0 ? job.voxelSize : finest)));
+  events.fileWritten(job.output, false);
+  writeStructureReports(job.reports, job.input, rows, notes);
+}
+
 /// "file:name, file:name": the inputs that select one of the sets.
 std::string listOf(const std::vector<ContourSet>& sets, const std::string& path) {
   std::string list;
@@ -67,7 +88,8 @@ void reconstructContours(const ReconstructJob& job, const InputSpec& input, JobE
   Notes notes = file.notes;
   events.notes(about(input.path, notes));
   const std::vector<ContourSet> sets = chosenSets(input, std::move(file.sets));
-  const bool toImage = isImageOutput(job.output);
+  const bool structures = isStructureOutput(job.output);
+  const bool toImage = isImageOutput(job.output) || structures;
   std::optional<SurfaceWriter> writer;
   if (!toImage) writer.emplace(job, sets.size(), listOf(sets, input.path), events);
   std::vector<ContourSurface> surfaces;
@@ -82,6 +104,7 @@ void reconstructContours(const ReconstructJob& job, const InputSpec& input, JobE
       writer->add({set.label, set.name, contourMesh(set, surface), surface.grid});
   }
   if (!toImage) return writeStructureReports(job.reports, job.input, writer->finish(), notes);
+  if (structures) return writeContourStructures(job, sets, surfaces, notes, events);
   const Image dense = denseLabels(job, sets, surfaces, extensionOf(input.path) == ".csl");
   writeImage(job.output, dense);
   events.fileWritten(job.output, false);

@@ -14,6 +14,7 @@
 #include "tools/job/option_values.h"
 #include "tools/job/reconstruct_label_slabs.h"
 #include "tools/job/surface_writer.h"
+#include "tools/job/write_structures.h"
 
 #include <algorithm>
 #include <utility>
@@ -111,14 +112,20 @@ void reconstructLabels(const ReconstructJob& job, JobEvents& events) {
   if (reconstructLabelSlabs(job, events)) return;
   SparseLabels sparse = readSparse(job);
   events.notes(about(job.input, sparse.notes));
-  if (!isImageOutput(job.output)) return writeLabelSurfaces(job, sparse, events);
+  const bool structures = isStructureOutput(job.output);
+  if (!isImageOutput(job.output) && !structures) return writeLabelSurfaces(job, sparse, events);
   Image dense = interpolateLabels(std::move(sparse.image), sparse.given);
   if (!job.like.empty()) dense = nearestTo(dense, readImage(job.like, job.image).image.lattice);
-  writeImage(job.output, dense);
+  const auto labels = std::make_shared<const Image>(std::move(dense));
+  if (structures)
+    events.notes(
+        writeLabelStructures({job.input, job.output, job.source, job.like, job.names, job.image}, labels));
+  else
+    writeImage(job.output, *labels);
   events.fileWritten(job.output, false);
   if (job.reports.empty()) return;
   std::vector<StructureRow> rows;
-  for (const LabelMeasures& m : measureLabels(dense)) rows.push_back(rowOf(m, job.output));
+  for (const LabelMeasures& m : measureLabels(*labels)) rows.push_back(rowOf(m, job.output));
   writeStructureReports(job.reports, job.input, rows, sparse.notes);
 }
 
