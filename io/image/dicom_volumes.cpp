@@ -241,8 +241,9 @@ void joinFrames(std::vector<DicomFile>& files) {
     if (members.size() < 2 || frames.size() < members.size()) continue;
     for (DicomFile* file : members) {
       file->frameOfReference.clear();
-      if (file->assumed.empty())
-        file->assumed = "every file of it names a frame of reference of its own: they are taken as one";
+      file->assumed +=
+          (file->assumed.empty() ? "" : "; ") +
+          std::string("every file of it names a frame of reference of its own: they are taken as one");
     }
   }
 }
