@@ -13,17 +13,18 @@ constexpr DicomTag kShared = 0x52009229, kPerFrame = 0x52009230;
 constexpr DicomTag kPlanePosition = 0x00209113, kPosition = 0x00200032, kPlaneOrientation = 0x00209116,
                    kOrientation = 0x00200037, kPixelMeasures = 0x00289110, kPixelSpacing = 0x00280030,
                    kBetween = 0x00180088, kThickness = 0x00180050, kTransformation = 0x00289145,
-                   kIntercept = 0x00281052, kSlope = 0x00281053, kFrameContent = 0x00209111,
-                   kStackId = 0x00209056, kTemporalIndex = 0x00209128, kFrameAcquisition = 0x00209156,
-                   kDimensionValues = 0x00209157, kFrameTime = 0x00189074, kFrameReference = 0x00189151,
-                   kTemporalGroup = 0x00209310, kTemporalOffset = 0x0020930d, kEchoGroup = 0x00189114,
-                   kEffectiveEcho = 0x00189082, kDiffusion = 0x00189117, kB = 0x00189087,
-                   kDirectionality = 0x00189075, kGradient = 0x00189076, kGradientVector = 0x00189089,
-                   kCardiac = 0x00189118, kTriggerDelay = 0x00209153, kCardiacPercent = 0x00209241,
-                   kBreath = 0x00209253, kBreathPercent = 0x00209248, kModifier = 0x00189115,
-                   kInversions = 0x00189079, kSegmentGroup = 0x0062000a, kSegmentReference = 0x0062000b,
-                   kUnassignedShared = 0x00209170, kUnassigned = 0x00209171, kFrameType = 0x00089007,
-                   kComplex = 0x00089208, kDimensions = 0x00209222, kDimensionPointer = 0x00209165;
+                   kIntercept = 0x00281052, kSlope = 0x00281053, kModalityTable = 0x00283000,
+                   kFrameContent = 0x00209111, kStackId = 0x00209056, kTemporalIndex = 0x00209128,
+                   kFrameAcquisition = 0x00209156, kDimensionValues = 0x00209157, kFrameTime = 0x00189074,
+                   kFrameReference = 0x00189151, kTemporalGroup = 0x00209310, kTemporalOffset = 0x0020930d,
+                   kEchoGroup = 0x00189114, kEffectiveEcho = 0x00189082, kDiffusion = 0x00189117,
+                   kB = 0x00189087, kDirectionality = 0x00189075, kGradient = 0x00189076,
+                   kGradientVector = 0x00189089, kCardiac = 0x00189118, kTriggerDelay = 0x00209153,
+                   kCardiacPercent = 0x00209241, kBreath = 0x00209253, kBreathPercent = 0x00209248,
+                   kModifier = 0x00189115, kInversions = 0x00189079, kSegmentGroup = 0x0062000a,
+                   kSegmentReference = 0x0062000b, kUnassignedShared = 0x00209170, kUnassigned = 0x00209171,
+                   kFrameType = 0x00089007, kComplex = 0x00089208, kDimensions = 0x00209222,
+                   kDimensionPointer = 0x00209165;
 constexpr DicomTag kFrameTypes[] = {0x00189226, 0x00189329, 0x00189751, 0x00189504,
                                     0x00189807, 0x00209450, 0x00189806};  // of MR, CT, PET, XA, US, ...
 // Of classic files.
@@ -207,12 +208,16 @@ std::vector<size_t> otherDimensions(const DicomElements& data) {
   return others;
 }
 
+void assume(const std::string& what, DicomFile& file) {
+  file.assumed += (file.assumed.empty() ? "" : "; ") + what;
+}
+
 /// Where an image has the distance of its pixels only at the detector, that, with a note.
 void takeImagerSpacing(const DicomElements& data, DicomFile& file) {
   const std::optional<std::array<double, 2>> pixel = pixelOf(data.numbers(kImagerSpacing));
   if (!pixel || file.frames[0].pixel) return;
   for (DicomFrame& frame : file.frames) frame.pixel = pixel;
-  file.assumed = "its pixels' size is that at the detector (ImagerPixelSpacing), larger than in the body";
+  assume("its pixels' size is that at the detector (ImagerPixelSpacing), larger than in the body", file);
 }
 
 /// Offsets of the slices of a file from its first, along their normal; none where it does not state them.
@@ -260,10 +265,11 @@ void placeFrames(const DicomElements& data, DicomFile& file) {
     }
     if (!stated) {
       for (size_t k = 0; k < file.frames.size(); ++k) offsets.push_back(double(k) * gap);
-      file.assumed = "it has one position for all its frames: they are taken to follow each other every " +
-                     written(std::abs(gap)) + " mm (" +
-                     (first.between != 0 ? "SpacingBetweenSlices" : "SliceThickness") +
-                     ") along the normal of the first";
+      assume("it has one position for all its frames: they are taken to follow each other every " +
+                 written(std::abs(gap)) + " mm (" +
+                 (first.between != 0 ? "SpacingBetweenSlices" : "SliceThickness") +
+                 (gap > 0 ? ") along" : ") against") + " the normal of the first",
+             file);
     }
     const Vec3d normal = (*first.axes)[0].cross((*first.axes)[1]).unit(), from = *first.position;
     for (size_t k = 0; k < file.frames.size(); ++k) file.frames[k].position = from + offsets[k] * normal;
@@ -294,6 +300,9 @@ void readFunctionalGroups(const DicomElements& data, const std::vector<DicomElem
 
 void readDicomFrames(const DicomElements& data, DicomFile& file) {
   file.frames.assign(size_t(file.pixels.frames), DicomFrame());
+  if (data.has(kModalityTable))
+    assume("its values are as stored: the table that gives them a meaning (Modality LUT) is not applied",
+           file);
   const std::vector<DicomElements> perFrame = data.items(kPerFrame);
   if (!perFrame.empty() || data.has(kShared)) {
     if (perFrame.size() != file.frames.size())

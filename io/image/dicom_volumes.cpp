@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <map>
+#include <numeric>
 #include <set>
 #include <tuple>
 
@@ -41,12 +42,13 @@ bool belongsTo(const DicomSeries& series, const DicomFile& file, const DicomFram
   return shareGeometry(first.frames[0], frame);
 }
 
-/// Numbers by size, other texts by their letters.
+/// Numbers by size, before other texts by their letters.
 bool isLess(const std::string& a, const std::string& b) {
   char *endA = nullptr, *endB = nullptr;
   const double x = std::strtod(a.c_str(), &endA), y = std::strtod(b.c_str(), &endB);
-  const bool numbers = !a.empty() && !b.empty() && !*endA && !*endB;
-  if (numbers && x != y) return x < y;
+  const bool isNumber = !a.empty() && !*endA, otherIsNumber = !b.empty() && !*endB;
+  if (isNumber != otherIsNumber) return isNumber;
+  if (isNumber && x != y) return x < y;
   return a < b;
 }
 struct Less {
@@ -69,13 +71,7 @@ class Splitter {
       for (size_t k = 0; k < series.files[f].frames.size(); ++k) all.push_back({f, k});
     findPlaces(all);
     splitAlways(std::move(all), 0, {});
-    std::stable_sort(leaves_.begin(), leaves_.end(), [](const Leaf& a, const Leaf& b) {
-      return std::lexicographical_compare(a.path.begin(), a.path.end(), b.path.begin(), b.path.end(),
-                                          [](const auto& x, const auto& y) {
-                                            if (x.first != y.first) return x.first < y.first;
-                                            return isLess(x.second, y.second);
-                                          });
-    });
+    sortLeaves();
   }
 
   std::vector<DicomVolume> volumes() {
@@ -98,10 +94,56 @@ class Splitter {
 
  private:
   using Path = std::vector<std::pair<int, std::string>>;  // marks with their values
+  using Order = std::tuple<int, int, int, int>;           // instance, frame, row and column of the tile
   struct Leaf {
     Refs slices;
     Path path;
   };
+
+  /// Orders volumes by the marks that tell them apart; directions have no order but that of the files.
+  void sortLeaves() {
+    std::vector<std::vector<Order>> firsts;
+    for (const Leaf& leaf : leaves_) {
+      firsts.emplace_back();
+      for (size_t depth = 0; depth < leaf.path.size(); ++depth)
+        firsts.back().push_back(firstUnder(leaf, depth));
+    }
+    const auto before = [&](size_t i, size_t j) {
+      const Path &a = leaves_[i].path, &b = leaves_[j].path;
+      for (size_t d = 0; d < std::min(a.size(), b.size()); ++d) {
+        if (a[d].first != b[d].first) return a[d].first < b[d].first;
+        if (a[d].second == b[d].second) continue;
+        if (a[d].first == kDirection) return firsts[i][d] < firsts[j][d];
+        return isLess(a[d].second, b[d].second);
+      }
+      return a.size() < b.size();
+    };
+    std::vector<size_t> order(leaves_.size());
+    std::iota(order.begin(), order.end(), size_t(0));
+    std::stable_sort(order.begin(), order.end(), before);
+    std::vector<Leaf> sorted;
+    for (size_t i : order) sorted.push_back(std::move(leaves_[i]));
+    leaves_ = std::move(sorted);
+  }
+
+  /// The first slice, in the order of the files, of all volumes that share a volume's marks down to one of them.
+  Order firstUnder(const Leaf& leaf, size_t depth) const {
+    Order first;
+    bool any = false;
+    for (const Leaf& other : leaves_) {
+      const bool shares =
+          other.path.size() > depth &&
+          std::equal(other.path.begin(), other.path.begin() + std::ptrdiff_t(depth) + 1, leaf.path.begin());
+      if (!shares) continue;
+      for (const DicomSliceRef& r : other.slices)
+        if (!any || orderOf(r) < first) first = orderOf(r), any = true;
+    }
+    return first;
+  }
+  Order orderOf(const DicomSliceRef& r) const {
+    const DicomFrame& frame = series_.frameOf(r);
+    return {series_.files[r.file].instance, frame.number, frame.tile[1], frame.tile[0]};
+  }
 
   size_t placeOf(const DicomSliceRef& r) const { return place_[r.file][r.frame]; }
   const std::string& mark(const DicomSliceRef& r, int m) const { return series_.frameOf(r).marks[size_t(m)]; }
@@ -190,12 +232,8 @@ class Splitter {
   /// The first slices at all places are one volume, the second another, in the order of a mark or (kMarkCount) of the
   /// files. False where places have unlike numbers of slices and volumes do not follow each other in that order.
   bool splitByRank(const Refs& slices, size_t most, int m, const Path& path) {
-    const auto key = [&](const DicomSliceRef& r) {
-      const DicomFrame& frame = series_.frameOf(r);
-      return std::make_tuple(series_.files[r.file].instance, frame.number, frame.tile[1], frame.tile[0]);
-    };
     const auto before = [&](const DicomSliceRef& a, const DicomSliceRef& b) {
-      return m < kMarkCount ? isLess(mark(a, m), mark(b, m)) : key(a) < key(b);
+      return m < kMarkCount ? isLess(mark(a, m), mark(b, m)) : orderOf(a) < orderOf(b);
     };
     std::vector<Refs> volumes(most);
     bool even = true;
@@ -241,8 +279,9 @@ void joinFrames(std::vector<DicomFile>& files) {
     if (members.size() < 2 || frames.size() < members.size()) continue;
     for (DicomFile* file : members) {
       file->frameOfReference.clear();
-      if (file->assumed.empty())
-        file->assumed = "every file of it names a frame of reference of its own: they are taken as one";
+      file->assumed +=
+          (file->assumed.empty() ? "" : "; ") +
+          std::string("every file of it names a frame of reference of its own: they are taken as one");
     }
   }
 }
