@@ -145,22 +145,27 @@ class DicomElements::Walk {
 };
 
 DicomElements DicomElements::ofFile(std::string_view bytes) {
-  if (bytes.size() < kPreamble + 4 || bytes.substr(kPreamble, 4) != "DICM") {
-    // Old files have no preamble and begin with group 8.
-    if (bytes.size() < 8 || bytes.substr(0, 2) != std::string_view("\x08\0", 2))
+  size_t begin = kPreamble + 4;
+  if (bytes.size() < begin || bytes.substr(kPreamble, 4) != "DICM") {
+    // Old files have no preamble and begin with group 8; some begin with the meta information.
+    const std::string_view group = bytes.substr(0, 2);
+    const bool meta = group == std::string_view("\x02\0", 2);
+    if (bytes.size() < 8 || (!meta && group != std::string_view("\x08\0", 2)))
       throw DicomDamage("it is no DICOM file");
-    return Walk(bytes, bytes[4] >= 'A' && bytes[4] <= 'Z' && bytes[5] >= 'A' && bytes[5] <= 'Z')
-        .elements(false);
+    if (!meta)
+      return Walk(bytes, bytes[4] >= 'A' && bytes[4] <= 'Z' && bytes[5] >= 'A' && bytes[5] <= 'Z')
+          .elements(false);
+    begin = 0;
   }
   // The file meta information is the elements of group 2; its stated length, (0002,0000), may be
   // missing or wrong.
-  Walk head(bytes.substr(kPreamble + 4), true);
+  Walk head(bytes.substr(begin), true);
   const DicomElements meta = head.elements(false, 2);
   const std::string syntax = meta.text(kTransferSyntax);
   if (syntax == "1.2.840.10008.1.2.2" || syntax == "1.2.840.10008.1.2.1.99")
     throw DicomDamage("it is big endian or deflated as a whole (transfer syntax '" + syntax +
                       "'), which is not read");
-  return Walk(bytes.substr(kPreamble + 4 + head.at()), syntax != "1.2.840.10008.1.2").elements(false);
+  return Walk(bytes.substr(begin + head.at()), syntax != "1.2.840.10008.1.2").elements(false);
 }
 
 int DicomElements::number(DicomTag tag) const {
