@@ -5,6 +5,7 @@
 #include "slicemorph/errors.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <type_traits>
@@ -33,6 +34,44 @@ float between(const GreySlice& a, const GreySlice& b, const SliceMotion& motion,
   SliceMotion::Vector v = motion.at(x, y);
   v = motion.at(x - (t - .5f) * v.x, y - (t - .5f) * v.y);
   return (1 - t) * a.at(x - t * v.x, y - t * v.y) + t * b.at(x + (1 - t) * v.x, y + (1 - t) * v.y);
+}
+
+SliceMotion scaled(SliceMotion motion, float share) {
+  for (float& x : motion.x) x *= share;
+  for (float& y : motion.y) y *= share;
+  return motion;
+}
+
+/// How much of the motion tells of what is between: the share of it by which given slices are best made of the ones before
+/// and after them. All of it where there are no three.
+float trustedShare(const Image& grey, const SliceLayout& layout, const std::vector<int>& at) {
+  constexpr std::array<float, 4> kShares = {1, 0.5f, 0.25f, 0};
+  constexpr size_t kTried = 12;  // slices
+  if (at.size() < 3) return 1;
+  const size_t stride = std::max<size_t>(1, (at.size() - 2) / kTried), count = (at.size() - 3) / stride + 1;
+  std::vector<std::array<double, kShares.size()>> errors(count);
+  parallelEach(count, [&](size_t n) {
+    const size_t g = 1 + n * stride;
+    const GreySlice a = sliceOf(grey, layout, at[g - 1]), b = sliceOf(grey, layout, at[g + 1]),
+                    truth = sliceOf(grey, layout, at[g]);
+    const float t = float(at[g] - at[g - 1]) / float(at[g + 1] - at[g - 1]);
+    const SliceMotion motion = greyMotion(a, b);
+    for (size_t s = 0; s < kShares.size(); ++s) {
+      const SliceMotion part = scaled(motion, kShares[s]);
+      double sum = 0;
+      for (int y = 0; y < truth.height; ++y)
+        for (int x = 0; x < truth.width; ++x) {
+          const double off = double(between(a, b, part, t, float(x), float(y))) -
+                             double(truth.values[size_t(y) * size_t(truth.width) + size_t(x)]);
+          sum += off * off;
+        }
+      errors[n][s] = sum;
+    }
+  });
+  std::array<double, kShares.size()> total{};
+  for (const auto& error : errors)
+    for (size_t s = 0; s < kShares.size(); ++s) total[s] += error[s];
+  return kShares[size_t(std::min_element(total.begin(), total.end()) - total.begin())];
 }
 
 template <typename T>
@@ -96,11 +135,12 @@ std::vector<char> slicesWithValues(const Image& grey, int axis) {
 Image interpolateGrey(Image grey, const GivenSlices& given) {
   checkGivenSlices(grey.lattice, given);
   const SliceLayout layout = layoutOf(grey.lattice, given.axis);
+  const float share = trustedShare(grey, layout, given.at);
   parallelEach(given.at.size() - 1, [&](size_t g) {
     const int first = given.at[g], gap = given.at[g + 1] - first;
     if (gap < 2) return;
     const GreySlice a = sliceOf(grey, layout, first), b = sliceOf(grey, layout, first + gap);
-    const SliceMotion motion = greyMotion(a, b);
+    const SliceMotion motion = scaled(greyMotion(a, b), share);
     std::visit(
         [&](auto& values) {
           using T = typename std::decay_t<decltype(values)>::value_type;

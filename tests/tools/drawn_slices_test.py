@@ -431,6 +431,26 @@ def case_grey():
     refused("reconstruct", "in.nii", "-o", "x.stl", says=["in.nii", "grey", "--image labels"])
     save("dense.nii", np.rint(full).astype(np.int16))
     refused("reconstruct", "dense.nii", "-o", "x.nii", says=["dense.nii", "grey", "--between"])
+    # Some flat slices do not make a dense image a sparse one.
+    save("dense.nii", only(np.rint(full).astype(np.int16), [k for k in range(25) if k % 5 != 2]))
+    refused("reconstruct", "dense.nii", "-o", "x.nii", says=["dense.nii", "grey", "--given"])
+
+
+def case_grey_head():
+    """Of a real head, every fourth slice: moved values are nearer to the true slices than values blended where they are."""
+    path = "/usr/share/mricron/templates/ch2bet.nii.gz"
+    if not os.path.exists(path):
+        raise Skip("mricron-data is not there")
+    full = load(path)[:, :, :177]
+    save("in.nii", np.ascontiguousarray(full[:, :, ::4]))
+    run("reconstruct", "in.nii", "-o", "out.nii", "--between", 3, "--axis", "k", "--image", "grey")
+    found, whole = load("out.nii").astype(float), full.astype(float)
+    assert np.array_equal(found[:, :, ::4], whole[:, :, ::4])
+    between = [k for k in range(177) if k % 4]
+    blend = np.stack([(1 - k % 4 / 4) * whole[:, :, k // 4 * 4] + k % 4 / 4 * whole[:, :, min(k // 4 * 4 + 4, 176)] for k in between], -1)
+    error, plain = (np.sqrt(((a - whole[:, :, between]) ** 2).mean()) for a in (found[:, :, between], blend))
+    print("      rms %.2f, blended where they are %.2f" % (error, plain))
+    assert error < plain
 
 
 def within(case):

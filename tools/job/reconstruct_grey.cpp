@@ -29,12 +29,14 @@ GivenSlices foundIn(const ReconstructJob& job, const Image& image) {
     GivenSlices given = holding(slicesWithValues(image, axis), axis);
     if (given.at.size() < 2) continue;
     const int empty = given.at.back() - given.at.front() + 1 - int(given.at.size());
+    // A dense image may have a few flat slices, too: a sparse one has at least every second.
+    if (empty + 1 < int(given.at.size())) continue;
     if (empty > most) most = empty, best = std::move(given);
   }
   if (most == 0)
     throw InputError(
         job.input +
-        " is a grey image, and no slice is empty (of one value) between others; --between N puts N "
+        " is a grey image, and hardly any slice is empty (of one value) between others; --between N puts N "
         "slices between every two of a stack, --given K,K,... names those that count, --image labels "
         "takes the values as labels");
   return best;
