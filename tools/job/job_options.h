@@ -37,6 +37,7 @@ struct JobOptions {
   bool conserve = false, addVelocity = false, velocityHalf = false, json = false;
   std::vector<std::string> reports;
   int every = 0, between = 0;       ///< of `reconstruct`; 0: not given
+  std::string givenSlices;          ///< of `reconstruct`: numbers of slices
   double sliceTime = 0;             ///< of `slice`
   double fromTime = 0, toTime = 1;  ///< of `apply`, as the next one
   bool field = false;

@@ -375,7 +375,7 @@ Rows contentRows() {
 Rows imageRows() {
   constexpr unsigned kReaders = kVoxelisers | kReconstruct | kInfo;
   return {
-      Row(kVoxelisers, "image", at<&J::imageKind>, "",
+      Row(kVoxelisers | kReconstruct, "image", at<&J::imageKind>, "",
           "What an image's values are; auto: labels where whole numbers are mostly like their neighbours")
           .oneOf({"auto", "grey", "labels"}),
       Row(kReaders, "spacing", at<&J::spacing>, "X,Y,Z",
@@ -405,13 +405,19 @@ Rows imageRows() {
       Row(kReconstruct, "every", at<&J::every>, "N", "Every n-th slice is given, also where it is empty")
           .range(2, 10000)
           .fallback("found")
-          .excludes({"between"})
+          .excludes({"between", "given"})
+          .basic(),
+      Row(kReconstruct, "given", at<&J::givenSlices>, "K,K[,K...]",
+          "Numbers of the slices that are given, from 0; the others are filled in")
+          .as(OptionType::kNumbers)
+          .fallback("found")
+          .excludes({"between", "every"})
           .basic(),
       Row(kReconstruct, "between", at<&J::between>, "N",
           "All slices are given; put N between every two of them")
           .range(1, 1000)
           .fallback("none")
-          .excludes({"every"})
+          .excludes({"every", "given"})
           .basic(),
   };
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "slicemorph/io/image_file.h"
+#include "slicemorph/io/input.h"
 #include "slicemorph/io/memory.h"
 #include "slicemorph/io/mesh_writer.h"
 #include "tools/job/job_events.h"
@@ -16,6 +17,7 @@ struct ReconstructJob {
   std::string input, output;
   int axis = -1;                      ///< array axis along which slices follow each other, 0 to 2; -1: found
   int every = 0;                      ///< every n-th slice is given
+  std::vector<int> given;             ///< numbers of the given slices, ascending
   int between = 0;                    ///< all slices are given, and this many are made between every two
   double voxelSize = 0;               ///< of surfaces or grids, world units
   std::string like;                   ///< an image whose voxels a dense label map gets
@@ -23,6 +25,7 @@ struct ReconstructJob {
   std::string source, names;          ///< of structures, as StructuresJob has them
   std::optional<std::vector<std::string>> grids;  ///< of EXR slices; none: all
   std::vector<std::string> reports;               ///< .json, .csv
+  ImageKind imageKind = ImageKind::kAuto;
   ImageOptions image;
   MemoryLimit memory;
 };

@@ -1,6 +1,7 @@
 #include "tools/job/reconstruct_label_slabs.h"
 
 #include "engine/reconstruct/fill_gaps.h"
+#include "engine/reconstruct/grey_slices.h"
 #include "engine/volume/image_shape.h"
 #include "io/image/label_values.h"
 #include "slicemorph/io/image_slices.h"
@@ -20,6 +21,7 @@ struct LabelSurvey {
   ImageLattice lattice;  ///< of the dense map
   GivenSlices given;     ///< of the dense map
   std::vector<double> ranked;
+  Notes notes;       ///< about them
   ImageValues like;  ///< none, of the type of the values
 };
 
@@ -55,14 +57,23 @@ LabelSurvey surveyed(const ReconstructJob& job, ImageSlices slices, JobEvents& e
   const SliceLayout layout = layoutOf(lattice, 2);
   LabelledSlices labelled(lattice.size);
   std::vector<LabelCount> counts;
+  DrawnSlices drawn;
+  ValuesSeen seen;
   LabelSurvey survey;
   for (int k = 0; k < lattice.size[2]; ++k) {
     events.throwIfCancelled();
     const Image slice{lattice, slices.next()};
     if (job.between > 0) labelsOf(slice);
+    seen.add(slice.values, {lattice.size[0], lattice.size[1], 1});
     labelled.add(slice.values);
     counts.push_back(countLabels({slice.values, layout, 0}));
+    if (areFound(job) && labelled.along(2)[size_t(k)]) drawn.add({slice.values, layout, 0}, k);
   }
+  if (job.imageKind == ImageKind::kAuto && !seen.looksDrawn())
+    throw MemoryError(
+        job.input +
+        ": its values look grey, and grey images are only filled in with the whole in memory; allow "
+        "more --memory, or say --image labels");
   survey.like = slices.file.image.values;
   survey.given = givenSlices(job, labelled, lattice);
   if (survey.given.axis != 2)
@@ -70,6 +81,15 @@ LabelSurvey surveyed(const ReconstructJob& job, ImageSlices slices, JobEvents& e
                       std::string(1, "ijk"[survey.given.axis]) +
                       ", and only such along k are filled in without the whole map in memory; allow more "
                       "--memory, or turn the map's axes");
+  if (areFound(job)) survey.given = whatWasDrawn(std::move(survey.given), labelled, drawn);
+  if (!survey.given.own.empty())
+    throw MemoryError(
+        job.input + ": label " + std::to_string(survey.given.own[0].label) +
+        " was drawn on slices of its own, and such are only filled in with the whole map in memory; "
+        "allow more --memory, or say with --given that all labels are on the same slices");
+  survey.notes = job.between > 0
+                     ? Notes{{"reconstruct.given-slices", Severity::kNote, "", described(survey.given)}}
+                     : notesOf(survey.given, labelled.along(2));
   survey.lattice = expandedLattice(lattice, 2, job.between);
   std::vector<LabelCount> ofGiven;
   for (const int at : survey.given.at) ofGiven.push_back(std::move(counts[size_t(at / (job.between + 1))]));
@@ -130,7 +150,7 @@ bool reconstructLabelSlabs(const ReconstructJob& job, JobEvents& events) {
   if (!rounded->empty())
     notes.emplace_back("image.labels-rounded", Severity::kNote, "",
                        "its labels are whole numbers but for 0.001 at most: rounded");
-  notes.emplace_back("reconstruct.given-slices", Severity::kNote, "", described(survey.given));
+  notes.insert(notes.end(), survey.notes.begin(), survey.notes.end());
   notes.emplace_back("reconstruct.slice-by-slice", Severity::kNote, "",
                      "the whole map would not fit the memory: filled in slice by slice");
   events.notes(about(job.input, notes));
