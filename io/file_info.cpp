@@ -3,6 +3,7 @@
 #include "engine/volume/image_shape.h"
 #include "engine/volume/level_set.h"
 #include "io/format.h"
+#include "io/image/label_values.h"
 #include "io/mesh/mesh_reader.h"
 #include "io/paths.h"
 #include "io/vdb/grid_choice.h"
@@ -222,7 +223,10 @@ std::vector<ImageInfo> describeImages(const InputSpec& input, const ImageOptions
     }
   }
   std::vector<ImageInfo> infos;
-  for (const ImageFile& file : listImages(input, options)) infos.push_back(describeImage(file));
+  for (ImageFile& file : listImages(input, options)) {
+    takeLabels(file.image, /*asked=*/false, file.notes);
+    infos.push_back(describeImage(file));
+  }
   return infos;
 }
 

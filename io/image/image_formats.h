@@ -39,6 +39,7 @@ struct Voxels {
   size_t bytes;          ///< of a number
   bool vectors = false;  ///< three numbers a voxel
   std::string meaning;   ///< one line; empty: nothing to say
+  int volumes = 1;       ///< of numbers, one after the other
 };
 enum class Packing { kNone, kGzip, kZlib };
 /// What stands before the values, and how these follow.

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
+#include <iterator>
 
 namespace slicemorph {
 namespace {
@@ -33,15 +33,9 @@ bool MetaHeader::is(const char* key) const {
   return !said.empty() && (said[0] == 'T' || said[0] == 't' || said[0] == '1');
 }
 
-bool MetaHeader::inOneFile() const {
+bool MetaHeader::isLocal() const {
   const std::string name = text("ElementDataFile");
-  return name.find('%') == std::string::npos && name.rfind("LIST", 0) != 0;
-}
-
-std::string MetaHeader::dataFile(const std::string& path) const {
-  const std::string name = text("ElementDataFile");
-  const bool local = name == "LOCAL" || name == "Local" || name == "local";
-  return local ? path : (std::filesystem::path(path).parent_path() / name).string();
+  return name == "LOCAL" || name == "Local" || name == "local";
 }
 
 std::pair<double, double> MetaHeader::scale(const std::string& path) const {
@@ -77,6 +71,8 @@ MetaHeader metaHeaderOf(const std::string& path) {
   if (!header.has("ElementDataFile"))
     throw IoError(path, "is no MetaImage file, or its header is damaged: it has no ElementDataFile");
   header.bytes = std::uint64_t(file.tellg());
+  if (header.text("ElementDataFile").compare(0, 4, "LIST") == 0)
+    header.list.assign(std::istreambuf_iterator<char>(file), {});
   return header;
 }
 

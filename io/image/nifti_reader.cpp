@@ -230,6 +230,7 @@ ImageFile readNifti(const std::string& path, int volume, const SizeCheck& check)
     noteLuminance(path, open.file);
   } else {
     open.file.image.values = valuesOfNifti(path, open, size_t(std::max(volume, 0)));
+    if (open.slope == 1 && open.intercept == 0) noteRounded(open.voxel.type, open.file);
   }
   return std::move(open.file);
 }

@@ -18,11 +18,13 @@ void writeImage(const std::string& path, const Image& image);
 
 class VoxelFile;
 
-/// Writes an image slice by slice, the same bytes as writeImage().
+/// Writes an image slice by slice, the same bytes as writeImage(), or several volumes of one lattice one after the
+/// other: a fourth axis of times in the file.
 class ImageSliceWriter {
  public:
   /// `like`: values of the type that follows. Throws as writeImage().
-  ImageSliceWriter(const std::string& path, const ImageLattice& lattice, const ImageValues& like);
+  ImageSliceWriter(const std::string& path, const ImageLattice& lattice, const ImageValues& like,
+                   int volumes = 1);
   ~ImageSliceWriter();
   /// The next slices along k. Throws IoError.
   void add(const ImageValues& slices);
