@@ -290,6 +290,32 @@ def case_nifti():
     refused("convert", "in.nii", "-o", "x.nii", says=["is no NIfTI"])
 
 
+def case_nifti_of_others():
+    """Files of Debian's packages, as nibabel reads them: the first and the last volume; CIFTI is no image."""
+    folder = os.path.join(os.path.dirname(nib.__file__), "tests/data")
+    names = [os.path.join(folder, name) for name in ("anatomical.nii", "functional.nii", "example4d.nii.gz", "example_nifti2.nii.gz",
+                                                     "reoriented_anat_moved.nii", "resampled_anat_moved.nii", "standard.nii.gz")]
+    names += ["/usr/share/mricron/templates/" + name for name in ("aal.nii.gz", "inia19-NeuroMaps.nii.gz", "jhu189.nii.gz")]
+    names = [name for name in names if os.path.exists(name)]
+    if not names:
+        raise Skip("neither nibabel's test data nor mricron-data are there")
+    for name in names:
+        image = nib.load(name)
+        volumes = int(np.prod(image.shape[3:]))
+        for volume in sorted({0, volumes - 1}):
+            at = np.unravel_index(volume, image.shape[3:], order="F") if volumes > 1 else ()
+            expected = np.asanyarray(image.dataobj[(slice(None),) * 3 + tuple(at)])
+            found, place, _ = converted(name + (":%d" % volume if volumes > 1 else ""))
+            # Rescaled values are 32-bit floats: half a unit in their last place, of the largest.
+            assert np.array_equal(np.isnan(found), np.isnan(expected)), name
+            off = np.nanmax(np.abs(found - expected.astype(float)))
+            assert off == 0 or (found.dtype == np.float32 and off <= 2.0 ** -24 * np.nanmax(np.abs(expected))), (name, off)
+            assert np.abs(place - LPS @ image.affine).max() < 1e-4, (name, place)
+    matrix = os.path.join(folder, "row_major.dconn.nii")
+    if os.path.exists(matrix):
+        refused("convert", matrix, "-o", "x.nii", says=["CIFTI"])
+
+
 def case_nifti_places():
     """Units, and forms that disagree, are told."""
     values = numbers()
