@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 
 namespace slicemorph {
 namespace {
@@ -25,6 +26,18 @@ std::string withoutSpaceAtTheEnds(std::string text) {
 void MetaHeader::check(const std::string& path) const {
   for (const char* key : {"NDims", "DimSize", "ElementType"})
     if (!has(key)) throw IoError(path, std::string("its MetaImage header has no ") + key);
+  // The library does not end with less than one dimension.
+  char* end = nullptr;
+  const std::string given = text("NDims");
+  const long dimensions = std::strtol(given.c_str(), &end, 10);
+  if (*end || dimensions < 1 || dimensions > 10)
+    throw IoError(path, "its NDims is '" + given + "'; there are 1 to 10 dimensions");
+  std::istringstream sizes(text("DimSize"));
+  for (long d = 0; d < dimensions; ++d) {
+    long long size = 0;
+    if (!(sizes >> size) || size < 1 || size > (1LL << 31) - 1)
+      throw IoError(path, "its DimSize '" + text("DimSize") + "' is not " + given + " sizes");
+  }
   scale(path);
 }
 
