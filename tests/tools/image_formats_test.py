@@ -508,8 +508,8 @@ def case_exr_windows():
         expected[x:x + w, y:y + h, k] = picture.T
     from OpenImageIO import ImageBuf
     for k in range(4):
-        subprocess.run(["oiiotool", "s.%d.exr" % k, "--crop", "6x5+0+0", "-o", "whole.tif"], check=True, capture_output=True)
-        assert np.array_equal(ImageBuf("whole.tif").get_pixels()[..., 0].T, expected[..., k]), k
+        subprocess.run(["oiiotool", "s.%d.exr" % k, "--crop", "6x5+0+0", "-o", "whole.%d.tif" % k], check=True, capture_output=True)
+        assert np.array_equal(ImageBuf("whole.%d.tif" % k).get_pixels()[..., 0].T, expected[..., k]), k
     check("s.#.exr", expected, np.diag([1, 1, 2, 1]), "--spacing", "1,1,2")
     exr("b.0.exr", np.arange(63, dtype=np.float32).reshape(7, 9), -1, -2, 6, 5)
     check("b.#.exr", np.arange(63, dtype=np.float32).reshape(7, 9)[2:, 1:7].T[..., None], np.diag([1, 1, 2, 1]), "--spacing", "1,1,2", says=["outside the display window"])
