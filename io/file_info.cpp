@@ -5,6 +5,7 @@
 #include "io/contours/contour_info.h"
 #include "io/format.h"
 #include "io/image/image_formats.h"
+#include "io/image/label_values.h"
 #include "io/mesh/mesh_reader.h"
 #include "io/paths.h"
 #include "io/vdb/grid_choice.h"
@@ -226,7 +227,10 @@ std::vector<ImageInfo> describeImages(const InputSpec& input, const ImageOptions
     }
   }
   std::vector<ImageInfo> infos;
-  for (const ImageFile& file : listImages(input, options)) infos.push_back(describeImage(file));
+  for (ImageFile& file : listImages(input, options)) {
+    takeLabels(file.image, /*asked=*/false, file.notes);
+    infos.push_back(describeImage(file));
+  }
   return infos;
 }
 

@@ -39,6 +39,17 @@ void noteLuminance(const std::string& path, ImageFile& file) {
                           "colours are taken as luminance (" + path + ":0, :1, :2 take red, green, blue)");
 }
 
+void noteRounded(RawType stored, ImageFile& file) {
+  const auto* values = std::get_if<std::vector<double>>(&file.image.values);
+  if (stored.kind == RawType::kFloat || stored.bytes < 8 || !values) return;
+  const auto large =
+      std::count_if(values->begin(), values->end(), [](double v) { return std::abs(v) >= 0x1p53; });
+  if (large > 0)
+    file.notes.emplace_back(
+        "image.values-rounded", Severity::kWarning, "",
+        std::to_string(large) + " of its values are whole numbers of 2^53 or more: rounded to doubles");
+}
+
 ImageValues luminanceOf(const std::function<ImageValues(int)>& colour) {
   constexpr double kWeights[] = {0.2126, 0.7152, 0.0722};
   std::vector<double> sum;

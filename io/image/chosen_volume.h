@@ -25,6 +25,9 @@ void noteFirstVolume(const std::string& path, const std::string& kinds, ImageFil
 /// Tells that colours are taken as luminance.
 void noteLuminance(const std::string& path, ImageFile& file);
 
+/// Tells how many whole numbers of 64 bits were too large for doubles, 2^53 and more, and so were rounded.
+void noteRounded(RawType stored, ImageFile& file);
+
 /// The luminance (ITU-R BT.709) of red, green and blue, which `colour(0)` to `colour(2)` give one after the other, in
 /// their type; whole numbers are rounded.
 ImageValues luminanceOf(const std::function<ImageValues(int)>& colour);

@@ -177,7 +177,8 @@ std::vector<ImageFile> listStackImages(const InputSpec& input, const ImageOption
   return {std::move(file)};
 }
 
-ImageFile readImage(const InputSpec& input, const ImageOptions& options) {
+ImageFile readImage(const InputSpec& given, const ImageOptions& options) {
+  const InputSpec input = stillInput(given);
   if (!input.format || !input.format->readImage)
     throw InputError(input.text, "is no image; use " + readableList(Contents::kImage));
   ImageFile file = input.format->readImage(input, options);
@@ -194,7 +195,8 @@ std::optional<ImageSlices> openImageSlices(const std::string& text, const ImageO
   return openImageSlices(parseInput(text), options);
 }
 
-std::optional<ImageSlices> openImageSlices(const InputSpec& input, const ImageOptions& options) {
+std::optional<ImageSlices> openImageSlices(const InputSpec& given, const ImageOptions& options) {
+  const InputSpec input = stillInput(given);
   if (!input.format || !input.format->openSlices) return std::nullopt;
   std::optional<ImageSlices> slices = input.format->openSlices(input, options);
   if (slices) place(slices->file.image.lattice, placingOf(input.placing, options.up));

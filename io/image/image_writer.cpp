@@ -8,8 +8,10 @@
 #include "slicemorph/errors.h"
 
 #include <nifti/nifti1.h>
+#include <nifti/nifti2.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -137,48 +139,64 @@ void quaternionOf(const Mat3d& r, float q[3]) {
   q[0] = float(sign * b), q[1] = float(sign * c), q[2] = float(sign * d);
 }
 
-nifti_1_header niftiHeader(const std::string& path, const Voxels& voxels) {
+/// Whether sizes need NIfTI-2: NIfTI-1 has 16 bits for them.
+bool needsNifti2(const Voxels& voxels) {
+  const openvdb::Coord& size = voxels.lattice.size;
+  return std::max({size[0], size[1], size[2], voxels.volumes.count}) > std::numeric_limits<short>::max();
+}
+
+void setMagic(nifti_1_header& h) {
+  h.sizeof_hdr = sizeof h;
+  h.vox_offset = float(sizeof h + 4);
+  h.xyzt_units = NIFTI_UNITS_MM;
+  std::memcpy(h.magic, "n+1", 4);
+}
+
+void setMagic(nifti_2_header& h) {
+  h.sizeof_hdr = sizeof h;
+  h.vox_offset = sizeof h + 4;
+  h.xyzt_units = NIFTI_UNITS_MM;
+  std::memcpy(h.magic, "n+2\0\r\n\032\n", 8);
+}
+
+/// `Header`: of NIfTI-1 or -2, which name their fields the same.
+template <typename Header>
+Header niftiHeader(const Voxels& voxels) {
+  using Number = std::decay_t<decltype(Header().pixdim[0])>;
+  using Size = std::decay_t<decltype(Header().dim[0])>;
   const ImageLattice& lattice = voxels.lattice;
-  nifti_1_header h = {};
-  h.sizeof_hdr = 348;
-  h.dim[0] = voxels.vectors ? 5 : 3, h.dim[4] = h.dim[5] = h.dim[6] = h.dim[7] = 1;
+  Header h = {};
+  setMagic(h);
+  h.dim[0] = voxels.vectors ? 5 : voxels.volumes.count > 1 ? 4 : 3;
+  h.dim[4] = Size(voxels.volumes.count), h.dim[5] = h.dim[6] = h.dim[7] = 1;
   if (voxels.vectors) h.dim[5] = 3, h.intent_code = NIFTI_INTENT_VECTOR;
-  for (int d = 0; d < 3; ++d) {
-    if (lattice.size[d] > std::numeric_limits<short>::max())
-      throw InputError(path, "NIfTI holds at most 32767 voxels along an axis, not " +
-                                 std::to_string(lattice.size[d]) + "; use .nrrd or .mha");
-    h.dim[d + 1] = short(lattice.size[d]);
-  }
-  if (voxels.volumes.count > 1) {
-    if (voxels.volumes.count > std::numeric_limits<short>::max())
-      throw InputError(path, "NIfTI holds at most 32767 volumes");
-    h.dim[0] = 4, h.dim[4] = short(voxels.volumes.count);
-    h.pixdim[4] = float(voxels.volumes.seconds), h.xyzt_units = NIFTI_UNITS_SEC;
+  for (int d = 0; d < 3; ++d) h.dim[d + 1] = Size(lattice.size[d]);
+  if (voxels.volumes.seconds > 0) {
+    h.pixdim[4] = Number(voxels.volumes.seconds);
+    h.xyzt_units = decltype(h.xyzt_units)(NIFTI_UNITS_MM | NIFTI_UNITS_SEC);
   }
   h.datatype = namesOf(voxels.type).nifti;
   h.bitpix = short(8 * voxels.bytes);
-  h.vox_offset = 352;
   h.scl_slope = 1;
-  h.xyzt_units = char(h.xyzt_units | NIFTI_UNITS_MM);
   const std::string description = voxels.meaning.empty() ? "slicemorph" : "slicemorph: " + voxels.meaning;
   std::strncpy(h.descrip, description.c_str(), sizeof h.descrip - 1);
-  std::memcpy(h.magic, "n+1", 4);
   // LPS to RAS.
   Vec3d step[3], origin = lattice.origin;
   for (int d = 0; d < 3; ++d) step[d] = {-lattice.step[d][0], -lattice.step[d][1], lattice.step[d][2]};
   origin[0] = -origin[0], origin[1] = -origin[1];
-  float* rows[3] = {h.srow_x, h.srow_y, h.srow_z};
+  Number* rows[3] = {h.srow_x, h.srow_y, h.srow_z};
   for (int r = 0; r < 3; ++r) {
-    for (int d = 0; d < 3; ++d) rows[r][d] = float(step[d][r]) + 0.0f;
-    rows[r][3] = float(origin[r]) + 0.0f;
+    for (int d = 0; d < 3; ++d) rows[r][d] = Number(step[d][r]) + Number(0);
+    rows[r][3] = Number(origin[r]) + Number(0);
   }
   h.sform_code = NIFTI_XFORM_SCANNER_ANAT;
   const Vec3d spacing = lattice.spacing();
-  for (int d = 0; d < 3; ++d) h.pixdim[d + 1] = float(spacing[d]);
+  for (int d = 0; d < 3; ++d) h.pixdim[d + 1] = Number(spacing[d]);
   Mat3d r;
   for (int d = 0; d < 3; ++d) r.setCol(d, step[d] / spacing[d]);
   const double mirrored = r.det() < 0 ? -1 : 1;
-  h.pixdim[0] = float(mirrored);
+  h.pixdim[0] = Number(mirrored);
+  if (voxels.volumes.count > 1 && !(voxels.volumes.seconds > 0)) h.pixdim[4] = 1;
   r.setCol(2, r.col(2) * mirrored);
   // A quaternion holds right-angled axes only: the largest cosine between two of them, as exact
   // as floats are.
@@ -197,15 +215,18 @@ nifti_1_header niftiHeader(const std::string& path, const Voxels& voxels) {
 /// `numbers`: of a voxel; `kind`: what these are, with a blank behind it, nothing of one number.
 std::string nrrdText(const Voxels& voxels, int numbers, const std::string& kind, const std::string& keys) {
   const ImageLattice& l = voxels.lattice;
-  const bool vectors = numbers > 1;
+  const bool vectors = numbers > 1, times = voxels.volumes.count > 1;
   std::string text = "NRRD0004\n# written by slicemorph\n";
   if (!voxels.meaning.empty()) text += "content: " + voxels.meaning + "\n";
-  text += "type: " + std::string(namesOf(voxels.type).nrrd) + "\ndimension: " + (vectors ? "4" : "3") +
+  text += "type: " + std::string(namesOf(voxels.type).nrrd) +
+          "\ndimension: " + (vectors || times ? "4" : "3") +
           "\nspace: left-posterior-superior\nsizes: " + (vectors ? std::to_string(numbers) + " " : "") +
           std::to_string(l.size[0]) + " " + std::to_string(l.size[1]) + " " + std::to_string(l.size[2]) +
+          (times ? " " + std::to_string(voxels.volumes.count) : "") +
           "\nspace directions:" + (vectors ? " none" : "");
   for (const Vec3d& s : l.step) text += " (" + numbersText(s, ",") + ")";
-  return text + "\nkinds: " + kind + "domain domain domain\nendian: little\nencoding: gzip\nspace origin: (" +
+  return text + (times ? " none" : "") + "\nkinds: " + kind + "domain domain domain" +
+         (times ? " time" : "") + "\nendian: little\nencoding: gzip\nspace origin: (" +
          numbersText(l.origin, ",") + ")\n" + keys + "\n";
 }
 
@@ -215,20 +236,23 @@ constexpr const char* kPackedSize = "CompressedDataSize = ";
 std::string metaImageText(const Voxels& voxels) {
   const ImageLattice& l = voxels.lattice;
   const Vec3d spacing = l.spacing();
-  std::string text = "ObjectType = Image\nNDims = 3\n";
+  const bool times = voxels.volumes.count > 1;
+  const std::string zero = times ? " 0" : "";
+  std::string text = std::string("ObjectType = Image\nNDims = ") + (times ? "4" : "3") + "\n";
   if (!voxels.meaning.empty()) text += "Comment = " + voxels.meaning + "\n";
   text += "BinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = True\n" +
           std::string(kPackedSize) + std::string(VoxelHead::kSizeDigits, ' ') + "\nTransformMatrix =";
-  for (int d = 0; d < 3; ++d) text += " " + numbersText(l.step[d] / spacing[d], " ");
-  return text + "\nOffset = " + numbersText(l.origin, " ") +
-         "\nCenterOfRotation = 0 0 0\nElementSpacing = " + numbersText(spacing, " ") +
-         "\nDimSize = " + std::to_string(l.size[0]) + " " + std::to_string(l.size[1]) + " " +
-         std::to_string(l.size[2]) + (voxels.vectors ? "\nElementNumberOfChannels = 3" : "") +
+  for (int d = 0; d < 3; ++d) text += " " + numbersText(l.step[d] / spacing[d], " ") + zero;
+  return text + (times ? " 0 0 0 1" : "") + "\nOffset = " + numbersText(l.origin, " ") + zero +
+         "\nCenterOfRotation = 0 0 0" + zero + "\nElementSpacing = " + numbersText(spacing, " ") +
+         (times ? " 1" : "") + "\nDimSize = " + std::to_string(l.size[0]) + " " + std::to_string(l.size[1]) +
+         " " + std::to_string(l.size[2]) + (times ? " " + std::to_string(voxels.volumes.count) : "") +
+         (voxels.vectors ? "\nElementNumberOfChannels = 3" : "") +
          "\nElementType = " + namesOf(voxels.type).meta + "\nElementDataFile = LOCAL\n";
 }
 
-Voxels voxelsOf(const ImageLattice& lattice, const ImageValues& like) {
-  return {lattice, like.index(), size_t(rawTypeOf(like).bytes), false, {}};
+Voxels voxelsOf(const ImageLattice& lattice, const ImageValues& like, const Volumes& volumes = {}) {
+  return {lattice, like.index(), size_t(rawTypeOf(like).bytes), false, {}, volumes};
 }
 
 Voxels voxelsOf(const VectorImage& image) {
@@ -267,10 +291,12 @@ bool isImageOutput(const std::string& path) {
 }
 
 VoxelHead niftiHead(const std::string& path, const Voxels& voxels) {
-  const nifti_1_header header = niftiHeader(path, voxels);
-  const bool plain = fullExtensionOf(path) == ".nii";
-  return {std::string(reinterpret_cast<const char*>(&header), sizeof header) + std::string(4, '\0'),
-          plain ? Packing::kNone : Packing::kGzip, true, false};
+  const auto bytesOfHeader = [](const auto& header) {
+    return std::string(reinterpret_cast<const char*>(&header), sizeof header) + std::string(4, '\0');
+  };
+  const std::string bytes = needsNifti2(voxels) ? bytesOfHeader(niftiHeader<nifti_2_header>(voxels))
+                                                : bytesOfHeader(niftiHeader<nifti_1_header>(voxels));
+  return {bytes, fullExtensionOf(path) == ".nii" ? Packing::kNone : Packing::kGzip, true, false};
 }
 
 VoxelHead nrrdHead(const std::string&, const Voxels& voxels) {
@@ -299,8 +325,7 @@ VoxelHead metaImageHead(const std::string&, const Voxels& voxels) {
 
 ImageSliceWriter::ImageSliceWriter(const std::string& path, const ImageLattice& lattice,
                                    const ImageValues& like, const Volumes& volumes) {
-  Voxels voxels = voxelsOf(lattice, like);
-  voxels.volumes = volumes;
+  const Voxels voxels = voxelsOf(lattice, like, volumes);
   file_ = std::make_unique<VoxelFile>(path, headerOf(path)(path, voxels));
 }
 

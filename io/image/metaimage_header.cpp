@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <sstream>
 
 namespace slicemorph {
 namespace {
@@ -25,6 +26,18 @@ std::string withoutSpaceAtTheEnds(std::string text) {
 void MetaHeader::check(const std::string& path) const {
   for (const char* key : {"NDims", "DimSize", "ElementType"})
     if (!has(key)) throw IoError(path, std::string("its MetaImage header has no ") + key);
+  // The library does not end with less than one dimension.
+  char* end = nullptr;
+  const std::string given = text("NDims");
+  const long dimensions = std::strtol(given.c_str(), &end, 10);
+  if (*end || dimensions < 1 || dimensions > 10)
+    throw IoError(path, "its NDims is '" + given + "'; there are 1 to 10 dimensions");
+  std::istringstream sizes(text("DimSize"));
+  for (long d = 0; d < dimensions; ++d) {
+    long long size = 0;
+    if (!(sizes >> size) || size < 1 || size > (1LL << 31) - 1)
+      throw IoError(path, "its DimSize '" + text("DimSize") + "' is not " + given + " sizes");
+  }
   scale(path);
 }
 
@@ -33,15 +46,9 @@ bool MetaHeader::is(const char* key) const {
   return !said.empty() && (said[0] == 'T' || said[0] == 't' || said[0] == '1');
 }
 
-bool MetaHeader::inOneFile() const {
+bool MetaHeader::isLocal() const {
   const std::string name = text("ElementDataFile");
-  return name.find('%') == std::string::npos && name.rfind("LIST", 0) != 0;
-}
-
-std::string MetaHeader::dataFile(const std::string& path) const {
-  const std::string name = text("ElementDataFile");
-  const bool local = name == "LOCAL" || name == "Local" || name == "local";
-  return local ? path : (std::filesystem::path(path).parent_path() / name).string();
+  return name == "LOCAL" || name == "Local" || name == "local";
 }
 
 std::pair<double, double> MetaHeader::scale(const std::string& path) const {
@@ -77,6 +84,8 @@ MetaHeader metaHeaderOf(const std::string& path) {
   if (!header.has("ElementDataFile"))
     throw IoError(path, "is no MetaImage file, or its header is damaged: it has no ElementDataFile");
   header.bytes = std::uint64_t(file.tellg());
+  if (header.text("ElementDataFile").compare(0, 4, "LIST") == 0)
+    header.list.assign(std::istreambuf_iterator<char>(file), {});
   return header;
 }
 

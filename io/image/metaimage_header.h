@@ -12,6 +12,7 @@ namespace slicemorph {
 /// The `key = value` lines of a MetaImage header and where its data begin.
 struct MetaHeader {
   std::map<std::string, std::string> value;
+  std::string list;  ///< the lines behind the header, where its data are in the files that they name
   std::uint64_t bytes = 0;
 
   bool has(const char* key) const { return value.count(key) > 0; }
@@ -21,10 +22,8 @@ struct MetaHeader {
   /// Whether a key says True.
   bool is(const char* key) const;
   bool bigEndian() const { return is("BinaryDataByteOrderMSB") || is("ElementByteOrderMSB"); }
-  /// Whether the data are in one file, by the name that the header gives.
-  bool inOneFile() const;
-  /// The file that the data are in; the header's own `path` where they follow it.
-  std::string dataFile(const std::string& path) const;
+  /// Whether the data follow the header.
+  bool isLocal() const;
   /// Factor and summand (ElementToIntensityFunctionSlope, ...Offset) that make stored numbers values; 1 and 0 where the
   /// header has none. Throws IoError where they are no numbers.
   std::pair<double, double> scale(const std::string& path) const;

@@ -1,6 +1,7 @@
 #include "io/image/metaimage_reader.h"
 
 #include "io/image/chosen_volume.h"
+#include "io/image/data_files.h"
 #include "io/image/itk_values.h"
 #include "io/image/length_unit.h"
 #include "io/image/metaimage_header.h"
@@ -127,34 +128,38 @@ OpenMeta openedMeta(const std::string& path, int volume) {
   return open;
 }
 
-/// Whether the data are read here: binary ones in one file.
-bool isPlain(const MetaHeader& header) { return header.inOneFile() && header.is("BinaryData"); }
-
-/// The stream of a file's data, and where it ends.
-std::shared_ptr<PackedBytes> dataOfMeta(const std::string& path, const OpenMeta& open) {
-  const MetaHeader& header = open.header;
-  const std::string data = header.dataFile(path);
-  if (!std::filesystem::exists(data)) throw IoError(path, "its data file " + data + " does not exist");
-  const std::uint64_t there = sizeOfInput(data);
-  std::uint64_t bytes = std::uint64_t(open.type.bytes), from = data == path ? header.bytes : 0;
-  for (const StoredAxis& axis : open.axes) bytes *= axis.size;
-  const long skip =
-      header.has("HeaderSize") ? std::strtol(header.text("HeaderSize").c_str(), nullptr, 10) : 0;
-  if (header.is("CompressedData")) return std::make_shared<PackedBytes>(data, from, PackedAs::kDeflate);
-  if (skip > 0) from = std::uint64_t(skip);
-  if (skip < 0) from = there - std::min(there, bytes);
-  if (there < from + bytes)
-    throw IoError(path, "is truncated: " + (data == path ? "it" : data) + " has " +
-                            std::to_string(there - std::min(from, there)) + " bytes of voxels, " +
-                            std::to_string(bytes) + " are needed");
-  return std::make_shared<PackedBytes>(data, from, PackedAs::kPlain);
+/// Where the data are, but for compressed ones.
+DataFiles dataOfMeta(const std::string& path, const MetaHeader& header) {
+  DataFiles data;
+  const std::string name = header.text("ElementDataFile");
+  data.files = header.isLocal() ? std::vector<std::string>{path} : namedDataFiles(path, name, header.list);
+  if (header.isLocal()) data.from = header.bytes;
+  data.encoding = header.is("BinaryData") ? DataFiles::kRaw : DataFiles::kText;
+  data.bigEndian = header.bigEndian();
+  if (header.has("HeaderSize")) data.byteSkip = std::strtol(header.text("HeaderSize").c_str(), nullptr, 10);
+  return data;
 }
 
-VolumeReader volumeOfMeta(const OpenMeta& open, int volume, const std::shared_ptr<PackedBytes>& stream) {
+/// The stream of compressed data, which are in one file.
+std::shared_ptr<PackedBytes> packedMeta(const std::string& path, const DataFiles& data) {
+  if (data.files.size() > 1) throw IoError(path, "compressed data in several files cannot be read");
+  if (!std::filesystem::exists(data.files[0]))
+    throw IoError(path, "its data file " + data.files[0] + " does not exist");
+  sizeOfInput(data.files[0]);
+  return std::make_shared<PackedBytes>(data.files[0], data.from, PackedAs::kDeflate);
+}
+
+/// `packed`: the stream of compressed data; null for others.
+VolumeReader volumeOfMeta(const std::string& path, const OpenMeta& open, int volume, const DataFiles& data,
+                          const std::shared_ptr<PackedBytes>& packed) {
   const size_t bytes = size_t(open.type.bytes);
-  const bool swap = open.header.bigEndian();
-  return {open.axes, size_t(std::max(volume, 0)), bytes, [=](void* to, size_t wanted) {
-            const size_t got = stream->read(to, wanted);
+  std::uint64_t all = bytes;
+  for (const StoredAxis& axis : open.axes) all *= axis.size;
+  if (!packed)
+    return {open.axes, size_t(std::max(volume, 0)), bytes, openDataFiles(path, data, open.type, all)};
+  return {open.axes, size_t(std::max(volume, 0)), bytes,
+          [packed, bytes, swap = data.bigEndian](void* to, size_t wanted) {
+            const size_t got = packed->read(to, wanted);
             if (swap) swapBytes(to, got / bytes, int(bytes));
             return got;
           }};
@@ -171,50 +176,19 @@ void checkEndOfMeta(const std::string& path, OpenMeta& open, PackedBytes& stream
                                    std::to_string(stream.packedBytes()) + ": all were read");
 }
 
-/// Data as text, or in several files, through ITK.
-ImageValues valuesByItk(const std::string& path, const OpenMeta& open, int volume, const SizeCheck& check) {
-  if (open.header.is("CompressedData"))
-    throw IoError(path, "compressed data in several files cannot be read");
-  const size_t count = open.file.image.lattice.count(), bytes = size_t(open.type.bytes);
-  check(open.file.image.lattice.size, double(count * bytes) * (open.file.volumes + 1));
-  std::vector<char> all(count * bytes * size_t(open.file.volumes));
-  itk::ImageIORegion region(open.io->GetNumberOfDimensions());
-  for (unsigned d = 0; d < open.io->GetNumberOfDimensions(); ++d)
-    region.SetSize(d, open.io->GetDimensions(d));
-  open.io->SetIORegion(region);
-  const QuietErrors quiet;
-  try {
-    open.io->Read(all.data());
-  } catch (const itk::ExceptionObject&) {
-    throw IoError(path, "is truncated or damaged, or files that it names ('" +
-                            open.header.text("ElementDataFile") + "') are missing: ITK cannot read its data");
-  }
-  VolumeReader reader(open.axes, size_t(std::max(volume, 0)), bytes,
-                      [&, at = size_t(0)](void* to, size_t wanted) mutable {
-                        const size_t part = std::min(wanted, all.size() - at);
-                        std::copy_n(&all[at], part, static_cast<char*>(to));
-                        at += part;
-                        return part;
-                      });
-  return readValues(open.type, count, [&](void* to) { readOrRefuse(path, reader, to, count, open.type); });
-}
-
 }  // namespace
 
 ImageFile readMetaImage(const std::string& path, int volume, const SizeCheck& check) {
   OpenMeta open = openedMeta(path, volume);
   const size_t count = open.file.image.lattice.count();
   ImageValues& values = open.file.image.values;
-  if (isPlain(open.header)) {
-    check(open.file.image.lattice.size, double(count) * open.type.bytes);
-    const std::shared_ptr<PackedBytes> stream = dataOfMeta(path, open);
-    VolumeReader reader = volumeOfMeta(open, volume, stream);
-    values =
-        readValues(open.type, count, [&](void* to) { readOrRefuse(path, reader, to, count, open.type); });
-    if (open.header.is("CompressedData")) checkEndOfMeta(path, open, *stream);
-  } else {
-    values = valuesByItk(path, open, volume, check);
-  }
+  check(open.file.image.lattice.size, double(count) * open.type.bytes);
+  const DataFiles data = dataOfMeta(path, open.header);
+  const auto packed = open.header.is("CompressedData") ? packedMeta(path, data) : nullptr;
+  VolumeReader reader = volumeOfMeta(path, open, volume, data, packed);
+  values = readValues(open.type, count, [&](void* to) { readOrRefuse(path, reader, to, count, open.type); });
+  if (packed) checkEndOfMeta(path, open, *packed);
+  noteRounded(open.type, open.file);
   const auto [slope, offset] = open.header.scale(path);
   if (slope != 1 || offset != 0) {
     values = rescaled(std::move(values), slope, offset);
@@ -225,9 +199,11 @@ ImageFile readMetaImage(const std::string& path, int volume, const SizeCheck& ch
 
 std::optional<ImageSlices> openMetaImage(const std::string& path, int volume) {
   OpenMeta open = openedMeta(path, volume);
-  if (!isPlain(open.header) || open.header.scale(path) != std::pair<double, double>(1, 0))
+  const DataFiles data = dataOfMeta(path, open.header);
+  if (data.encoding == DataFiles::kText || open.header.scale(path) != std::pair<double, double>(1, 0))
     return std::nullopt;
-  VolumeReader reader = volumeOfMeta(open, volume, dataOfMeta(path, open));
+  const auto packed = open.header.is("CompressedData") ? packedMeta(path, data) : nullptr;
+  VolumeReader reader = volumeOfMeta(path, open, volume, data, packed);
   return slicesOf(path, std::move(open.file), open.type, std::move(reader));
 }
 

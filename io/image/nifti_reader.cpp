@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -133,9 +134,44 @@ std::string kindsOf(const OpenNifti& open) {
   return kinds;
 }
 
+/// A whole number of a header.
+std::int64_t numberAt(const unsigned char* header, size_t at, size_t bytes, bool highFirst) {
+  std::uint64_t value = 0;
+  for (size_t i = 0; i < bytes; ++i)
+    value |= std::uint64_t(header[at + i]) << 8 * (highFirst ? bytes - 1 - i : i);
+  const unsigned spare = unsigned(64 - 8 * bytes);
+  return std::int64_t(value << spare) >> spare;
+}
+
+/// Throws IoError for the headers of which the library prints what is wrong instead of returning it.
+void checkNiftiHeader(const std::string& path) {
+  const std::unique_ptr<char, decltype(&std::free)> name(nifti_findhdrname(path.c_str()), &std::free);
+  if (!name) return;
+  unsigned char header[sizeof(nifti_2_header)] = {};
+  PackedBytes file(name.get(), 0, nifti_is_gzfile(name.get()) ? PackedAs::kDeflate : PackedAs::kPlain);
+  if (file.read(header, sizeof header) < sizeof(nifti_1_header)) return;
+  for (const bool swap : {false, true}) {
+    const std::int64_t size = numberAt(header, 0, 4, swap);
+    if (size != sizeof(nifti_1_header) && size != sizeof(nifti_2_header)) continue;
+    const bool second = size == sizeof(nifti_2_header);
+    const auto dim = [&](size_t n) {
+      return second ? numberAt(header, 16 + 8 * n, 8, swap) : numberAt(header, 40 + 2 * n, 2, swap);
+    };
+    const std::int64_t dimensions = dim(0);
+    if (dimensions < 1 || dimensions > 7)
+      throw IoError(path, "is damaged: its header states " + std::to_string(dimensions) +
+                              " dimensions; there are 1 to 7");
+    if (dim(1) < 1) throw IoError(path, "is damaged: its header states a size of " + std::to_string(dim(1)));
+    const std::int64_t type = numberAt(header, second ? 12 : 70, 2, swap);
+    if (nifti_is_valid_datatype(int(type)) == 0) voxelTypeOf(path, int(type));
+    return;
+  }
+}
+
 OpenNifti openedNifti(const std::string& path, int volume) {
   sizeOfInput(path);
   nifti_set_debug_level(0);
+  checkNiftiHeader(path);
   OpenNifti open;
   open.header.reset(nifti_image_read(path.c_str(), 0));
   if (!open.header) throw IoError(path, "is no NIfTI or Analyze 7.5 file, or its header is damaged");
@@ -230,6 +266,7 @@ ImageFile readNifti(const std::string& path, int volume, const SizeCheck& check)
     noteLuminance(path, open.file);
   } else {
     open.file.image.values = valuesOfNifti(path, open, size_t(std::max(volume, 0)));
+    if (open.slope == 1 && open.intercept == 0) noteRounded(open.voxel.type, open.file);
   }
   return std::move(open.file);
 }

@@ -9,9 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <memory>
 #include <sstream>
 
@@ -282,46 +280,13 @@ void describeVolumes(const std::string& path, const Nrrd& nrrd, NrrdHeader& head
   file.volumes = int(std::min(volumes, double(1 << 30)));
 }
 
-/// The files that `data file` names.
-std::vector<std::string> filesOfNrrd(const std::string& path, const NrrdText& text, bool& detached) {
-  const std::string given = text.field("data file");
-  detached = !given.empty();
-  if (!detached) return {path};
-  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  std::vector<std::string> names;
-  std::istringstream words(given);
-  std::string pattern;
-  int low = 0, high = 0, step = 0;
-  if (given.compare(0, 4, "LIST") == 0) {
-    std::istringstream list(text.dataFiles);
-    for (std::string name; std::getline(list, name);)
-      if (!name.empty()) names.push_back(name);
-  } else if (given.find('%') != std::string::npos && words >> pattern >> low >> high >> step && step != 0) {
-    const size_t mark = pattern.find('%'), end = pattern.find_first_not_of("0123456789", mark + 1);
-    if (end == std::string::npos || pattern[end] != 'd' || pattern.find('%', end) != std::string::npos)
-      throw IoError(path, "its data file '" + given + "' is no pattern as name.%03d.raw 1 20 1");
-    if ((double(high) - low) / step > 1e6)
-      throw IoError(path, "its data file '" + given + "' means too many files");
-    for (long n = low; step > 0 ? n <= high : n >= high; n += step) {
-      char name[4096];
-      std::snprintf(name, sizeof name, pattern.c_str(), int(n));
-      names.emplace_back(name);
-    }
-  } else {
-    names.push_back(given);
-  }
-  if (names.empty()) throw IoError(path, "its data file '" + given + "' means no file");
-  for (std::string& name : names) name = (folder / name).string();
-  return names;
-}
-
-NrrdData dataOfNrrd(const std::string& path, const NrrdText& text) {
-  NrrdData data;
+DataFiles dataOfNrrd(const std::string& path, const NrrdText& text) {
+  DataFiles data;
   const std::string encoding = lowered(text.field("encoding"));
-  const std::pair<const char*, NrrdData::Encoding> names[] = {
-      {"raw", NrrdData::kRaw},    {"text", NrrdData::kText},   {"txt", NrrdData::kText},
-      {"ascii", NrrdData::kText}, {"hex", NrrdData::kHex},     {"gzip", NrrdData::kGzip},
-      {"gz", NrrdData::kGzip},    {"bzip2", NrrdData::kBzip2}, {"bz2", NrrdData::kBzip2},
+  const std::pair<const char*, DataFiles::Encoding> names[] = {
+      {"raw", DataFiles::kRaw},    {"text", DataFiles::kText},   {"txt", DataFiles::kText},
+      {"ascii", DataFiles::kText}, {"hex", DataFiles::kHex},     {"gzip", DataFiles::kGzip},
+      {"gz", DataFiles::kGzip},    {"bzip2", DataFiles::kBzip2}, {"bz2", DataFiles::kBzip2},
   };
   const auto* known = std::find_if(std::begin(names), std::end(names),
                                    [&](const auto& row) { return encoding == row.first; });
@@ -329,9 +294,9 @@ NrrdData dataOfNrrd(const std::string& path, const NrrdText& text) {
     throw IoError(path,
                   "its encoding '" + encoding + "' is not known; there are raw, text, hex, gzip and bzip2");
   data.encoding = known->second;
-  bool detached = false;
-  data.files = filesOfNrrd(path, text, detached);
-  if (!detached) data.from = text.end;
+  const std::string given = text.field("data file");
+  data.files = given.empty() ? std::vector<std::string>{path} : namedDataFiles(path, given, text.dataFiles);
+  if (given.empty()) data.from = text.end;
   data.bigEndian = lowered(text.field("endian")) == "big";
   const auto number = [&](const char* name) {
     const std::string value = text.field(name);
@@ -344,7 +309,7 @@ NrrdData dataOfNrrd(const std::string& path, const NrrdText& text) {
   };
   data.byteSkip = number("byte skip");
   data.lineSkip = std::uint64_t(std::max(0L, number("line skip")));
-  if (data.byteSkip < 0 && data.encoding != NrrdData::kRaw)
+  if (data.byteSkip < 0 && data.encoding != DataFiles::kRaw)
     throw IoError(path, "its byte skip -1 needs the encoding raw, not " + encoding);
   return data;
 }

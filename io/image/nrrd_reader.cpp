@@ -1,7 +1,8 @@
 #include "io/image/nrrd_reader.h"
 
 #include "io/image/chosen_volume.h"
-#include "io/image/nrrd_data.h"
+#include "io/image/data_files.h"
+#include "io/image/nrrd_header.h"
 #include "slicemorph/errors.h"
 
 #include <memory>
@@ -14,7 +15,7 @@ VolumeReader volumeOfNrrd(const std::string& path, const NrrdHeader& header, siz
   std::uint64_t bytes = std::uint64_t(header.type.bytes);
   for (const StoredAxis& axis : header.axes) bytes *= axis.size;
   return {header.axes, volume, size_t(header.type.bytes),
-          openNrrdData(path, header.data, header.type, bytes)};
+          openDataFiles(path, header.data, header.type, bytes)};
 }
 
 ImageValues valuesOfNrrd(const std::string& path, const NrrdHeader& header, size_t volume) {
@@ -55,13 +56,14 @@ ImageFile readNrrd(const std::string& path, int volume, const SizeCheck& check) 
     noteLuminance(path, header.file);
   } else {
     header.file.image.values = valuesOfNrrd(path, header, size_t(std::max(volume, 0)));
+    noteRounded(header.type, header.file);
   }
   return std::move(header.file);
 }
 
 std::optional<ImageSlices> openNrrd(const std::string& path, int volume) {
   NrrdHeader header = headerFor(path, volume);
-  const bool text = header.data.encoding == NrrdData::kText || header.data.encoding == NrrdData::kHex;
+  const bool text = header.data.encoding == DataFiles::kText || header.data.encoding == DataFiles::kHex;
   if (text || (volume == kNoVolume && header.colours >= 0)) return std::nullopt;
   return slicesOf(path, std::move(header.file), header.type,
                   volumeOfNrrd(path, header, size_t(std::max(volume, 0))));

@@ -22,6 +22,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 namespace slicemorph {
 namespace {
@@ -49,8 +50,8 @@ ConvertSettings settingsFor(const ImageFile& file, ConvertSettings s) {
 }
 
 /// The image that is converted; labels that are stored as floating point are rounded but where values stay as they are.
-ImageFile imageToConvert(const ConvertSettings& s) {
-  ImageFile file = readImage(s.input, s.load.image);
+ImageFile imageToConvert(const InputSpec& input, const ConvertSettings& s) {
+  ImageFile file = readImage(input, s.load.image);
   const bool resampled = !s.like.empty() || s.load.voxelSize != 0 || s.load.resolution != 0;
   if (resampled || !isImageOutput(s.output)) takeLabels(file, s.load.imageKind);
   return file;
@@ -95,9 +96,36 @@ Image maskOf(const FloatGrid& levelSet) {
   return distances;
 }
 
+/// Several volumes of an image become one file.
+void convertVolumes(const ConvertSettings& s, const std::vector<InputFrame>& volumes) {
+  std::optional<ImageSliceWriter> writer;
+  Image first;
+  for (const InputFrame& volume : volumes) {
+    ImageFile file = imageToConvert(volume.input, s);
+    printNotes(volume.input.text + ": ", file.notes, s.quiet, s.verbose);
+    const Image image = onAskedLattice(std::move(file.image), s);
+    if (!writer) {
+      writer.emplace(s.output, image.lattice, image.values, Volumes{int(volumes.size())});
+      first.values =
+          std::visit([](const auto& v) { return ImageValues(std::decay_t<decltype(v)>()); }, image.values);
+    }
+    if (image.values.index() != first.values.index())
+      throw InputError(volume.input.text, "its values have another type than those of " +
+                                              volumes[0].input.text +
+                                              ", and one file holds one type; convert each volume by itself");
+    writer->add(image.values);
+  }
+  writer->commit();
+}
+
 void convertToImage(const ConvertSettings& s) {
-  if (isImageInput(s.input)) {
-    ImageFile file = imageToConvert(s);
+  const InputSpec input = parseInput(s.input);
+  if (input.isImage() && input.isMoving()) {
+    const std::vector<InputFrame> volumes = framesOf(input);
+    if (volumes.size() > 1) return convertVolumes(s, volumes);
+  }
+  if (input.isImage()) {
+    ImageFile file = imageToConvert(input, s);
     printNotes(s.input + ": ", file.notes, s.quiet, s.verbose);
     writeImage(s.output, onAskedLattice(std::move(file.image), settingsFor(file, s)));
   } else if (parseInput(s.input).isGrids()) {
@@ -159,7 +187,7 @@ void runConvert(const OptionSet& options) {
   } else if (isImageOutput(s.output)) {
     convertToImage(s);
   } else if (isImageInput(s.input) && extensionOf(s.output) == ".vdb") {
-    ImageFile file = imageToConvert(s);
+    ImageFile file = imageToConvert(parseInput(s.input), s);
     printNotes(s.input + ": ", file.notes, s.quiet, s.verbose);
     const ConvertSettings own = settingsFor(file, s);
     writeGrids(own, onAskedLattice(std::move(file.image), own));

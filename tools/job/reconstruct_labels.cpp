@@ -12,6 +12,7 @@
 #include "io/image/label_values.h"
 #include "io/paths.h"
 #include "slicemorph/io/image_writer.h"
+#include "slicemorph/io/structure_file.h"
 #include "tools/job/given_slices.h"
 #include "tools/job/label_output.h"
 #include "tools/job/option_values.h"

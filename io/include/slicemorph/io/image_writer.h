@@ -19,16 +19,16 @@ void writeImage(const std::string& path, const Image& image);
 /// Volumes of one file that follow each other in time.
 struct Volumes {
   int count = 1;
-  double seconds = 0;  ///< from one to the next
+  double seconds = 0;  ///< from one to the next; 0: not known
 };
 
 class VoxelFile;
 
-/// Writes an image slice by slice, the same bytes as writeImage().
+/// Writes an image slice by slice, the same bytes as writeImage(), or several volumes of one lattice one after the
+/// other: a fourth axis of times in the file.
 class ImageSliceWriter {
  public:
-  /// `like`: values of the type that follows. Several volumes, all of whose slices follow each other, are for NIfTI. Throws
-  /// as writeImage().
+  /// `like`: values of the type that follows. Throws as writeImage().
   ImageSliceWriter(const std::string& path, const ImageLattice& lattice, const ImageValues& like,
                    const Volumes& volumes = {});
   ~ImageSliceWriter();

@@ -1,4 +1,4 @@
-#include "io/image/nrrd_data.h"
+#include "io/image/data_files.h"
 
 #include "io/image/packed_bytes.h"
 #include "io/paths.h"
@@ -8,12 +8,15 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
+#include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <limits>
 #include <memory>
+#include <sstream>
 #include <utility>
 
 namespace slicemorph {
@@ -96,15 +99,15 @@ std::string bytesOfHex(const std::string& path, const std::string& text) {
 }
 
 /// The numbers of one file.
-ByteReader openPart(const std::string& path, const NrrdData& data, const std::string& file, RawType type,
+ByteReader openPart(const std::string& path, const DataFiles& data, const std::string& file, RawType type,
                     std::uint64_t bytes) {
   if (!std::filesystem::exists(file)) throw IoError(path, "its data file " + file + " does not exist");
   const std::uint64_t size = sizeOfInput(file), begin = afterLines(file, data.from, data.lineSkip);
-  if (data.encoding == NrrdData::kText || data.encoding == NrrdData::kHex) {
+  if (data.encoding == DataFiles::kText || data.encoding == DataFiles::kHex) {
     const std::string whole =
         readWholeFile(file).substr(std::min(size, begin + std::uint64_t(data.byteSkip)));
     auto numbers = std::make_shared<std::string>(
-        data.encoding == NrrdData::kText ? numbersOfText(path, type, whole) : bytesOfHex(path, whole));
+        data.encoding == DataFiles::kText ? numbersOfText(path, type, whole) : bytesOfHex(path, whole));
     return [numbers, at = size_t(0)](void* to, size_t wanted) mutable {
       const size_t part = std::min(wanted, numbers->size() - at);
       std::memcpy(to, numbers->data() + at, part);
@@ -112,7 +115,7 @@ ByteReader openPart(const std::string& path, const NrrdData& data, const std::st
       return part;
     };
   }
-  const bool plain = data.encoding == NrrdData::kRaw;
+  const bool plain = data.encoding == DataFiles::kRaw;
   std::uint64_t from = begin + (plain && data.byteSkip > 0 ? std::uint64_t(data.byteSkip) : 0);
   if (plain && data.byteSkip < 0) from = size - std::min(size, bytes);
   if (plain && (from > size || size - from < bytes))
@@ -120,9 +123,9 @@ ByteReader openPart(const std::string& path, const NrrdData& data, const std::st
                             std::to_string(size - std::min(from, size)) + " bytes of voxels, " +
                             std::to_string(bytes) + " are needed");
   auto stream = std::make_shared<PackedBytes>(file, from,
-                                              plain                              ? PackedAs::kPlain
-                                              : data.encoding == NrrdData::kGzip ? PackedAs::kDeflate
-                                                                                 : PackedAs::kBzip2);
+                                              plain                               ? PackedAs::kPlain
+                                              : data.encoding == DataFiles::kGzip ? PackedAs::kDeflate
+                                                                                  : PackedAs::kBzip2);
   if (!plain && !stream->skip(std::uint64_t(data.byteSkip)))
     throw IoError(path, "is truncated or damaged: it ends before its byte skip");
   return [stream](void* to, size_t wanted) { return stream->read(to, wanted); };
@@ -130,7 +133,41 @@ ByteReader openPart(const std::string& path, const NrrdData& data, const std::st
 
 }  // namespace
 
-ByteReader openNrrdData(const std::string& path, const NrrdData& data, RawType type, std::uint64_t bytes) {
+std::vector<std::string> namedDataFiles(const std::string& path, const std::string& given,
+                                        const std::string& list) {
+  std::vector<std::string> names;
+  std::istringstream words(given);
+  std::string pattern;
+  int low = 0, high = 0, step = 1;
+  if (given.compare(0, 4, "LIST") == 0) {
+    std::istringstream lines(list);
+    for (std::string name; std::getline(lines, name);) {
+      name.erase(name.find_last_not_of(" \t\r") + 1);
+      if (!name.empty()) names.push_back(name);
+    }
+  } else if (given.find('%') != std::string::npos && words >> pattern >> low >> high) {
+    if (!(words >> step)) step = 1;
+    const size_t mark = pattern.find('%'), end = pattern.find_first_not_of("0123456789", mark + 1);
+    if (end == std::string::npos || pattern[end] != 'd' || end > mark + 4 ||
+        pattern.find('%', end) != std::string::npos || step == 0)
+      throw IoError(path, "its data file '" + given + "' is no pattern as name.%03d.raw 1 20 1");
+    if (std::abs((double(high) - low) / step) > 1e6)
+      throw IoError(path, "its data file '" + given + "' means too many files");
+    for (long n = low; step > 0 ? n <= high : n >= high; n += step) {
+      std::vector<char> name(pattern.size() + 1024);
+      std::snprintf(name.data(), name.size(), pattern.c_str(), int(n));
+      names.emplace_back(name.data());
+    }
+  } else {
+    names.push_back(given);
+  }
+  if (names.empty()) throw IoError(path, "its data file '" + given + "' means no file");
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  for (std::string& name : names) name = (folder / name).string();
+  return names;
+}
+
+ByteReader openDataFiles(const std::string& path, const DataFiles& data, RawType type, std::uint64_t bytes) {
   const std::uint64_t files = data.files.size(), each = bytes / files;
   if (each * files != bytes)
     throw IoError(path, "its " + std::to_string(files) + " data files cannot hold " + std::to_string(bytes) +
@@ -138,7 +175,7 @@ ByteReader openNrrdData(const std::string& path, const NrrdData& data, RawType t
   // All but packed ones are seen to be there before anything is read.
   for (const std::string& file : data.files)
     if (files > 1) openPart(path, data, file, type, each);
-  const bool swap = data.bigEndian && data.encoding != NrrdData::kText && type.bytes > 1;
+  const bool swap = data.bigEndian && data.encoding != DataFiles::kText && type.bytes > 1;
   return
       [=, part = ByteReader(), next = size_t(0), left = std::uint64_t(0)](void* to, size_t wanted) mutable {
         auto* out = static_cast<char*>(to);
