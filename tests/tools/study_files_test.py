@@ -526,6 +526,8 @@ def case_refused():
     refused("convert", "labels.nii.gz", "-o", "x.seg.dcm", "--source", "labels.nii.gz", says=["--source", "no DICOM series"])
     refused("convert", "labels.nii.gz", "-o", "x.seg.dcm", "--names", "4=four", says=["--names", "3, 7, 250"])
     refused("convert", "labels.nii.gz", "-o", "x.seg.dcm", "--names", "four", says=["NUMBER=NAME"])
+    refused("reconstruct", "labels.nii.gz", "-o", "x.####.seg.dcm", "--between", 1, says=["####", "one file"])
+    refused("morph", "labels.nii.gz", "labels.nii.gz", "-o", "x.seg.dcm", "--at", 0.5, says=["x.seg.dcm", "convert"])
     refused("convert", "labels.nii.gz", "-o", "x.dcm", says=[".seg.dcm", ".rt.dcm"])
     assert not [name for name in os.listdir(".") if name.startswith("x.")]
 

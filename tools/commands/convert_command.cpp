@@ -135,7 +135,7 @@ void runConvert(const OptionSet& options) {
                              given.quiet,  given.verbose, meshSpace(options, given.output, usual)};
   if (OutputName(s.output).isSequence())
     throw InputError("-o " + s.output + ": convert writes one file; leave out the ####");
-  checkOutput(s.output);
+  checkStudyOutput(s.output);
   checkInputExists(s.input);
   const auto limit = limitThreads(given.threads);
   s.load.memory.enforce();

@@ -8,6 +8,7 @@
 #include "tools/job/load_settings.h"
 #include "tools/job/option_values.h"
 #include "tools/job/reconstruct.h"
+#include "tools/job/write_structures.h"
 
 namespace slicemorph {
 namespace {
@@ -24,7 +25,7 @@ ReconstructJob reconstructJob(const OptionSet& options) {
   job.image = loadSettings(options).image;
   job.memory = memorySettings(options);
   if (options.given("grids")) job.grids = parseNames("--grids", given.grids);
-  checkOutput(OutputName(job.output).path(1));
+  checkStudyOutput(job.output);
   for (const std::string& report : job.reports) {
     checkExtension(report, {".json", ".csv"});
     checkOutputPath(report);

@@ -4,7 +4,6 @@
 #include "engine/volume/image_shape.h"
 #include "slicemorph/io/image_writer.h"
 #include "slicemorph/io/output.h"
-#include "slicemorph/io/structure_file.h"
 #include "tools/job/option_values.h"
 
 #include <algorithm>
@@ -75,7 +74,7 @@ LatticeChoice latticeAround(const std::vector<LoadedObject>& objects) {
 }
 
 void checkOutput(const std::string& path) {
-  if (isImageOutput(path) || isStructureOutput(path))
+  if (isImageOutput(path))
     checkOutputPath(path);
   else
     checkSurfaceOutput(path);
