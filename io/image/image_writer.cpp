@@ -149,11 +149,11 @@ nifti_1_header niftiHeader(const std::string& path, const Voxels& voxels) {
                                  std::to_string(lattice.size[d]) + "; use .nrrd or .mha");
     h.dim[d + 1] = short(lattice.size[d]);
   }
-  if (voxels.volumes.count > 1) {
-    if (voxels.volumes.count > std::numeric_limits<short>::max())
+  if (voxels.volumes > 1) {
+    if (voxels.volumes > std::numeric_limits<short>::max())
       throw InputError(path, "NIfTI holds at most 32767 volumes");
-    h.dim[0] = 4, h.dim[4] = short(voxels.volumes.count);
-    h.pixdim[4] = float(voxels.volumes.seconds), h.xyzt_units = NIFTI_UNITS_SEC;
+    h.dim[0] = 4, h.dim[4] = short(voxels.volumes);
+    h.pixdim[4] = float(voxels.seconds), h.xyzt_units = NIFTI_UNITS_SEC;
   }
   h.datatype = namesOf(voxels.type).nifti;
   h.bitpix = short(8 * voxels.bytes);
@@ -298,9 +298,9 @@ VoxelHead metaImageHead(const std::string&, const Voxels& voxels) {
 }
 
 ImageSliceWriter::ImageSliceWriter(const std::string& path, const ImageLattice& lattice,
-                                   const ImageValues& like, const Volumes& volumes) {
+                                   const ImageValues& like, int volumes, double seconds) {
   Voxels voxels = voxelsOf(lattice, like);
-  voxels.volumes = volumes;
+  voxels.volumes = volumes, voxels.seconds = seconds;
   file_ = std::make_unique<VoxelFile>(path, headerOf(path)(path, voxels));
 }
 

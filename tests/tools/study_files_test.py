@@ -20,7 +20,7 @@ import pydicom
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
 from cases import Skip, named_cases, run_cases
-from dicom_files import errors_of, points_inside, segment_masks, steps_of, write_ct
+from study_objects import errors_of, points_inside, segment_masks, steps_of, write_ct
 
 if len(sys.argv) < 2:
     sys.exit(__doc__)
