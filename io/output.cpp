@@ -38,6 +38,8 @@ std::string OutputName::extension() const { return extensionOf(pattern_); }
 
 void checkSurfaceOutput(const std::string& path) {
   const Format* format = formatToWrite(path);
+  if (format && format->writeStructures)
+    throw InputError(path, "holds structures, which `slicemorph convert` and `slicemorph reconstruct` write");
   if (!format || (format->contents != Contents::kGrids && format->contents != Contents::kMesh)) {
     const std::string extension = extensionOf(path);
     throw InputError(

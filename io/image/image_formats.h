@@ -45,7 +45,8 @@ struct Voxels {
   size_t bytes;          ///< of a number
   bool vectors = false;  ///< three numbers a voxel
   std::string meaning;   ///< one line; empty: nothing to say
-  Volumes volumes = {};
+  int volumes = 1;
+  double seconds = 0;  ///< from one volume to the next
 };
 enum class Packing { kNone, kGzip, kZlib };
 /// What stands before the values, and how these follow.

@@ -142,7 +142,7 @@ void quaternionOf(const Mat3d& r, float q[3]) {
 /// Whether sizes need NIfTI-2: NIfTI-1 has 16 bits for them.
 bool needsNifti2(const Voxels& voxels) {
   const openvdb::Coord& size = voxels.lattice.size;
-  return std::max({size[0], size[1], size[2], voxels.volumes.count}) > std::numeric_limits<short>::max();
+  return std::max({size[0], size[1], size[2], voxels.volumes}) > std::numeric_limits<short>::max();
 }
 
 void setMagic(nifti_1_header& h) {
@@ -167,12 +167,12 @@ Header niftiHeader(const Voxels& voxels) {
   const ImageLattice& lattice = voxels.lattice;
   Header h = {};
   setMagic(h);
-  h.dim[0] = voxels.vectors ? 5 : voxels.volumes.count > 1 ? 4 : 3;
-  h.dim[4] = Size(voxels.volumes.count), h.dim[5] = h.dim[6] = h.dim[7] = 1;
+  h.dim[0] = voxels.vectors ? 5 : voxels.volumes > 1 ? 4 : 3;
+  h.dim[4] = Size(voxels.volumes), h.dim[5] = h.dim[6] = h.dim[7] = 1;
   if (voxels.vectors) h.dim[5] = 3, h.intent_code = NIFTI_INTENT_VECTOR;
   for (int d = 0; d < 3; ++d) h.dim[d + 1] = Size(lattice.size[d]);
-  if (voxels.volumes.seconds > 0) {
-    h.pixdim[4] = Number(voxels.volumes.seconds);
+  if (voxels.seconds > 0) {
+    h.pixdim[4] = Number(voxels.seconds);
     h.xyzt_units = decltype(h.xyzt_units)(NIFTI_UNITS_MM | NIFTI_UNITS_SEC);
   }
   h.datatype = namesOf(voxels.type).nifti;
@@ -196,7 +196,7 @@ Header niftiHeader(const Voxels& voxels) {
   for (int d = 0; d < 3; ++d) r.setCol(d, step[d] / spacing[d]);
   const double mirrored = r.det() < 0 ? -1 : 1;
   h.pixdim[0] = Number(mirrored);
-  if (voxels.volumes.count > 1 && !(voxels.volumes.seconds > 0)) h.pixdim[4] = 1;
+  if (voxels.volumes > 1 && !(voxels.seconds > 0)) h.pixdim[4] = 1;
   r.setCol(2, r.col(2) * mirrored);
   // A quaternion holds right-angled axes only: the largest cosine between two of them, as exact
   // as floats are.
@@ -215,15 +215,14 @@ Header niftiHeader(const Voxels& voxels) {
 /// `numbers`: of a voxel; `kind`: what these are, with a blank behind it, nothing of one number.
 std::string nrrdText(const Voxels& voxels, int numbers, const std::string& kind, const std::string& keys) {
   const ImageLattice& l = voxels.lattice;
-  const bool vectors = numbers > 1, times = voxels.volumes.count > 1;
+  const bool vectors = numbers > 1, times = voxels.volumes > 1;
   std::string text = "NRRD0004\n# written by slicemorph\n";
   if (!voxels.meaning.empty()) text += "content: " + voxels.meaning + "\n";
-  text += "type: " + std::string(namesOf(voxels.type).nrrd) +
-          "\ndimension: " + (vectors || times ? "4" : "3") +
-          "\nspace: left-posterior-superior\nsizes: " + (vectors ? std::to_string(numbers) + " " : "") +
-          std::to_string(l.size[0]) + " " + std::to_string(l.size[1]) + " " + std::to_string(l.size[2]) +
-          (times ? " " + std::to_string(voxels.volumes.count) : "") +
-          "\nspace directions:" + (vectors ? " none" : "");
+  text +=
+      "type: " + std::string(namesOf(voxels.type).nrrd) + "\ndimension: " + (vectors || times ? "4" : "3") +
+      "\nspace: left-posterior-superior\nsizes: " + (vectors ? std::to_string(numbers) + " " : "") +
+      std::to_string(l.size[0]) + " " + std::to_string(l.size[1]) + " " + std::to_string(l.size[2]) +
+      (times ? " " + std::to_string(voxels.volumes) : "") + "\nspace directions:" + (vectors ? " none" : "");
   for (const Vec3d& s : l.step) text += " (" + numbersText(s, ",") + ")";
   return text + (times ? " none" : "") + "\nkinds: " + kind + "domain domain domain" +
          (times ? " time" : "") + "\nendian: little\nencoding: gzip\nspace origin: (" +
@@ -236,7 +235,7 @@ constexpr const char* kPackedSize = "CompressedDataSize = ";
 std::string metaImageText(const Voxels& voxels) {
   const ImageLattice& l = voxels.lattice;
   const Vec3d spacing = l.spacing();
-  const bool times = voxels.volumes.count > 1;
+  const bool times = voxels.volumes > 1;
   const std::string zero = times ? " 0" : "";
   std::string text = std::string("ObjectType = Image\nNDims = ") + (times ? "4" : "3") + "\n";
   if (!voxels.meaning.empty()) text += "Comment = " + voxels.meaning + "\n";
@@ -246,12 +245,12 @@ std::string metaImageText(const Voxels& voxels) {
   return text + (times ? " 0 0 0 1" : "") + "\nOffset = " + numbersText(l.origin, " ") + zero +
          "\nCenterOfRotation = 0 0 0" + zero + "\nElementSpacing = " + numbersText(spacing, " ") +
          (times ? " 1" : "") + "\nDimSize = " + std::to_string(l.size[0]) + " " + std::to_string(l.size[1]) +
-         " " + std::to_string(l.size[2]) + (times ? " " + std::to_string(voxels.volumes.count) : "") +
+         " " + std::to_string(l.size[2]) + (times ? " " + std::to_string(voxels.volumes) : "") +
          (voxels.vectors ? "\nElementNumberOfChannels = 3" : "") +
          "\nElementType = " + namesOf(voxels.type).meta + "\nElementDataFile = LOCAL\n";
 }
 
-Voxels voxelsOf(const ImageLattice& lattice, const ImageValues& like, const Volumes& volumes = {}) {
+Voxels voxelsOf(const ImageLattice& lattice, const ImageValues& like, int volumes = 1) {
   return {lattice, like.index(), size_t(rawTypeOf(like).bytes), false, {}, volumes};
 }
 
@@ -324,8 +323,9 @@ VoxelHead metaImageHead(const std::string&, const Voxels& voxels) {
 }
 
 ImageSliceWriter::ImageSliceWriter(const std::string& path, const ImageLattice& lattice,
-                                   const ImageValues& like, const Volumes& volumes) {
-  const Voxels voxels = voxelsOf(lattice, like, volumes);
+                                   const ImageValues& like, int volumes, double seconds) {
+  Voxels voxels = voxelsOf(lattice, like, volumes);
+  voxels.seconds = seconds;
   file_ = std::make_unique<VoxelFile>(path, headerOf(path)(path, voxels));
 }
 

@@ -135,6 +135,19 @@ Notes writeSegmentation(const std::string& path, const StructureSet& set) {
   return notes;
 }
 
+/// The plane with pixels as fine as a structure's detail; the plane's own are among them.
+ImagePlane tracedOn(const ImagePlane& plane, double detail) {
+  constexpr int kFinest = 4;
+  ImagePlane fine = plane;
+  if (!(detail > 0)) return fine;
+  for (int d = 0; d < 2; ++d) {
+    const int parts = std::clamp(int(std::ceil(plane.step[d].length() / detail - 0.01)), 1, kFinest);
+    fine.step[d] = plane.step[d] / parts;
+    fine.size[d] = (plane.size[d] - 1) * parts + 1;
+  }
+  return fine;
+}
+
 /// Numbers of regions are theirs alone, from 1 on.
 void numberRegions(StructureSet& set) {
   std::set<int> taken;
@@ -153,10 +166,10 @@ Notes writeStructureSet(const std::string& path, const StructureSet& set) {
   for (const StructureShape& shape : set.structures) {
     std::vector<StructureOutline> outlines;
     for (size_t p = 0; p < set.planes.size(); ++p) {
-      const std::vector<float> values = shape.onPlane(set.planes[p]);
+      const ImagePlane fine = tracedOn(set.planes[p], shape.detail);
+      const std::vector<float> values = shape.onPlane(fine);
       if (values.empty()) continue;
-      for (std::vector<Vec3d>& points : outlinesOn(set.planes[p], values))
-        outlines.push_back({p, std::move(points)});
+      for (std::vector<Vec3d>& points : outlinesOn(fine, values)) outlines.push_back({p, std::move(points)});
     }
     empty.push_back(outlines.empty());
     if (!outlines.empty()) content.push_back(std::move(outlines));

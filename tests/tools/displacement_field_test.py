@@ -67,10 +67,13 @@ def write_shapes():
     return [d < 1 for d in distances]
 
 
+PLANNED = ("--plan", "x.plan")
+
+
 def write_fields():
+    run("plan", "a.nii.gz", "b.nii.gz", "-o", "x.plan", "--iso", 500)
     for name, start, end in (("f01", 0, 1), ("f10", 1, 0)):
-        run("apply", "a.nii.gz", "b.nii.gz", "--field", "-o", name + ".mha", "--like", "a.nii.gz", "--from", start, "--to", end,
-            "--iso", 500)
+        run("apply", "--field", "-o", name + ".mha", "--like", "a.nii.gz", "--from", start, "--to", end, *PLANNED)
     return read_mha("f01.mha"), read_mha("f10.mha")
 
 
@@ -94,7 +97,7 @@ def case_inverse():
         points = places()[mask][::37]
         np.savetxt("p.csv", points, "%.9g", ",", header="x,y,z", comments="")
         for source, target, t in (("p.csv", "q.csv", start), ("q.csv", "r.csv", 1 - start)):
-            run("apply", "a.nii.gz", "b.nii.gz", source, "-o", target, "--from", t, "--to", 1 - t, "--iso", 500)
+            run("apply", source, "-o", target, "--from", t, "--to", 1 - t, *PLANNED)
         again = np.loadtxt("r.csv", delimiter=",", skiprows=1)
         assert np.linalg.norm((again - points) / SPACING, axis=1).max() < 0.01
 
@@ -139,8 +142,7 @@ def case_transformix():
     # Floats of 32 bits: positions of some 50 mm to 4e-6 mm, on a slope of at most 17 a millimetre for each axis.
     assert np.abs(drawn - own)[inside].max() < 0.01, np.abs(drawn - own)[inside].max()
     assert np.abs(waves - own)[inside].max() > 20, "nothing moves"
-    run("apply", "a.nii.gz", "b.nii.gz", "g.nii.gz", "--from", 1, "--to", 0, "-o", "carried.nii.gz", "--like", "a.nii.gz",
-        "--image", "grey", "--iso", 500)
+    run("apply", "g.nii.gz", "--from", 1, "--to", 0, "-o", "carried.nii.gz", "--like", "a.nii.gz", *PLANNED)
     carried = nib.load("carried.nii.gz").get_fdata()
     assert np.abs(drawn - carried)[inside].max() < 1, np.abs(drawn - carried)[inside].max()
 

@@ -20,7 +20,7 @@ import pydicom
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
 from cases import Skip, named_cases, run_cases
-from study_dicom import errors_of, points_inside, segment_masks, steps_of, write_ct
+from study_objects import errors_of, points_inside, segment_masks, steps_of, write_ct
 
 if len(sys.argv) < 2:
     sys.exit(__doc__)
@@ -526,6 +526,8 @@ def case_refused():
     refused("convert", "labels.nii.gz", "-o", "x.seg.dcm", "--source", "labels.nii.gz", says=["--source", "no DICOM series"])
     refused("convert", "labels.nii.gz", "-o", "x.seg.dcm", "--names", "4=four", says=["--names", "3, 7, 250"])
     refused("convert", "labels.nii.gz", "-o", "x.seg.dcm", "--names", "four", says=["NUMBER=NAME"])
+    refused("reconstruct", "labels.nii.gz", "-o", "x.####.seg.dcm", "--between", 1, says=["####", "one file"])
+    refused("morph", "labels.nii.gz", "labels.nii.gz", "-o", "x.seg.dcm", "--at", 0.5, says=["x.seg.dcm", "convert"])
     refused("convert", "labels.nii.gz", "-o", "x.dcm", says=[".seg.dcm", ".rt.dcm"])
     assert not [name for name in os.listdir(".") if name.startswith("x.")]
 

@@ -105,7 +105,7 @@ void convertVolumes(const ConvertSettings& s, const std::vector<InputFrame>& vol
     printNotes(volume.input.text + ": ", file.notes, s.quiet, s.verbose);
     const Image image = onAskedLattice(std::move(file.image), s);
     if (!writer) {
-      writer.emplace(s.output, image.lattice, image.values, Volumes{int(volumes.size())});
+      writer.emplace(s.output, image.lattice, image.values, int(volumes.size()));
       first.values =
           std::visit([](const auto& v) { return ImageValues(std::decay_t<decltype(v)>()); }, image.values);
     }
@@ -178,7 +178,7 @@ void runConvert(const OptionSet& options) {
                              given.quiet,  given.verbose, meshSpace(options, given.output, usual)};
   if (OutputName(s.output).isSequence())
     throw InputError("-o " + s.output + ": convert writes one file; leave out the ####");
-  checkOutput(s.output);
+  checkStudyOutput(s.output);
   checkInputExists(s.input);
   const auto limit = limitThreads(given.threads);
   s.load.memory.enforce();

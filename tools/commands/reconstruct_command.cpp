@@ -8,6 +8,7 @@
 #include "tools/job/load_settings.h"
 #include "tools/job/option_values.h"
 #include "tools/job/reconstruct.h"
+#include "tools/job/write_structures.h"
 
 #include <cmath>
 
@@ -43,7 +44,7 @@ ReconstructJob reconstructJob(const OptionSet& options) {
   job.imageKind = loadSettings(options).imageKind;
   job.memory = memorySettings(options);
   if (options.given("grids")) job.grids = parseNames("--grids", given.grids);
-  checkOutput(OutputName(job.output).path(1));
+  checkStudyOutput(job.output);
   for (const std::string& report : job.reports) {
     checkExtension(report, {".json", ".csv"});
     checkOutputPath(report);

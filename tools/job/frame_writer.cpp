@@ -91,8 +91,9 @@ void FrameWriter::write(const FrameTask& task, const MorphFrame& frame) {
 
 void FrameWriter::addVolume(const Image& image) {
   if (!volumes_) {
-    const Volumes volumes{int(settings_.wantedFrames().size()), 1 / settings_.framesPerSecond};
-    volumes_ = std::make_unique<ImageSliceWriter>(settings_.output, image.lattice, image.values, volumes);
+    const int volumes = int(settings_.wantedFrames().size());
+    volumes_ = std::make_unique<ImageSliceWriter>(settings_.output, image.lattice, image.values, volumes,
+                                                  1 / settings_.framesPerSecond);
     lattice_ = image.lattice;
   }
   if (image.lattice.size != lattice_->size || image.lattice.origin != lattice_->origin)

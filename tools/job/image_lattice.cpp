@@ -5,7 +5,6 @@
 #include "io/image/label_values.h"
 #include "slicemorph/io/image_writer.h"
 #include "slicemorph/io/output.h"
-#include "slicemorph/io/structure_file.h"
 #include "tools/job/option_values.h"
 
 #include <algorithm>
@@ -80,7 +79,7 @@ LatticeChoice latticeAround(const std::vector<LoadedObject>& objects) {
 }
 
 void checkOutput(const std::string& path) {
-  if (isImageOutput(path) || isStructureOutput(path))
+  if (isImageOutput(path))
     checkOutputPath(path);
   else
     checkSurfaceOutput(path);

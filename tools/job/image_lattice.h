@@ -26,7 +26,7 @@ struct LatticeChoice {
 };
 LatticeChoice latticeAround(const std::vector<LoadedObject>& objects);
 
-/// Throws InputError where no surface, image or structures can be written with the path's extension, IoError where its
+/// Throws InputError where no surface or image can be written with the path's extension, IoError where its
 /// folder is missing or cannot be written to.
 void checkOutput(const std::string& path);
 

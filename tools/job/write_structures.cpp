@@ -4,6 +4,8 @@
 #include "engine/volume/image_shape.h"
 #include "io/paths.h"
 #include "slicemorph/errors.h"
+#include "slicemorph/io/output.h"
+#include "tools/job/image_lattice.h"
 #include "tools/job/option_values.h"
 
 #include <openvdb/tools/Interpolation.h>
@@ -71,11 +73,15 @@ class LabelOnPlane {
     const Vec3d first = voxel_(plane.origin);
     const Vec3d step[2] = {voxel_.inverse * plane.step[0], voxel_.inverse * plane.step[1]};
     if (!isNear(first, step, plane)) return {};
+    if (isOwn(first, step))
+      return std::visit([&](const auto& values) { return copied(values, plane, first); }, image_->values);
     return std::visit([&](const auto& values) { return sampled(values, plane, first, step); },
                       image_->values);
   }
 
  private:
+  static constexpr double kRounding = 1e-4;  ///< of voxels
+
   /// Whether the plane comes nearer than a voxel to the label's box along the map's axes.
   bool isNear(const Vec3d& first, const Vec3d (&step)[2], const ImagePlane& plane) const {
     for (int d = 0; d < 3; ++d) {
@@ -87,6 +93,31 @@ class LabelOnPlane {
       if (high < box_.min()[d] - 1 || low > box_.max()[d] + 1) return false;
     }
     return true;
+  }
+
+  /// Whether the plane's pixels are voxels of one of the map's slices.
+  bool isOwn(const Vec3d& first, const Vec3d (&step)[2]) const {
+    constexpr double kPixel = 1e-7;  // of a voxel, from a pixel to the next: 1e-4 over a thousand
+    for (int d = 0; d < 3; ++d)
+      if (std::abs(first[d] - std::round(first[d])) > kRounding || std::abs(step[0][d] - (d == 0)) > kPixel ||
+          std::abs(step[1][d] - (d == 1)) > kPixel)
+        return false;
+    return true;
+  }
+
+  template <typename T>
+  std::vector<float> copied(const std::vector<T>& values, const ImagePlane& plane, const Vec3d& first) const {
+    const openvdb::Coord at = openvdb::Coord::round(first);
+    std::vector<float> result;
+    if (at[2] < box_.min()[2] || at[2] > box_.max()[2]) return result;
+    result.assign(plane.count(), 0.5f);
+    for (int j = std::max(box_.min()[1] - at[1], 0); j <= std::min(box_.max()[1] - at[1], plane.size[1] - 1);
+         ++j)
+      for (int i = std::max(box_.min()[0] - at[0], 0);
+           i <= std::min(box_.max()[0] - at[0], plane.size[0] - 1); ++i)
+        if (std::llround(double(values[image_->lattice.index(at[0] + i, at[1] + j, at[2])])) == label_)
+          result[size_t(j) * size_t(plane.size[0]) + size_t(i)] = -0.5f;
+    return result;
   }
 
   template <typename T>
@@ -105,7 +136,6 @@ class LabelOnPlane {
   /// rounding leaves, so that voxels that coincide are exact.
   template <typename T>
   double shareAt(const std::vector<T>& values, const Vec3d& at) const {
-    constexpr double kRounding = 1e-4;
     int low[3];
     double part[3];
     for (int d = 0; d < 3; ++d) {
@@ -224,6 +254,13 @@ Notes writeSet(const StructuresJob& job, StructureSet set) {
 
 }  // namespace
 
+void checkStudyOutput(const std::string& path) {
+  if (!isStructureOutput(path)) return checkOutput(OutputName(path).path(1));
+  if (OutputName(path).isSequence())
+    throw InputError("-o " + path + ": one file holds all structures; leave out the ####");
+  checkOutputPath(path);
+}
+
 Notes writeLabelStructures(const StructuresJob& job, std::shared_ptr<const Image> labels) {
   labelsOf(*labels);  // says what is no label
   StructureSet set;
@@ -263,7 +300,7 @@ Notes writeSurfaceStructures(const StructuresJob& job, const std::vector<NamedSu
     if (!all.isInside(inner))
       notes.emplace_back("structures.beyond-planes", Severity::kWarning, surface.name,
                          "reaches beyond the slices that it is put on: what lies outside them is cut off");
-    shape.onPlane = onPlane;
+    shape.onPlane = onPlane, shape.detail = surface.grid->voxelSize()[0];
     set.structures.push_back(std::move(shape));
   }
   const Notes own = writeSet(job, std::move(set));

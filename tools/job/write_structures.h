@@ -18,6 +18,9 @@ struct StructuresJob {
   ImageOptions image;
 };
 
+/// As checkOutput, of commands that also write structures. Throws InputError for a name of several files, as one holds all.
+void checkStudyOutput(const std::string& path);
+
 struct NamedSurface {
   int number = 1;
   std::string name;

@@ -16,21 +16,16 @@ bool isImageOutput(const std::string& path);
 /// any thread count. Throws InputError for another extension, and IoError.
 void writeImage(const std::string& path, const Image& image);
 
-/// Volumes of one file that follow each other in time.
-struct Volumes {
-  int count = 1;
-  double seconds = 0;  ///< from one to the next; 0: not known
-};
-
 class VoxelFile;
 
 /// Writes an image slice by slice, the same bytes as writeImage(), or several volumes of one lattice one after the
 /// other: a fourth axis of times in the file.
 class ImageSliceWriter {
  public:
-  /// `like`: values of the type that follows. Throws as writeImage().
+  /// `like`: values of the type that follows. Several volumes, `seconds` apart (0: not
+  /// known), follow each other slice by slice. Throws as writeImage().
   ImageSliceWriter(const std::string& path, const ImageLattice& lattice, const ImageValues& like,
-                   const Volumes& volumes = {});
+                   int volumes = 1, double seconds = 0);
   ~ImageSliceWriter();
   /// The next slices along k. Throws IoError.
   void add(const ImageValues& slices);

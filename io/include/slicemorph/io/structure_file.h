@@ -47,6 +47,9 @@ struct StructureShape {
   std::array<std::uint8_t, 3> color{};  ///< sRGB
   /// At a plane's pixels, row by row: negative inside, 0 on the outline. Empty: nothing of it lies there.
   std::function<std::vector<float>(const ImagePlane&)> onPlane;
+  /// Size of what it shows, millimetres: outlines are traced on pixels that are at most so large, down to a quarter of the
+  /// plane's; 0: on the plane's own.
+  double detail = 0;
 };
 
 struct StructureSet {
