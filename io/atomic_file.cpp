@@ -116,6 +116,8 @@ void AtomicFile::read(std::uint64_t offset, const std::function<void(std::string
 }
 
 void AtomicFile::overwrite(std::uint64_t offset, std::string_view bytes) {
+  writeThrough(buffer_);
+  buffer_.clear();
   if (::pwrite(descriptor_, bytes.data(), bytes.size(), off_t(offset)) != ssize_t(bytes.size()))
     fail("cannot be written");
 }

@@ -2,17 +2,25 @@
 
 #include "engine/volume/image_shape.h"
 #include "engine/volume/level_set.h"
+#include "io/contours/contour_info.h"
 #include "io/format.h"
+#include "io/image/image_formats.h"
+#include "io/image/label_values.h"
 #include "io/mesh/mesh_reader.h"
 #include "io/paths.h"
 #include "io/vdb/grid_choice.h"
 #include "slicemorph/errors.h"
+#include "slicemorph/io/image_slices.h"
 #include "slicemorph/io/placing.h"
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
+#include <optional>
 #include <sstream>
+#include <tuple>
+#include <utility>
 
 namespace slicemorph {
 namespace {
@@ -154,6 +162,18 @@ VdbInfo describeVdb(const InputSpec& input, const Placing& placing) {
   return info;
 }
 
+/// The least and the largest finite value; 0 where there is none.
+template <typename T>
+std::pair<double, double> finiteRange(const std::vector<T>& values) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const T value : values) {
+    const double v = double(value);
+    if (!std::isfinite(v)) continue;
+    low = std::min(low, v), high = std::max(high, v);
+  }
+  return low <= high ? std::pair(low, high) : std::pair(0.0, 0.0);
+}
+
 ImageInfo describeImage(const ImageFile& file) {
   constexpr const char* kTypes[] = {"uint8", "int16", "uint16", "int32", "float", "double"};
   const ImageLattice& lattice = file.image.lattice;
@@ -166,14 +186,16 @@ ImageInfo describeImage(const ImageFile& file) {
   const bool any = std::visit(
       [&](const auto& values) {
         if (values.empty()) return false;
-        const auto [low, high] = std::minmax_element(values.begin(), values.end());
-        info.minimum = double(*low), info.maximum = double(*high);
+        std::tie(info.minimum, info.maximum) = finiteRange(values);
         return true;
       },
       file.image.values);
   if (!any) {
-    info.reading = "cannot be read without --spacing X,Y,Z";
-  } else if (looksLikeLabels(file.image)) {
+    const bool refused = std::any_of(file.notes.begin(), file.notes.end(),
+                                     [](const Note& note) { return note.code == "image.refused"; });
+    info.looked = false;
+    info.reading = refused ? "refused" : "cannot be read without --spacing X,Y,Z";
+  } else if (isStatedLabels(file) || looksLikeLabels(file.image)) {
     info.labels = labelsOf(file.image).size();
     info.reading = "map of " + std::to_string(info.labels) + (info.labels == 1 ? " label" : " labels") +
                    ", the shape is that of all";
@@ -187,6 +209,31 @@ ImageInfo describeImage(const ImageFile& file) {
   return info;
 }
 
+/// Images of more voxels are described by their headers where these alone can be read: of 400^3, which takes a second.
+constexpr double kMostToRead = 64e6;
+
+/// The images of an input, without the values of a large one.
+std::vector<ImageInfo> describeImages(const InputSpec& input, const ImageOptions& options) {
+  if (std::optional<ImageSlices> slices = openImageSlices(input, options)) {
+    const double voxels = double(slices->file.image.lattice.count());
+    if (voxels > kMostToRead) {
+      slices->file.name = input.text;
+      ImageInfo info = describeImage(slices->file);
+      std::ostringstream text;
+      text << "not looked at: of more than " << kMostToRead / 1e6
+           << " million voxels only the header is read";
+      info.looked = false, info.reading = text.str();
+      return {info};
+    }
+  }
+  std::vector<ImageInfo> infos;
+  for (ImageFile& file : listImages(input, options)) {
+    takeLabels(file.image, /*asked=*/false, file.notes);
+    infos.push_back(describeImage(file));
+  }
+  return infos;
+}
+
 }  // namespace
 
 FileInfo describeFile(const InputSpec& given, const ImageOptions& options) {
@@ -198,11 +245,17 @@ FileInfo describeFile(const InputSpec& given, const ImageOptions& options) {
   info.path = input.path;
   if (input.isImage()) {
     for (const std::string& file : filesOfInput(input)) info.bytes += std::filesystem::file_size(file);
-    for (const ImageFile& file : listImages(input, options)) info.images.push_back(describeImage(file));
+    info.images = describeImages(input, options);
     info.format = info.images[0].format;
     return info;
   }
   info.bytes = sizeOfInput(input.path);
+  if (input.contents == Contents::kContours) {
+    ContourFile file = readContours(input);
+    info.structures = describeStructures(file.sets);
+    info.notes = std::move(file.notes), info.format = input.format->name;
+    return info;
+  }
   if (input.contents != Contents::kMesh && input.contents != Contents::kGrids) refuseAsShape(input);
   info.format = input.format->name;
   if (input.isGrids())

@@ -1,6 +1,8 @@
 #pragma once
 
 #include "slicemorph/io/input_spec.h"
+#include "slicemorph/io/mesh_writer.h"
+#include "slicemorph/note.h"
 
 #include <optional>
 #include <string>
@@ -10,20 +12,20 @@
 namespace slicemorph {
 
 struct StoredMesh;
-struct Mesh;
 struct ImageFile;
 struct ImageOptions;
 struct ImageSlices;
 struct Voxels;
 struct VoxelHead;
 struct ContourFile;
+struct StructureSet;
 
 /// Whether a file or folder is of a format, by its name or its content. It need not exist.
 using Recogniser = bool (*)(const std::string& path);
 /// `bytes`: the whole file. Throws IoError naming `path` where it is cut short or damaged.
 using MeshReader = StoredMesh (*)(const std::string& path, std::string_view bytes);
 /// Writes a file whole or not at all. Throws IoError.
-using MeshWriter = void (*)(const std::string& path, const Mesh& mesh);
+using MeshWriter = void (*)(const std::string& path, const Mesh& mesh, MeshSpace space);
 using ImageReader = ImageFile (*)(const InputSpec& input, const ImageOptions& options);
 /// All images that an input may mean where it selects none.
 using ImageLister = std::vector<ImageFile> (*)(const InputSpec& input, const ImageOptions& options);
@@ -32,6 +34,8 @@ using SliceOpener = std::optional<ImageSlices> (*)(const InputSpec& input, const
 /// What a file of voxels begins with. Throws InputError where the format cannot hold them.
 using VoxelHeader = VoxelHead (*)(const std::string& path, const Voxels& voxels);
 using ContourReader = ContourFile (*)(const std::string& path);
+/// As writeStructures.
+using StructureWriter = Notes (*)(const std::string& path, const StructureSet& set);
 
 /// A row of the table of formats. Functions that are null are not supported.
 struct Format {
@@ -48,6 +52,7 @@ struct Format {
   SliceOpener openSlices = nullptr;
   VoxelHeader voxelHead = nullptr;
   ContourReader readContours = nullptr;
+  StructureWriter writeStructures = nullptr;  ///< of formats that hold named structures
 };
 
 /// The table of formats; a path is of the first row that recognises it.

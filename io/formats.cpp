@@ -6,6 +6,8 @@
 #include "io/image/image_formats.h"
 #include "io/mesh/mesh_reader.h"
 #include "io/paths.h"
+#include "io/structures/seg_nrrd.h"
+#include "io/structures/structure_data.h"
 #include "slicemorph/errors.h"
 
 #include <algorithm>
@@ -19,15 +21,18 @@ StoredMesh readPly(const std::string& path, std::string_view bytes);
 StoredMesh readStl(const std::string& path, std::string_view bytes);
 StoredMesh readOff(const std::string& path, std::string_view bytes);
 StoredMesh readGlb(const std::string& path, std::string_view bytes);
-void writeObj(const std::string& path, const Mesh& mesh);
-void writePly(const std::string& path, const Mesh& mesh);
-void writeStl(const std::string& path, const Mesh& mesh);
-void writeStillGlb(const std::string& path, const Mesh& mesh);
+void writeObj(const std::string& path, const Mesh& mesh, MeshSpace space);
+void writePly(const std::string& path, const Mesh& mesh, MeshSpace space);
+void writeStl(const std::string& path, const Mesh& mesh, MeshSpace space);
+void writeStillGlb(const std::string& path, const Mesh& mesh, MeshSpace space);
+void writeVtp(const std::string& path, const Mesh& mesh, MeshSpace space);
 
 namespace {
 
 bool has(const std::vector<std::string>& extensions, const std::string& path) {
-  return std::find(extensions.begin(), extensions.end(), fullExtensionOf(path)) != extensions.end();
+  return std::any_of(extensions.begin(), extensions.end(), [&](const std::string& extension) {
+    return fullExtensionOf(path) == extension || endsWith(path, extension);
+  });
 }
 
 /// A row of a format that is recognised by its extension.
@@ -42,7 +47,8 @@ Format row(const char* name, Contents contents, std::vector<std::string> reads,
 }
 
 Format mesh(const char* extension, MeshReader read, MeshWriter write, const char* help) {
-  Format format = row(extension + 1, Contents::kMesh, {extension}, {}, help);
+  Format format = row(extension + 1, Contents::kMesh, {}, {}, help);
+  if (read) format.reads = {extension};
   if (write) format.writes = {extension};
   format.readMesh = read, format.writeMesh = write;
   return format;
@@ -76,6 +82,12 @@ Format contours(Format format, Recogniser recognise, ContourReader read) {
   return format;
 }
 
+/// A row of named structures, which is only written.
+Format structures(Format format, StructureWriter write) {
+  format.writeStructures = write;
+  return format;
+}
+
 /// The order matters: formats with extensions of their own come before those that look into files and
 /// folders, and RT structure sets, which are DICOM too, before DICOM images.
 std::vector<Format> makeFormats() {
@@ -89,17 +101,23 @@ std::vector<Format> makeFormats() {
   rows.push_back(mesh(".off", readOff, nullptr, "Object File Format"));
   rows.push_back(mesh(".glb", readGlb, writeStillGlb, "glTF 2.0, colours of points and materials"));
   rows.back().reads.push_back(".gltf");
-  rows.push_back(image(row("nifti", C::kImage, {".nii", ".nii.gz"}, {".nii", ".nii.gz"}, "NIfTI-1"),
+  rows.push_back(mesh(".vtp", nullptr, writeVtp, "VTK XML PolyData, colours of points"));
+  rows.push_back(image(row("nifti", C::kImage, {".nii", ".nii.gz", ".hdr", ".hdr.gz", ".img", ".img.gz"},
+                           {".nii", ".nii.gz"}, "NIfTI-1 and -2, Analyze 7.5"),
                        readNiftiImage, openNiftiSlices, niftiHead));
+  rows.push_back(structures(row("segnrrd", C::kStructures, {}, {".seg.nrrd"}, "segmentation of 3D Slicer"),
+                            writeSegNrrd));
+  rows.push_back(structures(row("segmentation", C::kStructures, {}, {".seg.dcm"}, "DICOM segmentation"),
+                            writeDicomStructures));
   rows.push_back(image(row("nrrd", C::kImage, {".nrrd", ".nhdr"}, {".nrrd"}, "NRRD, attached or detached"),
                        readNrrdImage, openNrrdSlices, nrrdHead));
   rows.push_back(image(row("metaimage", C::kImage, {".mha", ".mhd"}, {".mha"}, "MetaImage"),
                        readMetaImageFile, openMetaImageSlices, metaImageHead));
   rows.push_back(contours(row("csl", C::kContours, {".csl"}, {}, "contours on planes of any direction"),
                           nullptr, readCsl));
-  rows.push_back(contours(row("rtstruct", C::kContours, {}, {}, "DICOM RT structure set"), isRtStructureSet,
-                          readRtStructureSet));
-  rows.back().listed = "a DICOM RT structure set";
+  rows.push_back(contours(row("rtstruct", C::kContours, {}, {".rt.dcm"}, "DICOM RT structure set"),
+                          isRtStructureSet, readRtStructureSet));
+  rows.back().listed = "a DICOM RT structure set", rows.back().writeStructures = writeDicomStructures;
   rows.push_back(dicom());
   rows.push_back(stack());
   rows.push_back(row("exr", C::kSlices, {".exr"}, {".exr"}, "slices as `slicemorph slice` writes them"));
@@ -155,6 +173,14 @@ std::string writableList(Contents contents, const std::string& between) {
   std::vector<std::string> extensions;
   for (const Format& format : formats())
     if (format.contents == contents)
+      extensions.insert(extensions.end(), format.writes.begin(), format.writes.end());
+  return joined(extensions, between);
+}
+
+std::string structureList(const std::string& between) {
+  std::vector<std::string> extensions;
+  for (const Format& format : formats())
+    if (format.writeStructures)
       extensions.insert(extensions.end(), format.writes.begin(), format.writes.end());
   return joined(extensions, between);
 }

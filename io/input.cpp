@@ -8,6 +8,8 @@
 #include "engine/volume/surface_colors.h"
 #include "engine/volume/voxelise.h"
 #include "io/format.h"
+#include "io/image/image_formats.h"
+#include "io/image/label_values.h"
 #include "io/mesh/mesh_reader.h"
 #include "io/vdb/grid_choice.h"
 #include "io/vdb/vector_parts.h"
@@ -264,14 +266,18 @@ LoadedObject loadLabels(LoadedObject loaded, const LoadOptions& options) {
 
 LoadedObject loadImage(const InputSpec& input, const LoadOptions& options) {
   ImageFile file = readImage(input, options.image);
+  const bool stated = isStatedLabels(file);
   LoadedObject loaded;
   loaded.notes = std::move(file.notes);
   place(file.image.lattice, options.placing);
+  const bool isoGiven = options.isoGiven || options.iso != 0;
+  if (options.imageKind == ImageKind::kLabels || (options.imageKind == ImageKind::kAuto && !isoGiven))
+    takeLabels(file.image, options.imageKind == ImageKind::kLabels, loaded.notes);
   loaded.image = std::make_shared<const Image>(std::move(file.image));
   const Image& image = *loaded.image;
-  const bool isoGiven = options.isoGiven || options.iso != 0;
-  const bool labels = options.imageKind == ImageKind::kLabels ||
-                      (options.imageKind == ImageKind::kAuto && !isoGiven && looksLikeLabels(image));
+  const bool labels =
+      options.imageKind == ImageKind::kLabels ||
+      (options.imageKind == ImageKind::kAuto && !isoGiven && (stated || looksLikeLabels(image)));
   if (labels) return loadLabels(std::move(loaded), options);
   const double iso = loaded.iso = isoGiven ? options.iso : otsuValue(image);
   const FloatGrid::Ptr shape = shapeAbove(image, iso);

@@ -78,10 +78,18 @@ void splitPlacing(InputSpec& spec) {
   spec.path.resize(open);
 }
 
-/// Takes `@10-40x2` out of the path of a sequence; it may stand before or behind the name of a grid.
+/// Whether a path is a file that may hold several images.
+bool holdsVolumes(const std::string& path) {
+  const Format* format = formatToRead(path);
+  return format && format->contents == Contents::kImage && format->openSlices && isThere(path);
+}
+
+/// Takes `@10-40x2` out of the path of a sequence, where it may stand before or behind the name of a grid, or off the
+/// end of that of an image.
 void splitRange(InputSpec& spec) {
   const size_t at = spec.path.rfind('@'), hash = spec.path.rfind('#');
-  if (at == std::string::npos || hash == std::string::npos || at < hash) return;
+  if (at == std::string::npos) return;
+  if ((hash == std::string::npos || at < hash) && !holdsVolumes(spec.path.substr(0, at))) return;
   const size_t end = std::min(spec.path.find(':', at), spec.path.size());
   const std::string before = spec.path.substr(0, at), range = spec.path.substr(at + 1, end - at - 1);
   // Names of files may hold this mark, too.
@@ -127,6 +135,16 @@ InputSpec parseInput(const std::string& text) {
 
 std::vector<InputFrame> framesOf(const InputSpec& input) {
   std::vector<InputFrame> frames;
+  if (input.isImage()) {
+    for (const int volume : numbersOfRange(input.range)) {
+      InputSpec one = input;
+      one.selection = std::to_string(volume);
+      one.text = input.path + ":" + one.selection + input.placing.text;
+      one.range.clear();
+      frames.push_back({volume, std::move(one)});
+    }
+    return frames;
+  }
   for (const SequenceFile& file : findSequence(input.path, input.range)) {
     InputSpec one = input;
     one.path = file.path;
@@ -144,7 +162,8 @@ InputSpec stillInput(const InputSpec& input) {
   const std::vector<InputFrame> frames = framesOf(input);
   if (frames.size() == 1) return frames[0].input;
   throw InputError(input.text, "is a sequence of " + std::to_string(frames.size()) +
-                                   " files, and one is needed: " + frames[0].input.text + " for example");
+                                   (input.isImage() ? " volumes" : " files") +
+                                   ", and one is needed: " + frames[0].input.text + " for example");
 }
 
 std::vector<std::string> filesOfInput(const InputSpec& input) {

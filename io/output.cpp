@@ -38,6 +38,8 @@ std::string OutputName::extension() const { return extensionOf(pattern_); }
 
 void checkSurfaceOutput(const std::string& path) {
   const Format* format = formatToWrite(path);
+  if (format && format->writeStructures)
+    throw InputError(path, "holds structures, which `slicemorph convert` and `slicemorph reconstruct` write");
   if (!format || (format->contents != Contents::kGrids && format->contents != Contents::kMesh)) {
     const std::string extension = extensionOf(path);
     throw InputError(
@@ -45,7 +47,7 @@ void checkSurfaceOutput(const std::string& path) {
                   (extension.empty() ? "a file without an extension" : "the extension '" + extension + "'") +
                   "; use " + writableList(Contents::kGrids, ", ") + ", " +
                   writableList(Contents::kMesh, ", ") + ", or " + writableList(Contents::kImage, ", ") +
-                  " for images");
+                  " for images, " + structureList(", ") + " for structures");
   }
   std::filesystem::path folder = std::filesystem::path(path).parent_path();
   if (folder.empty()) folder = ".";
@@ -96,7 +98,7 @@ void writeSurface(const std::string& path, const FloatGrid& levelSet, const Surf
     if (options.colors) grids.push_back(options.colors);
     writeVdb(path, grids, options.vdb);
   } else {
-    writeMesh(path, meshForFile(levelSet, options.colors.get()));
+    writeMesh(path, meshForFile(levelSet, options.colors.get()), options.space);
   }
 }
 

@@ -26,6 +26,11 @@ std::string fullExtensionOf(const std::string& path) {
   return last == ".gz" ? extensionOf(std::filesystem::path(path).stem().string()) + last : last;
 }
 
+bool endsWith(const std::string& path, const std::string& ending) {
+  const std::string name = lowered(std::filesystem::path(path).filename().string());
+  return name.size() > ending.size() && name.compare(name.size() - ending.size(), ending.size(), ending) == 0;
+}
+
 std::uint64_t sizeOfInput(const std::string& path) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);

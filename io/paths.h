@@ -13,6 +13,9 @@ std::string extensionOf(const std::string& path);
 /// The same, but with the extension before `.gz`: `.nii.gz`.
 std::string fullExtensionOf(const std::string& path);
 
+/// Whether a path ends with an extension of several parts, in any case: `.seg.dcm`, and has a name before it.
+bool endsWith(const std::string& path, const std::string& ending);
+
 /// Size of an input file in bytes. Throws IoError where it is missing, empty, unreadable, a folder
 /// or a device.
 std::uint64_t sizeOfInput(const std::string& path);

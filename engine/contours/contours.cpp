@@ -81,7 +81,7 @@ void nest(std::vector<Contour>& contours) {
 
 }  // namespace
 
-std::vector<Contour> traceContours(const SliceImage& image, const SlicePlanes& planes) {
+std::vector<Contour> traceContours(const SliceImage& image, const SlicePlanes& planes, double least) {
   Tracer tracer{image, planes, {}};
   std::vector<int> starts;
   for (int y = 0; y + 1 < planes.ny; ++y)
@@ -101,7 +101,7 @@ std::vector<Contour> traceContours(const SliceImage& image, const SlicePlanes& p
     if (edge != start || contour.points.size() < 3)
       continue;  // already part of another contour, or cut by the image's border
     measure(contour);
-    if (std::abs(contour.area) >= 4 * planes.pixel * planes.pixel) contours.push_back(std::move(contour));
+    if (std::abs(contour.area) >= least * planes.pixel * planes.pixel) contours.push_back(std::move(contour));
   }
   nest(contours);
   return contours;

@@ -21,9 +21,9 @@ struct SliceMoments {
 };
 
 /// Zero contours by marching squares (the plane case of [LC87]); ambiguous cells are resolved by the
-/// mean of their corners. Contours of less than four pixels' area are dropped as noise, as are those
+/// mean of their corners. Contours of less than `least` pixels' area are dropped as noise, as are those
 /// that the image's border cuts.
-std::vector<Contour> traceContours(const SliceImage& image, const SlicePlanes& planes);
+std::vector<Contour> traceContours(const SliceImage& image, const SlicePlanes& planes, double least = 4);
 
 /// Moments of the area between contours, holes subtracted; all zero if there is none.
 SliceMoments momentsOf(const std::vector<Contour>& contours);

@@ -200,6 +200,9 @@ SurfaceDistance summarise(std::vector<double> distances) {
   const auto rank = distances.begin() + (distances.size() - 1) * 99 / 100;
   std::nth_element(distances.begin(), rank, distances.end());
   result.p99 = *rank;
+  const auto lower = distances.begin() + (distances.size() - 1) * 95 / 100;
+  std::nth_element(distances.begin(), lower, rank);
+  result.p95 = rank == lower ? *rank : *lower;
   result.max = *std::max_element(rank, distances.end());
   return result;
 }

@@ -38,8 +38,9 @@ bool MatchDepths::near(const std::vector<Position>& first, const std::vector<Pos
   return false;
 }
 
-float MatchDepths::match(std::vector<Position>& positions) const {
-  float blended = 0;
+MatchDepths::Match MatchDepths::match(std::vector<Position>& positions) const {
+  Match result;
+  float& blended = result.distance;
   for (size_t c = 0; c < images_.size(); ++c)
     blended += float(images_[c].weight * images_[c].size) * positions[c].distance;
   const float fade = std::min(std::max(2 - 2 * std::abs(blended) / reach_, 0.f), 1.f);
@@ -48,11 +49,12 @@ float MatchDepths::match(std::vector<Position>& positions) const {
     const bool otherSide = (distance < 0) != (blended < 0);
     const float wrong = otherSide ? std::min(std::abs(distance) / voxel, 1.f) : 0.f;
     const float share = std::max(fade, wrong);
-    if (share > 0)
-      positions[c].at =
-          moved(c, positions[c], distance + share * (blended / float(images_[c].size) - distance));
+    if (!(share > 0)) continue;
+    const float shift = share * (blended / float(images_[c].size) - distance);
+    result.shift += float(images_[c].weight * images_[c].size) * std::abs(shift);
+    positions[c].at = moved(c, positions[c], distance + shift);
   }
-  return blended;
+  return result;
 }
 
 /// The position moved towards or away from the surface until its distance is `level`. Moves below 1.5 voxels

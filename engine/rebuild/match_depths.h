@@ -27,9 +27,13 @@ class MatchDepths {
   /// Whether a surface may pass near the straight segments between two sets of measured positions.
   bool near(const std::vector<Position>& first, const std::vector<Position>& last) const;
 
-  /// Moves the measured positions of one voxel (one per image) to where their depths agree. Returns the
-  /// in-between's signed distance there, world units.
-  float match(std::vector<Position>& positions) const;
+  /// What the in-between has at a voxel; world units of the in-between.
+  struct Match {
+    float distance = 0;  ///< signed, of its surface
+    float shift = 0;     ///< by how much the images' depths there are shifted, in the weighted mean
+  };
+  /// Moves the measured positions of one voxel (one per image) to where their depths agree.
+  Match match(std::vector<Position>& positions) const;
 
  private:
   /// Voxels on either side of the surface within which depths are matched: the half width of the narrow band.

@@ -1,6 +1,7 @@
 #include "engine/rebuild/pullback.h"
 
 #include "engine/rebuild/flowing_density.h"
+#include "engine/rebuild/still_images.h"
 #include "engine/rebuild/velocity_grid.h"
 #include "engine/rebuild/warp_colors.h"
 #include "engine/rebuild/warp_image.h"
@@ -181,6 +182,7 @@ Image Pullback::carry(const std::vector<const Image*>& images, const ImageLattic
                          p.fields.empty() ? nullptr : p.fields[shape].get(), p.sizes[shape],
                          isos.empty() ? std::nullopt : std::optional<double>(isos[k])});
   }
+  if (p.still() || allSame(carried)) return blendStill(carried, on);
   return warpImages(carried, imageNodes(on, p.carrying, p.imageSpacing), on);
 }
 
@@ -253,6 +255,13 @@ openvdb::Vec3SGrid::Ptr Pullback::velocity(const GridBase& where, const Weights&
   result->setName("vel");
   result->setVectorType(openvdb::VEC_CONTRAVARIANT_RELATIVE);
   return result;
+}
+
+bool Pullback::Impl::still() const {
+  const std::optional<size_t> shape = aloneIn(shapeWeights);
+  for (size_t k = 0; k < weights.size(); ++k)
+    if (weights[k] > 0 && shape != shapeOf[k]) return false;
+  return !regions;
 }
 
 bool Pullback::Impl::counts(size_t object) const {

@@ -30,6 +30,8 @@ struct Pullback::Impl {
   };
   std::vector<Nodes> nodes;
 
+  /// Whether all objects that count have the in-between's own shape: then nothing moves.
+  bool still() const;
   /// Whether the object has a weight other than 0 anywhere.
   bool counts(size_t object) const;
   LocalWeights local() const;

@@ -1,5 +1,6 @@
 #include "engine/rebuild/warp_image.h"
 
+#include "engine/rebuild/common_values.h"
 #include "engine/rebuild/match_depths.h"
 #include "engine/volume/image_sampler.h"
 
@@ -13,34 +14,6 @@ namespace slicemorph {
 namespace {
 
 using openvdb::Vec3s;
-
-/// Values of the images' common type, or of the smallest type that holds all of them.
-ImageValues commonValues(const std::vector<const Image*>& images, size_t count) {
-  bool same = true, whole = true, wide = false, negative = false, large = false;
-  for (const Image* image : images) {
-    const size_t type = image->values.index();
-    same &= type == images[0]->values.index();
-    whole &= type <= 3, wide |= type == 3 || type == 5, negative |= type == 1 || type == 3,
-        large |= type == 2 || type == 3;
-  }
-  if (same) {
-    return std::visit([&](const auto& v) -> ImageValues { return std::decay_t<decltype(v)>(count); },
-                      images[0]->values);
-  }
-  if (!whole) return wide ? ImageValues(std::vector<double>(count)) : ImageValues(std::vector<float>(count));
-  if (wide || (negative && large)) return std::vector<std::int32_t>(count);
-  return negative ? ImageValues(std::vector<std::int16_t>(count))
-                  : ImageValues(std::vector<std::uint16_t>(count));
-}
-
-void storeRow(const std::vector<double>& row, size_t first, ImageValues& values) {
-  std::visit(
-      [&](auto& out) {
-        using T = typename std::decay_t<decltype(out)>::value_type;
-        std::transform(row.begin(), row.end(), out.begin() + std::ptrdiff_t(first), storedValue<T>);
-      },
-      values);
-}
 
 /// An image, independent of its number type.
 class AnyImage {
@@ -105,8 +78,9 @@ double slopeAt(const Image& image, double iso) {
       image.values);
 }
 
-/// Keeps the image's isosurface at the surface of the in-between: values inside stay above the blended
-/// isovalue and those outside below it, by the mean slope times the depth, up to a voxel.
+/// Keeps the image's isosurface at the surface of the in-between: values on the wrong side of the blended isovalue are
+/// mirrored at it, by no more than the mean slope times the depth, up to a voxel. Values on their own side stay, and
+/// where the images were sampled at their own places so does everything: what is there is the images'.
 class KeptSurface {
  public:
   KeptSurface(const std::vector<CarriedImage>& images, const ImageLattice& on) {
@@ -119,13 +93,18 @@ class KeptSurface {
     voxel_ = std::min({spacing[0], spacing[1], spacing[2]});
     known_ = true;
   }
-  double at(double value, double distance) const {
-    if (!known_) return value;
-    const double least = iso_ - slope_ * std::min(std::max(distance, -voxel_), voxel_);
-    return distance < 0 ? std::max(value, least) : std::min(value, least);
+  double at(double value, const MatchDepths::Match& match) const {
+    const double outwards = match.distance < 0 ? -1 : 1, wrong = outwards * (value - iso_);
+    if (!known_ || wrong <= 0) return value;
+    const double share = std::min(double(match.shift) / (kFullShift * voxel_), 1.0);
+    const double depth = std::min(outwards * double(match.distance), voxel_);
+    return value - share * outwards * (wrong + std::min(wrong, slope_ * depth));
   }
 
  private:
+  /// Voxels by which depths must have been shifted for the surface to be kept where it is. Rounding of the objects'
+  /// distances is below that.
+  static constexpr double kFullShift = 0.5;
   bool known_ = false;
   double iso_ = 0, slope_ = 0, voxel_ = 0;
 };
@@ -180,11 +159,11 @@ Image warpImages(const std::vector<CarriedImage>& images, const ImageNodes& node
             for (size_t c = 0; c < images.size(); ++c)
               position[c].at = stretch[c].at + stretch[c].step * float(n);
             matchDepths.measure(position);
-            const float distance = matchDepths.match(position);
+            const MatchDepths::Match match = matchDepths.match(position);
             double& value = sum[size_t(i + n)];
             for (size_t c = 0; c < images.size(); ++c)
               value += images[c].weight * values[c]->at(toVoxel[c](position[c].at));
-            value = kept.at(value, distance);
+            value = kept.at(value, match);
           }
         }
         storeRow(sum, on.index(0, j, k), result.values);

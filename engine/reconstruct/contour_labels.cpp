@@ -23,6 +23,7 @@ struct Solid {
   openvdb::CoordBBox box;  // of the narrow band; everything beyond it is outside
   double volume = 0;
   Vec3d middle{0, 0, 0};
+  size_t surface = 0;  // its number among those given
 };
 
 Solid solidOf(const FloatGrid& grid, int label) {
@@ -41,16 +42,46 @@ Solid solidOf(const FloatGrid& grid, int label) {
   return solid;
 }
 
+/// The voxels of a lattice around an object, at least one.
+ImageLattice croppedTo(const Solid& solid, const ImageLattice& on) {
+  const openvdb::Mat3d toVoxels = openvdb::Mat3d(on.step[0], on.step[1], on.step[2], false).inverse();
+  openvdb::BBoxd box;
+  for (int corner = 0; corner < 8; ++corner) {
+    Vec3d at;
+    for (int a = 0; a < 3; ++a) at[a] = corner >> a & 1 ? solid.box.max()[a] : solid.box.min()[a];
+    box.expand(toVoxels * (solid.grid->indexToWorld(at) - on.origin));
+  }
+  ImageLattice cropped = on;
+  Vec3d first;
+  for (int a = 0; a < 3; ++a) {
+    const int low = std::clamp(int(std::floor(box.min()[a])), 0, on.size[a] - 1);
+    const int high = std::clamp(int(std::ceil(box.max()[a])), low, on.size[a] - 1);
+    first[a] = low, cropped.size[a] = high - low + 1;
+  }
+  cropped.origin = on.toWorld(first);
+  return cropped;
+}
+
 bool before(const Solid& a, const Solid& b) {
   if (a.volume != b.volume) return a.volume < b.volume;
   return std::lexicographical_compare(a.middle.asPointer(), a.middle.asPointer() + 3, b.middle.asPointer(),
                                       b.middle.asPointer() + 3);
 }
 
+/// A map's values, and by solid the voxels inside it and those that the map shows of it.
 template <typename Value>
-std::vector<Value> paint(const std::vector<Solid>& solids, const ImageLattice& on, SharedVoxel rule) {
+struct Painting {
+  std::vector<Value> values;
+  std::vector<size_t> own, shown;
+};
+
+template <typename Value>
+Painting<Value> paint(const std::vector<Solid>& solids, const ImageLattice& on, SharedVoxel rule) {
   std::vector<Value> values(on.count(), 0);
+  const size_t count = solids.size();
+  std::vector<size_t> own(size_t(on.size[2]) * count, 0), shown = own;
   tbb::parallel_for(0, on.size[2], [&](int k) {
+    size_t *const mine = &own[size_t(k) * count], *const seen = &shown[size_t(k) * count];
     std::vector<FloatGrid::ConstAccessor> accessors;
     accessors.reserve(solids.size());
     for (const Solid& s : solids) accessors.push_back(s.grid->getConstAccessor());
@@ -58,6 +89,7 @@ std::vector<Value> paint(const std::vector<Solid>& solids, const ImageLattice& o
       for (int i = 0; i < on.size[0]; ++i) {
         const Vec3d world = on.toWorld(Vec3d(i, j, k));
         double depth = 0, band = 0;
+        size_t winner = count;
         for (size_t s = 0; s < solids.size(); ++s) {
           const Vec3d at = solids[s].grid->worldToIndex(world);
           const openvdb::Coord node = openvdb::Coord::round(at);
@@ -67,15 +99,23 @@ std::vector<Value> paint(const std::vector<Solid>& solids, const ImageLattice& o
           // The band is wider than a voxel, so the sign cannot change next to a node outside of it.
           if (std::abs(value) < background) value = openvdb::tools::BoxSampler::sample(accessors[s], at);
           if (value >= 0) continue;
+          ++mine[s];
+          if (rule == SharedVoxel::smallest) {
+            winner = std::min(winner, s);
+            continue;
+          }
           const double common = band > 0 ? std::min(band, background) : background;
           if (band > 0 && std::min(-value, common) <= std::min(depth, common)) continue;
-          depth = -value, band = background;
-          values[on.index(i, j, k)] = Value(solids[s].label);
-          if (rule == SharedVoxel::smallest) break;
+          depth = -value, band = background, winner = s;
         }
+        if (winner == count) continue;
+        values[on.index(i, j, k)] = Value(solids[winner].label);
+        ++seen[winner];
       }
   });
-  return values;
+  for (size_t n = count; n < own.size(); ++n) own[n % count] += own[n], shown[n % count] += shown[n];
+  own.resize(count), shown.resize(count);
+  return {std::move(values), std::move(own), std::move(shown)};
 }
 
 template <typename Action>
@@ -130,8 +170,8 @@ double anchorOf(const std::vector<double>& heights, double step) {
 
 }  // namespace
 
-Image contourLabels(const std::vector<ContourSurface>& surfaces, const std::vector<int>& labels,
-                    const ImageLattice& on, SharedVoxel rule) {
+ContourMap contourMap(const std::vector<ContourSurface>& surfaces, const std::vector<int>& labels,
+                      const ImageLattice& on, SharedVoxel rule) {
   if (surfaces.size() != labels.size())
     throw InputError(std::to_string(labels.size()) + " labels for " + std::to_string(surfaces.size()) +
                      " surfaces; one each");
@@ -144,15 +184,35 @@ Image contourLabels(const std::vector<ContourSurface>& surfaces, const std::vect
       throw InputError("label " + std::to_string(labels[i]) + " is not in 1..65535");
     most = std::max(most, labels[i]);
     solids.push_back(solidOf(*surfaces[i].grid, labels[i]));
+    solids.back().surface = i;
   }
   std::stable_sort(solids.begin(), solids.end(), before);
-  Image image;
-  image.lattice = on;
+  ContourMap map;
+  map.image.lattice = on;
+  map.own.resize(solids.size()), map.shown.resize(solids.size());
+  const auto take = [&](auto painting) {
+    map.image.values = std::move(painting.values);
+    for (size_t s = 0; s < solids.size(); ++s)
+      map.own[solids[s].surface] = painting.own[s], map.shown[solids[s].surface] = painting.shown[s];
+  };
   if (most < 256)
-    image.values = paint<std::uint8_t>(solids, on, rule);
+    take(paint<std::uint8_t>(solids, on, rule));
   else
-    image.values = paint<std::uint16_t>(solids, on, rule);
-  return image;
+    take(paint<std::uint16_t>(solids, on, rule));
+  return map;
+}
+
+Image contourLabels(const std::vector<ContourSurface>& surfaces, const std::vector<int>& labels,
+                    const ImageLattice& on, SharedVoxel rule) {
+  return contourMap(surfaces, labels, on, rule).image;
+}
+
+Image contourMask(const ContourSurface& surface, const ImageLattice& on, MaskOf extent) {
+  const Solid solid = solidOf(*surface.grid, 1);
+  Image mask;
+  mask.lattice = extent == MaskOf::all ? on : croppedTo(solid, on);
+  mask.values = paint<std::uint8_t>({solid}, mask.lattice, SharedVoxel::smallest).values;
+  return mask;
 }
 
 ImageLattice contourLattice(const std::vector<ContourSet>& sets, double voxelSize) {

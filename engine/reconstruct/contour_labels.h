@@ -20,6 +20,23 @@ enum class SharedVoxel {
 Image contourLabels(const std::vector<ContourSurface>& surfaces, const std::vector<int>& labels,
                     const ImageLattice& on, SharedVoxel rule);
 
+/// The same, and by surface the voxels inside it and those of them that hold its label.
+struct ContourMap {
+  Image image;
+  std::vector<size_t> own, shown;
+};
+ContourMap contourMap(const std::vector<ContourSurface>& surfaces, const std::vector<int>& labels,
+                      const ImageLattice& on, SharedVoxel rule);
+
+/// The voxels that a mask covers.
+enum class MaskOf {
+  all,    ///< the whole lattice
+  itsBox  ///< the voxels of the lattice around the object alone, for measures
+};
+
+/// 1 at each voxel whose centre is inside the object, else 0; 8 bit.
+Image contourMask(const ContourSurface& surface, const ImageLattice& on, MaskOf extent);
+
 /// A lattice around all contours, with a margin of two voxels, plus three quarters of a gap across parallel
 /// planes. If the planes are parallel, its slices coincide with them (the spacing across them divides the
 /// usual gap and is at most `voxelSize`, world units); otherwise its axes are the world's. Throws

@@ -18,15 +18,14 @@ namespace slicemorph {
 
 namespace {
 
-constexpr double kMostNodes = 1.2e8;   ///< of the finest lattice: about a gigabyte with its images
-constexpr double kDefaultNodes = 4e7;  ///< upper limit at the default voxel size
+constexpr double kMostNodes = 1.2e8;  ///< of the finest lattice: about a gigabyte with its images
 
-double defaultVoxelSize(const PlaneSet& planes) {
+double defaultVoxelSize(const PlaneSet& planes, double mostNodes) {
   const Sampling s = samplingOf(planes);
   double h = std::min({0.6 * s.edge, s.gap / 3.3, s.extent / 32});
   h = std::max(h, s.extent / 500);
   const openvdb::Vec3d size = planes.box.extents() + Vec3d(4 * planes.gap);
-  return std::max(h, std::cbrt(size[0] * size[1] * size[2] / kDefaultNodes));
+  return std::max(h, std::cbrt(size[0] * size[1] * size[2] / mostNodes));
 }
 
 void requireSize(const ContourSet& set, const PlaneSet& planes, double h) {
@@ -56,20 +55,20 @@ double farthestContour(const PlaneSet& planes, const Lattice& lattice, const std
 
 double contourVoxelSize(const ContourSet& set) {
   Notes notes;
-  return defaultVoxelSize(cleanPlanes(set, notes));
+  return defaultVoxelSize(cleanPlanes(set, notes), ContourSurfaceOptions().mostNodes);
 }
 
 ContourSurface contourSurface(const ContourSet& set, const ContourSurfaceOptions& options,
                               Progress* progress) {
   ContourSurface out;
-  PlaneSet planes = cleanPlanes(set, out.notes);
-  out.voxelSize = options.voxelSize != 0 ? options.voxelSize : defaultVoxelSize(planes);
+  PlaneSet planes = cleanPlanes(set, out.notes, options.bridgedGaps);
+  out.voxelSize = options.voxelSize != 0 ? options.voxelSize : defaultVoxelSize(planes, options.mostNodes);
   out.gap = planes.gap;
   requireSize(set, planes, out.voxelSize);
   makeImages(planes, out.voxelSize);
-  const PlateSurface surface = plateSurface(planes, out.voxelSize, progress);
+  PlateSurface surface = plateSurface(planes, out.voxelSize, progress);
   const Lattice& lattice = surface.lattice;
-  WithoutStrays kept = dropStrayPieces(planes, lattice, surface.values);
+  WithoutStrays kept = dropStrayPieces(planes, lattice, std::move(surface.values));
   if (kept.strays > 0)
     out.notes.push_back({"contours.pieces-left-out", Severity::kNote, "",
                          std::to_string(kept.strays) + " pieces that no contour touches left out"});

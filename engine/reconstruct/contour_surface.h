@@ -9,6 +9,10 @@ namespace slicemorph {
 
 struct ContourSurfaceOptions {
   double voxelSize = 0;  ///< world units; 0: chosen by contourVoxelSize
+  /// A parallel next plane more than this many usual gaps away says nothing about the space in between: the object is
+  /// closed on both sides.
+  double bridgedGaps = 3;
+  double mostNodes = 4e7;  ///< of the lattice at the default voxel size; each takes about 16 bytes
 };
 
 struct ContourSurface {

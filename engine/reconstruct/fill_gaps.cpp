@@ -1,6 +1,7 @@
 #include "engine/reconstruct/fill_gaps.h"
 
 #include "engine/numerics/parallel_each.h"
+#include "engine/reconstruct/own_slices.h"
 #include "slicemorph/errors.h"
 
 #include <tbb/task_arena.h>
@@ -18,7 +19,22 @@ constexpr size_t kLeastAtOnce = 8, kAtOncePerThread = 2;
 /// Of wide gaps fewer: so many slices together, but one gap.
 constexpr int kSlicesAtOnce = 64;
 
-void checkGiven(const ImageLattice& lattice, const GivenSlices& given) {
+/// Fills in between slices that are given for all labels.
+Image filledIn(Image labels, const GivenSlices& given) {
+  const SliceLayout layout = layoutOf(labels.lattice, given.axis);
+  const auto slice = [&](size_t k) { return LabelSlice{labels.values, layout, given.at[k]}; };
+  const std::vector<double> ranked = rankLabels(labels, given);
+  GapFiller filler(labels.lattice, given, ranked);
+  while (!filler.done())
+    filler.fill(slice, [&](const FilledGap& gap) {
+      paintGap(gap, ranked, layout, given.at[gap.gap] + 1, labels.values);
+    });
+  return labels;
+}
+
+}  // namespace
+
+void checkGivenSlices(const ImageLattice& lattice, const GivenSlices& given) {
   if (given.axis < 0 || given.axis > 2)
     throw InputError("axis must be 0, 1 or 2, got " + std::to_string(given.axis));
   if (given.at.size() < 2)
@@ -29,11 +45,9 @@ void checkGiven(const ImageLattice& lattice, const GivenSlices& given) {
                        std::to_string(lattice.size[given.axis] - 1) + ", got " + std::to_string(given.at[i]));
 }
 
-}  // namespace
-
 GapFiller::GapFiller(const ImageLattice& lattice, GivenSlices given, std::vector<double> ranked)
     : given_(std::move(given)), ranked_(std::move(ranked)) {
-  checkGiven(lattice, given_);
+  checkGivenSlices(lattice, given_);
   spacing_ = lattice.spacing()[given_.axis];
   stack_ = emptyStack(lattice, given_.axis);
 }
@@ -104,16 +118,16 @@ void paintGap(const FilledGap& gap, const std::vector<double>& ranked, const Sli
 }
 
 Image interpolateLabels(Image labels, const GivenSlices& given) {
-  const SliceLayout layout = layoutOf(labels.lattice, given.axis);
-  checkGiven(labels.lattice, given);
-  const auto slice = [&](size_t k) { return LabelSlice{labels.values, layout, given.at[k]}; };
-  const std::vector<double> ranked = rankLabels(labels, given);
-  GapFiller filler(labels.lattice, given, ranked);
-  while (!filler.done())
-    filler.fill(slice, [&](const FilledGap& gap) {
-      paintGap(gap, ranked, layout, given.at[gap.gap] + 1, labels.values);
-    });
-  return labels;
+  checkGivenSlices(labels.lattice, given);
+  if (given.own.empty()) return filledIn(std::move(labels), given);
+  const std::vector<LabelGroup> groups = groupsOf(given);
+  Image dense = filledIn(onlyGroup(labels, groups, 0), given);
+  for (size_t g = 1; g < groups.size(); ++g) {
+    Image own = onlyGroup(labels, groups, g);
+    if (groups[g].given.at.size() > 1) own = filledIn(std::move(own), groups[g].given);
+    mergeGroup(labels, groups, g, own, dense);
+  }
+  return dense;
 }
 
 }  // namespace slicemorph

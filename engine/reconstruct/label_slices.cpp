@@ -2,6 +2,7 @@
 
 #include "engine/numerics/mask_distance.h"
 #include "engine/numerics/parallel_each.h"
+#include "engine/reconstruct/slice_runs.h"
 
 #include <cmath>
 #include <numeric>
@@ -17,18 +18,6 @@ struct Census {
   std::vector<PixelBox> box;
 };
 
-/// Calls visit(x, y, end, value) for every run of equal values in a row.
-template <typename T, typename Visit>
-void visitRuns(const std::vector<T>& values, const SliceLayout& layout, int slice, const Visit& visit) {
-  for (int y = 0; y < layout.height; ++y)
-    for (int x = 0, end = 0; x < layout.width; x = end) {
-      const T* row = &values[size_t(slice) * layout.slice + size_t(y) * layout.y];
-      const T v = row[size_t(x) * layout.x];
-      for (end = x + 1; end < layout.width && row[size_t(end) * layout.x] == v;) ++end;
-      visit(x, y, end, int(v));
-    }
-}
-
 Census censusOf(const LabelSlice& slice) {
   Census census;
   std::unordered_map<int, int> seen;
@@ -42,7 +31,7 @@ Census censusOf(const LabelSlice& slice) {
     at += count;
     census.box[entry] = hull(census.box[entry], {x, y, end, y + 1});
   };
-  std::visit([&](const auto& values) { visitRuns(values, slice.layout, slice.at, add); }, slice.values);
+  visitRuns(slice, add);
   return census;
 }
 
@@ -82,7 +71,7 @@ LabelCount countLabels(const LabelSlice& slice) {
     if (found.second) result.values.push_back(value), result.count.push_back(0);
     result.count[found.first->second] += size_t(end - x);
   };
-  std::visit([&](const auto& values) { visitRuns(values, slice.layout, slice.at, add); }, slice.values);
+  visitRuns(slice, add);
   return result;
 }
 

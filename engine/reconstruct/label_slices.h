@@ -7,11 +7,21 @@
 
 namespace slicemorph {
 
-/// The slices of a label image that contain labels.
-struct GivenSlices {
-  int axis = 2;         ///< array axis: 0, 1 or 2
+/// The slices that tell where one label is and is not, from its first to its last.
+struct OwnSlices {
+  int label = 0;
   std::vector<int> at;  ///< ascending
 };
+
+/// The slices of a label image that tell where labels are and are not.
+struct GivenSlices {
+  int axis = 2;                     ///< array axis: 0, 1 or 2
+  std::vector<int> at;              ///< ascending
+  std::vector<OwnSlices> own = {};  ///< of labels that some of these slices state nothing about
+};
+
+/// Throws InputError for fewer than two given slices, or if they do not ascend within the lattice.
+void checkGivenSlices(const ImageLattice& lattice, const GivenSlices& given);
 
 /// Which slices of a map contain a label, along every axis; gathered slab by slab, so that the whole need not be in
 /// memory.

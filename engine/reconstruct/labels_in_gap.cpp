@@ -81,7 +81,7 @@ void placeTile(const SlicePlan& plan, const Moments& m, size_t begin, size_t end
 void findWinners(const SlicePlan& plan, const Moments& m, size_t i, size_t from, const Rivals& rivals,
                  SliceTile& tile) {
   const std::vector<GapLabel>& labels = plan.gaps[m.first.gap].labels;
-  const float draw = kDraw * m.first.level;
+  const float draw = m.first.draw;
   const float spare = 2 * m.limit[i] + draw + kSpare * std::min(plan.stack.pixel[0], plan.stack.pixel[1]);
   tile.points.spread(tile.corners[i].x, tile.corners[i].y, tile.part.width(), tile.part.height());
   int at[kTile];

@@ -14,9 +14,6 @@ namespace slicemorph {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-/// A parallel next plane more than this many gaps away says nothing about the space in between: it is taken
-/// for two bodies, not one.
-constexpr double kBridgedGaps = 3;
 constexpr double kParallel = 0.99;  // cosine: 8 degrees
 // Cosine: planes closer to perpendicular than this do not meet along each other's normal.
 constexpr double kLeastSlant = 1e-3;
@@ -81,7 +78,7 @@ void findOutermost(PlaneSet& planes) {
 /// corners holds everywhere in between.
 void findBridged(PlaneSet& planes) {
   planes.bridged.assign(planes.sections.size() * 2, 0);
-  const double most = kBridgedGaps * planes.gap;
+  const double most = planes.bridgedGaps * planes.gap;
   tbb::parallel_for(size_t(0), planes.sections.size(), [&](size_t i) {
     const PlaneImage& image = planes.images[i];
     if (image.distance.empty()) return;
@@ -129,7 +126,7 @@ void noteGaps(const PlaneSet& planes, Notes& notes) {
     const double low = heights[i - 1].first, high = heights[i].first, gaps = (high - low) / planes.gap;
     if (gaps < 1e-3 || (!heights[i - 1].second && !heights[i].second) || std::abs(gaps - 1) <= kUneven)
       continue;
-    Kind& kind = kinds[gaps > kBridgedGaps ? 1 : gaps > 1.5 ? 0 : 2];
+    Kind& kind = kinds[gaps > planes.bridgedGaps ? 1 : gaps > 1.5 ? 0 : 2];
     kind.missing += int(std::round(gaps)) - 1;
     if (++kind.count <= kNamed)
       kind.where += (kind.count > 1 ? ", " : "") + millimetres(high - low) + " from " + millimetres(low) +
@@ -167,7 +164,7 @@ NextPlane PlaneSet::nextPlane(int plane, const Vec3d& p, int side) const {
 bool PlaneSet::endsAt(int plane, const Vec3d& p, int side) const {
   if (bridged[2 * plane + (side > 0)]) return false;
   const NextPlane next = nextPlane(plane, p, side);
-  if (next.distance <= kBridgedGaps * gap) return false;
+  if (next.distance <= bridgedGaps * gap) return false;
   if (outermost[2 * plane + (side > 0)]) return true;
   return next.plane >= 0 &&
          std::abs(sections[next.plane].frame.normal.dot(sections[plane].frame.normal)) > kParallel;
@@ -178,8 +175,9 @@ double PlaneSet::capHeight(int plane, const Vec3d& p, int side) const {
   return 0.5 * (behind < kInfinite ? std::clamp(behind, 0.5 * gap, 1.5 * gap) : gap);
 }
 
-PlaneSet cleanPlanes(const ContourSet& set, Notes& notes) {
+PlaneSet cleanPlanes(const ContourSet& set, Notes& notes, double bridgedGaps) {
   PlaneSet planes;
+  planes.bridgedGaps = bridgedGaps;
   const double tolerance = 1e-6 * std::max(extentOf(set), 1e-30);
   int filled = 0;
   for (size_t i = 0; i < set.planes.size(); ++i) {

@@ -17,6 +17,7 @@ struct PlaneSet {
   openvdb::BBoxd box;              ///< of all edges, world space
   double gap = 0;  ///< usual distance from a contour to the next plane along the normal, world units
   double step = 0;
+  double bridgedGaps = 3;  ///< as ContourSurfaceOptions
 
   Vec3d world(int plane, const Vec2d& p) const { return sections[plane].frame.toWorld(p); }
   /// Distance from a point of a plane to another plane, along `side` (1 or -1) times the first plane's
@@ -41,7 +42,7 @@ struct Sampling {
 
 /// Cleans the regions; `notes` receives what was repaired. Throws GeometryError unless at least two planes
 /// have contours.
-PlaneSet cleanPlanes(const ContourSet& set, Notes& notes);
+PlaneSet cleanPlanes(const ContourSet& set, Notes& notes, double bridgedGaps = 3);
 Sampling samplingOf(const PlaneSet& planes);
 /// Splits the edges and computes the distance images. `step`: pixel size and longest edge, world units.
 void makeImages(PlaneSet& planes, double step);

@@ -10,9 +10,6 @@ namespace slicemorph {
 
 namespace {
 
-/// Indexed by plane and label.
-using PlaneRegions = std::vector<std::vector<LabelRegions>>;
-
 const LabelScore* findLabel(const ScorePlane& plane, int label) {
   const auto it = std::lower_bound(plane.labels.begin(), plane.labels.end(), label,
                                    [](const LabelScore& s, int l) { return s.label < l; });
@@ -20,7 +17,8 @@ const LabelScore* findLabel(const ScorePlane& plane, int label) {
 }
 
 /// Adds the travelling regions of label `l` in gap `g`; `l` becomes the gap's next label.
-void addTravellers(const ScoreStack& stack, size_t g, const PlaneRegions& regions, GapLabel& l, Gap& gap) {
+void addTravellers(const ScoreStack& stack, size_t g, const std::vector<std::vector<LabelRegions>>& regions,
+                   GapLabel& l, Gap& gap) {
   const ScorePlane &pa = stack.planes[g], &pb = stack.planes[g + 1];
   const LabelScore *a = findLabel(pa, l.label), *b = findLabel(pb, l.label);
   if (!a || !b) return;
@@ -38,7 +36,7 @@ void addTravellers(const ScoreStack& stack, size_t g, const PlaneRegions& region
   }
 }
 
-Gap makeGap(const ScoreStack& stack, size_t g, const PlaneRegions& regions) {
+Gap makeGap(const ScoreStack& stack, size_t g, const std::vector<std::vector<LabelRegions>>& regions) {
   Gap gap;
   gap.motion = findMotion(stack, g);
   float most = 0;
@@ -71,19 +69,19 @@ Gap makeGap(const ScoreStack& stack, size_t g, const PlaneRegions& regions) {
 }  // namespace
 
 SlicePlan planSlices(ScoreStack stack, const GapRange& wanted) {
-  SlicePlan plan{std::move(stack), {}};
+  SlicePlan plan{std::move(stack), {}, {}};
   const ScoreStack& s = plan.stack;
   plan.gaps.resize(s.planes.size() - 1);
   const size_t first = wanted.first, end = std::min(wanted.end, plan.gaps.size());
-  PlaneRegions regions(s.planes.size());
+  plan.regions.resize(s.planes.size());
   parallelEach(end + 1 - first, [&](size_t n) {
-    for (const LabelScore& l : s.planes[first + n].labels) regions[first + n].push_back(findRegions(l));
+    for (const LabelScore& l : s.planes[first + n].labels) plan.regions[first + n].push_back(findRegions(l));
   });
   const size_t before = first > 0 ? first - 1 : 0, after = std::min(end + 1, plan.gaps.size());
   parallelEach(after - before, [&](size_t n) {
     const size_t g = before + n;
     if (first <= g && g < end)
-      plan.gaps[g] = makeGap(plan.stack, g, regions);
+      plan.gaps[g] = makeGap(plan.stack, g, plan.regions);
     else
       plan.gaps[g].motion = findMotion(plan.stack, g);
   });

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/reconstruct/regions.h"
 #include "engine/reconstruct/score_field.h"
 #include "engine/reconstruct/slice_motion.h"
 
@@ -33,6 +34,7 @@ struct Gap {
 /// A stack of planes, and what was found about the gaps between them.
 struct SlicePlan {
   ScoreStack stack;
+  std::vector<std::vector<LabelRegions>> regions;  ///< per plane around the wanted gaps, and label
   std::vector<Gap> gaps;  ///< one less than planes; those that were not wanted have at most their motion
 };
 

@@ -12,6 +12,10 @@ constexpr float kBend = 0.7f;
 /// Slopes over a gap of few pixels are mostly rounding to pixels: they are weighted by 1 / (1 + kRoughSlope
 /// (pixel / gap)^2).
 constexpr float kRoughSlope = 0.5f;
+/// Scores that differ by less than this share of the level are a tie, and where a gap is a few pixels so are those that
+/// differ by less than kRoughDraw (pixel / gap)^2 pixels: for a gap of two pixels, a tenth of a pixel in all. Measured on
+/// brain atlases (natbrainlab, brodmann): from a 60th to an 8th of a pixel it makes no difference of 0.001.
+constexpr float kDraw = 0.01f, kRoughDraw = 0.3f;
 
 }  // namespace
 
@@ -25,6 +29,8 @@ Moment momentAt(const ScoreStack& stack, double position) {
   m.level = kLevel * h, m.limit = kBend * h * t * (1 - t);
   const float rough = std::max(stack.pixel[0], stack.pixel[1]) / h,
               trust = 1 / (1 + kRoughSlope * rough * rough);
+  const float pixel = std::min(stack.pixel[0], stack.pixel[1]);
+  m.draw = kDraw * m.level + kRoughDraw * pixel * (pixel / h) * (pixel / h);
   m.cubic[1] = 1 - t, m.cubic[2] = t;
   // Hermite's cubic is the linear blend plus u (slope at a - chord) - v (slope at b - chord). A slope is that
   // of the parabola through three planes, for any gaps.

@@ -14,6 +14,7 @@ struct Moment {
   float cubic[4] = {0, 0, 0, 0};
   float limit = 0;  ///< largest allowed difference of the cubic from the linear blend
   float level = 0;
+  float draw = 0;                      ///< scores that differ by less are a tie
   bool before = false, after = false;  ///< whether planes 0 and 3 exist
 };
 

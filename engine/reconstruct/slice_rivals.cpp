@@ -40,7 +40,7 @@ void Rivals::narrow(const std::vector<GapLabel>& all, size_t from, const PixelBo
       labels.push_back(labels[k]), bounds.push_back(b);
     }
   size_t kept = end;
-  const float draw = kDraw * m.first.level;
+  const float draw = m.first.draw;
   for (size_t k = end; k < labels.size(); ++k) {
     bool may = false;
     for (size_t i = 0; i < m.count; ++i) may = may || mayWin(k, i, draw);

@@ -4,10 +4,6 @@
 
 namespace slicemorph {
 
-/// Scores that differ by less than this share of the level are a tie: for a gap of two pixels, a 60th
-/// of a pixel.
-constexpr float kDraw = 0.01f;
-
 /// Bounds of a label's score at every moment.
 struct ScoreBounds {
   float low[kMoments], high[kMoments];

@@ -1,6 +1,7 @@
 #include "engine/reconstruct/slice_scores.h"
 
 #include "engine/reconstruct/gap_scores.h"
+#include "engine/reconstruct/join_pieces.h"
 #include "engine/reconstruct/labels_in_gap.h"
 #include "slicemorph/errors.h"
 
@@ -64,7 +65,9 @@ LabelScore SliceScores::marginAt(double position, int label) const {
 }
 
 std::vector<int> SliceScores::labelsBetween(const std::vector<double>& positions) const {
-  return labelsInGap(*plan_, positions);
+  std::vector<int> labels = labelsInGap(*plan_, positions);
+  if (!positions.empty()) joinPieces(*plan_, momentAt(plan_->stack, positions[0]).gap, positions, labels);
+  return labels;
 }
 
 }  // namespace slicemorph

@@ -59,9 +59,9 @@ class SliceScores {
   /// cannot be present.
   LabelScore marginAt(double position, int label) const;
 
-  /// The label of highest score for every pixel of the domain, at ascending positions within one gap, slice
+  /// The label of highest score for every pixel of the domain, at the ascending positions of all slices of one gap, slice
   /// after slice; near ties go to the lowest label. A label on both neighbouring planes keeps at least the
-  /// pixel where it comes closest to winning.
+  /// pixel where it comes closest to winning, and its regions there are joined as in join_pieces.h.
   std::vector<int> labelsBetween(const std::vector<double>& positions) const;
 
  private:

@@ -46,7 +46,7 @@ void SliceTile::findMost(const Moments& m, size_t i, const Rivals& rivals, size_
   const float t = m.t[i];
   most.assign(count, -1e30f);
   for (size_t r = from; r < rivals.labels.size(); ++r) {
-    if (!rivals.mayWin(r, i, kDraw * m.first.level)) continue;
+    if (!rivals.mayWin(r, i, m.first.draw)) continue;
     const float *a = &scores[r - from].s[count], *b = a + count;
     for (size_t k = 0; k < count; ++k) most[k] = std::max(most[k], a[k] + t * (b[k] - a[k]));
   }

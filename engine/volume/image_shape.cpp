@@ -26,7 +26,7 @@ struct Block {
   bool inside = false;
 };
 
-/// `value(index)` is a voxel's value; above `iso` is inside.
+/// `value(index)` is a voxel's finite value; above `iso` is inside.
 template <typename Value>
 FloatGrid::Ptr shapeOf(const ImageLattice& lattice, float iso, float outside, float inside,
                        const Value& value) {
@@ -68,6 +68,7 @@ FloatGrid::Ptr shapeOf(const ImageLattice& lattice, float iso, float outside, fl
   return grid;
 }
 
+/// Of the finite values.
 struct Range {
   double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
 };
@@ -79,6 +80,7 @@ Range rangeOf(const std::vector<T>& values) {
       [&](const auto& part, Range r) {
         for (size_t i = part.begin(); i < part.end(); ++i) {
           const double v = double(values[i]);
+          if (!std::isfinite(v)) continue;
           if (v < r.low) r.low = v;
           if (v > r.high) r.high = v;
         }
@@ -101,8 +103,11 @@ FloatGrid::Ptr shapeAbove(const Image& image, double iso) {
               << range.high;
           throw GeometryError(why.str());
         }
-        return shapeOf(image.lattice, float(iso), float(range.low), float(range.high),
-                       [&](size_t i) { return float(values[i]); });
+        const auto low = float(range.low), high = float(range.high);
+        return shapeOf(image.lattice, float(iso), low, high, [&](size_t i) {
+          const auto v = float(values[i]);
+          return std::isnan(v) ? low : std::clamp(v, low, high);
+        });
       },
       image.values);
 }
@@ -134,7 +139,7 @@ double otsuValue(const Image& image) {
         std::vector<double> count(kBins, 0);
         const double scale = kBins / (range.high - range.low);
         for (const auto v : values)
-          if (double(v) == double(v)) ++count[std::min(size_t((double(v) - range.low) * scale), kBins - 1)];
+          if (std::isfinite(double(v))) ++count[std::min(size_t((double(v) - range.low) * scale), kBins - 1)];
         double total = 0, sum = 0;
         for (size_t b = 0; b < kBins; ++b) total += count[b], sum += count[b] * (double(b) + 0.5);
         double below = 0, sumBelow = 0, most = -1;

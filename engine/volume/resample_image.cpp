@@ -2,21 +2,14 @@
 
 #include "engine/volume/image_grid.h"
 #include "engine/volume/image_sampler.h"
+#include "engine/volume/same_image.h"
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+
 namespace slicemorph {
 namespace {
-
-bool sameLattice(const ImageLattice& a, const ImageLattice& b) {
-  if (a.size != b.size) return false;
-  const double voxel = std::min({a.spacing()[0], a.spacing()[1], a.spacing()[2]});
-  for (int c = 0; c < 8; ++c) {
-    const Vec3d v((c & 1) * (a.size[0] - 1), (c >> 1 & 1) * (a.size[1] - 1), (c >> 2) * (a.size[2] - 1));
-    if ((a.toWorld(v) - b.toWorld(v)).length() > 1e-4 * voxel) return false;
-  }
-  return true;
-}
 
 /// Affine map from one lattice's voxels to another's voxel coordinates.
 class Straight {
@@ -85,6 +78,26 @@ Image nearestTo(const Image& labels, const ImageLattice& on) {
         return Image{on, std::move(out)};
       },
       labels.values);
+}
+
+ResampledRows::ResampledRows(const Image& image, const ImageLattice& on) {
+  std::visit(
+      [&](const auto& values) {
+        using T = typename std::decay_t<decltype(values)>::value_type;
+        if (sameLattice(image.lattice, on)) {
+          read_ = [from = values.data(), on](int j, int k, double* row) {
+            const T* first = from + on.index(0, j, k);
+            std::transform(first, first + on.size[0], row, [](T v) { return double(v); });
+          };
+          return;
+        }
+        const Straight straight(on, image.lattice);
+        const ImageSampler<T> sampler(image.lattice, values);
+        read_ = [straight, sampler, count = on.size[0]](int j, int k, double* row) {
+          for (int i = 0; i < count; ++i) row[i] = double(sampler(openvdb::Vec3s(straight.at(i, j, k))));
+        };
+      },
+      image.values);
 }
 
 std::vector<SliceRange> sliceRanges(const ImageLattice& lattice) {

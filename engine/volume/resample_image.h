@@ -11,6 +11,18 @@ namespace slicemorph {
 /// where voxels coincide.
 Image resampledTo(const Image& image, const ImageLattice& on);
 
+/// An image at the voxels of another lattice, row by row: as resampledTo, but not rounded.
+class ResampledRows {
+ public:
+  /// The image must outlive this.
+  ResampledRows(const Image& image, const ImageLattice& on);
+  /// Writes the values at the voxels (0 ..., j, k) of the lattice.
+  void read(int j, int k, double* row) const { read_(j, k, row); }
+
+ private:
+  std::function<void(int, int, double*)> read_;
+};
+
 /// A label map at the voxels of another lattice: the nearest voxel's label, 0 outside the map.
 Image nearestTo(const Image& labels, const ImageLattice& on);
 

@@ -6,9 +6,17 @@
 
 namespace slicemorph {
 
+/// An object whose contours cannot be used.
+struct RefusedSet {
+  int label = 0;
+  std::string name, why;
+};
+
 struct ContourFile {
-  std::vector<ContourSet> sets;  ///< of DICOM in the file's order; of CSL by label, each with all planes
-  Notes notes;                   ///< what was left out or repaired, one sentence each
+  std::vector<ContourSet> sets;  ///< of DICOM in the file's order; of CSL by
+                                 ///< label, each with all planes
+  std::vector<RefusedSet> refused;
+  Notes notes;  ///< what was left out or repaired, one sentence each
 };
 
 /// Reads a `.csl` file, or else a DICOM RT structure set. World space is the file's own coordinates (DICOM:

@@ -164,7 +164,7 @@ bool bounds(const StoredPlane& plane, const Component& c, int label) {
 
 /// The contours of one label on all planes. A hole whose own label is that of the component around it
 /// is taken once.
-ContourSet setOf(const std::string& path, const std::vector<StoredPlane>& planes, int label, Notes& notes) {
+ContourSet setOf(const std::vector<StoredPlane>& planes, int label, Notes& notes) {
   ContourSet set;
   set.label = label;
   set.name = "label" + std::to_string(label);
@@ -184,7 +184,7 @@ ContourSet setOf(const std::string& path, const std::vector<StoredPlane>& planes
     set.planes.push_back(std::move(contours));
   }
   if (small > 0)
-    notes.emplace_back("contours.small-left-out", Severity::kNote, path + ", " + set.name,
+    notes.emplace_back("contours.small-left-out", Severity::kNote, set.name,
                        std::to_string(small) + " contours of less than three points left out");
   return set;
 }
@@ -201,9 +201,9 @@ ContourFile readCsl(const std::string& path) {
       if (c.parent < 0) labels.insert(c.label);
   ContourFile file;
   if (parser.endsInLine())
-    file.notes.emplace_back("contours.maybe-cut-short", Severity::kWarning, path,
+    file.notes.emplace_back("contours.maybe-cut-short", Severity::kWarning, "",
                             "the last line has no end; the file may have been cut short");
-  for (int label : labels) file.sets.push_back(setOf(path, planes, label, file.notes));
+  for (int label : labels) file.sets.push_back(setOf(planes, label, file.notes));
   if (file.sets.empty()) throw IoError(path, "no plane has a contour");
   return file;
 }

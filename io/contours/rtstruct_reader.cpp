@@ -86,23 +86,29 @@ Vec3d tidy(Vec3d normal) {
   return normal;
 }
 
+/// Whether contours of a type enclose an area. INTERPOLATED_PLANAR are what
+/// planning systems make between drawn ones, as closed as those.
+bool isClosed(const std::string& kind) {
+  return kind == "CLOSED_PLANAR" || kind == "CLOSEDPLANAR_XOR" || kind == "INTERPOLATED_PLANAR";
+}
+
 /// Reads the contours of one region of interest into a set.
 class RegionReader {
  public:
-  RegionReader(const std::string& path, ContourSet& set, Notes& notes)
-      : where_(path + ", " + set.name), set_(set), notes_(notes) {}
+  RegionReader(ContourSet& set, Notes& notes) : where_(set.name), set_(set), notes_(notes) {}
 
   void read(const DicomElements& region) {
     std::vector<Loop> loops;
-    int number = 0, few = 0;
+    int number = 0, few = 0, interpolated = 0;
     std::map<std::string, int> others;
     for (const DicomElements& item : region.items(kContours)) {
       const std::string where = where_ + ", contour " + std::to_string(++number);
       const std::string kind = item.text(kKind);
-      if (kind != "CLOSED_PLANAR" && kind != "CLOSEDPLANAR_XOR") {
-        ++others[kind.empty() ? "no type" : kind];
+      if (!isClosed(kind)) {
+        ++others[kind.empty() ? "(none)" : kind];
         continue;
       }
+      interpolated += kind == "INTERPOLATED_PLANAR";
       Loop loop = loopOf(item, where);
       if (loop.points.size() < 3 || !(loop.area.length() > 0))
         ++few;
@@ -111,10 +117,12 @@ class RegionReader {
     }
     for (const auto& [kind, count] : others)
       say(count, " contours of type " + kind + " left out: they enclose nothing");
+    say(interpolated, " contours of type INTERPOLATED_PLANAR taken as closed ones");
     say(few, " contours of less than three points or without area left out");
     arrange(loops);
     if (set_.planes.empty())
-      notes_.emplace_back("contours.none-closed", Severity::kWarning, where_, "has no closed contour");
+      notes_.emplace_back("contours.none-closed", Severity::kWarning, where_,
+                          "has no closed contour: left out");
   }
 
  private:
@@ -145,7 +153,9 @@ class RegionReader {
       moved += off > kRounding;
       add(loops[i], normal);
     }
-    say(moved, " contours not quite flat: points moved onto their plane by up to 0.25 mm");
+    say(moved,
+        " contours not quite flat: points moved onto their plane by up "
+        "to 0.25 mm");
     std::stable_sort(set_.planes.begin(), set_.planes.end(),
                      [&](const PlaneContours& a, const PlaneContours& b) {
                        return a.origin.dot(usual) < b.origin.dot(usual);
@@ -189,10 +199,12 @@ ContourFile contoursOf(const std::string& path, const DicomElements& all) {
   if (all.text(kSopClass) != kStructureSet)
     throw IoError(path, "is DICOM, but no RT structure set (its SOP class is '" + all.text(kSopClass) + "')");
   if (!all.has(kRegionContours) || !all.has(kObservations))
-    throw IoError(path, "the file ends before its contours and observations do: it was cut short");
+    throw IoError(path,
+                  "the file ends before its contours and observations "
+                  "do: it was cut short");
   ContourFile file;
   if (!all.has(kApproval))
-    file.notes.emplace_back("contours.maybe-cut-short", Severity::kWarning, path,
+    file.notes.emplace_back("contours.maybe-cut-short", Severity::kWarning, "",
                             "has no approval status, as a file has that was cut short");
   file.sets = regionsOf(path, all);
   for (const DicomElements& item : all.items(kRegionContours)) {
@@ -201,36 +213,65 @@ ContourFile contoursOf(const std::string& path, const DicomElements& all) {
                                   [&](const ContourSet& s) { return s.label == number; });
     if (set == file.sets.end()) {
       file.notes.emplace_back(
-          "contours.left-out", Severity::kNote, path,
+          "contours.left-out", Severity::kNote, "",
           "contours of region " + std::to_string(number) + ", which is not named, left out");
       continue;
     }
-    RegionReader(path, *set, file.notes).read(item);
+    try {
+      RegionReader(*set, file.notes).read(item);
+    } catch (const IoError& error) {  // the file's other regions are none the worse for it
+      set->planes.clear();
+      file.refused.push_back({set->label, set->name, error.what()});
+    }
   }
   const auto empty = [](const ContourSet& s) { return s.planes.empty(); };
-  if (std::all_of(file.sets.begin(), file.sets.end(), empty))
-    throw IoError(path, "no region has a closed contour");
-  return file;
+  if (!std::all_of(file.sets.begin(), file.sets.end(), empty)) return file;
+  if (!file.refused.empty()) throw IoError(path, file.refused[0].why);
+  std::string why = "no region has a closed contour";
+  for (const Note& note : file.notes) why += "; " + note.sentence();
+  throw IoError(path, why);
 }
 
-}  // namespace
-
-bool isRtStructureSet(const std::string& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) return false;
+bool isStructureSetFile(const std::filesystem::path& path) {
   // Only the head of the file, which names the storage class, so that damaged files are recognised too.
   std::ifstream file(path, std::ios::binary);
   std::string head(kHeadSize, '\0');
   file.read(head.data(), kHeadSize);
   head.resize(size_t(file.gcount()));
-  if (head.size() < 132 || head.compare(128, 4, "DICM") != 0) return false;
+  const bool preamble = head.size() >= 132 && head.compare(128, 4, "DICM") == 0;
+  const auto beginsWith = [&](std::string_view group) { return head.compare(0, group.size(), group) == 0; };
+  using namespace std::string_view_literals;
+  if (!preamble && !beginsWith("\x08\0"sv) && !beginsWith("\x02\0"sv)) return false;
   const size_t at = head.find(kStructureSet);
   return at != std::string::npos &&
          (at + std::strlen(kStructureSet) >= head.size() ||
           !std::isdigit(static_cast<unsigned char>(head[at + std::strlen(kStructureSet)])));
 }
 
-ContourFile readRtStructureSet(const std::string& path) {
+/// The structure set in a folder that holds nothing else; empty where it holds
+/// anything else, or is none.
+std::string structureSetIn(const std::string& folder) {
+  std::error_code error;
+  std::string found;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (!entry.is_regular_file(error) || name[0] == '.' || name == "DICOMDIR") continue;
+    if (!found.empty() || !isStructureSetFile(entry.path())) return "";
+    found = entry.path().string();
+  }
+  return found;
+}
+
+}  // namespace
+
+bool isRtStructureSet(const std::string& path) {
+  std::error_code error;
+  if (std::filesystem::is_regular_file(path, error)) return isStructureSetFile(path);
+  return std::filesystem::is_directory(path, error) && !structureSetIn(path).empty();
+}
+
+ContourFile readRtStructureSet(const std::string& input) {
+  const std::string only = structureSetIn(input), path = only.empty() ? input : only;
   const std::string bytes = readWholeFile(path);
   try {
     return contoursOf(path, DicomElements::ofFile(bytes));

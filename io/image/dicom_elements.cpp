@@ -1,6 +1,11 @@
 #include "io/image/dicom_elements.h"
 
+#include <zlib.h>
+
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
 
 namespace slicemorph {
 
@@ -23,30 +28,37 @@ bool isAnyOf(std::string_view type, std::initializer_list<const char*> types) {
 /// Parses bytes element by element. Everything throws DicomDamage.
 class DicomElements::Walk {
  public:
-  Walk(std::string_view bytes, bool withTypes, int depth = 0)
-      : bytes_(bytes), withTypes_(withTypes), depth_(depth) {
+  Walk(std::string_view bytes, bool withTypes, bool bigEndian, int depth = 0)
+      : bytes_(bytes), withTypes_(withTypes), bigEndian_(bigEndian), depth_(depth) {
     if (depth > kMostNested) throw DicomDamage("its sequences are nested too deeply");
   }
 
   bool atEnd() const { return at_ == bytes_.size(); }
   size_t at() const { return at_; }
 
-  /// Elements up to the end of the bytes; with `marked` up to the end mark of an item of undefined length.
-  /// `group`: stop before the first element of another group; -1: read all.
   DicomElements elements(bool marked, int group = -1) {
     DicomElements out;
-    out.withTypes_ = withTypes_;
+    read(out, marked, group);
+    return out;
+  }
+
+  /// Elements up to the end of the bytes; with `marked` up to the end mark of an item of undefined length.
+  /// `group`: stop before the first element of another group; -1: read all. What was read before an error stays.
+  void read(DicomElements& out, bool marked, int group = -1) {
+    out.withTypes_ = withTypes_, out.bigEndian_ = bigEndian_;
     while (!atEnd() && !onlyPaddingLeft()) {
-      if (group >= 0 && nextGroup() != group) return out;
+      if (group >= 0 && nextGroup() != group) return;
       const DicomTag tag = takeTag();
       if (tag == kItemEnd && marked) {
         takeSize(4);
-        return out;
+        return;
       }
       std::uint32_t size = 0;
-      bool types = withTypes_;
+      Value value;
+      value.withTypes = withTypes_;
       if (withTypes_) {
         const std::string_view type = take(2);
+        std::copy(type.begin(), type.end(), value.type);
         for (char c : type)
           if (c < 'A' || c > 'Z') throw DicomDamage("an element has no value representation");
         if (isAnyOf(type, {"OB", "OD", "OF", "OL", "OV", "OW", "SQ", "SV", "UC", "UN", "UR", "UT", "UV"})) {
@@ -55,19 +67,19 @@ class DicomElements::Walk {
         } else {
           size = takeSize(2);
         }
-        if (type == "UN" && size == kUndefined) types = false;  // PS3.5 section 6.2.2, note 2
+        if (type == "UN") value.withTypes = false;  // PS3.5 section 6.2.2, note 2
       } else {
         size = takeSize(4);
       }
       if (tag == kPixels && size == kUndefined) {
-        out.values_[tag] = {takeFragments(), types};
+        value.bytes = takeFragments();
         out.plainPixels_ = false;
-        continue;
+      } else {
+        value.bytes = size == kUndefined ? takeSequence(value.withTypes) : take(size);
       }
-      out.values_[tag] = {size == kUndefined ? takeSequence(types) : take(size), types};
+      out.values_[tag] = value;
     }
     if (marked) throw DicomDamage("it ends inside an item");
-    return out;
   }
 
   /// Items up to the end of the bytes; with `marked` up to the end mark of a sequence of undefined length.
@@ -79,11 +91,11 @@ class DicomElements::Walk {
       if (tag == kSequenceEnd && marked) return out;
       if (tag != kItem) throw DicomDamage("a sequence holds something else than items");
       if (size == kUndefined) {
-        Walk inner(bytes_.substr(at_), withTypes_, depth_ + 1);
+        Walk inner(bytes_.substr(at_), withTypes_, bigEndian_, depth_ + 1);
         out.push_back(inner.elements(true));
         at_ += inner.at();
       } else {
-        out.push_back(Walk(take(size), withTypes_, depth_ + 1).elements(false));
+        out.push_back(Walk(take(size), withTypes_, bigEndian_, depth_ + 1).elements(false));
       }
     }
     if (marked) throw DicomDamage("it ends inside a sequence");
@@ -105,12 +117,15 @@ class DicomElements::Walk {
   std::uint32_t takeSize(size_t bytes) {
     std::uint32_t size = 0;
     const std::string_view raw = take(bytes);
-    for (size_t i = 0; i < bytes; ++i) size |= std::uint32_t(static_cast<unsigned char>(raw[i])) << (8 * i);
+    for (size_t i = 0; i < bytes; ++i)
+      size |= std::uint32_t(static_cast<unsigned char>(raw[i])) << (8 * (bigEndian_ ? bytes - 1 - i : i));
     return size;
   }
-  int nextGroup() const {
+  int nextGroup() {
     if (bytes_.size() - at_ < 2) return -1;
-    return static_cast<unsigned char>(bytes_[at_]) + 256 * static_cast<unsigned char>(bytes_[at_ + 1]);
+    const int group = int(takeSize(2));
+    at_ -= 2;
+    return group;
   }
   /// Some writers pad the end of a file with zeros.
   bool onlyPaddingLeft() const {
@@ -131,7 +146,7 @@ class DicomElements::Walk {
   }
   /// Bytes of a sequence of undefined length, without its end mark.
   std::string_view takeSequence(bool withTypes) {
-    Walk inner(bytes_.substr(at_), withTypes, depth_ + 1);
+    Walk inner(bytes_.substr(at_), withTypes, bigEndian_, depth_ + 1);
     inner.items(true);
     constexpr size_t kMark = 8;
     const std::string_view all = take(inner.at());
@@ -139,35 +154,155 @@ class DicomElements::Walk {
   }
 
   std::string_view bytes_;
-  bool withTypes_;
+  bool withTypes_, bigEndian_;
   int depth_;
   size_t at_ = 0;
 };
 
-DicomElements DicomElements::ofFile(std::string_view bytes) {
-  if (bytes.size() < kPreamble + 4 || bytes.substr(kPreamble, 4) != "DICM") {
-    // Old files have no preamble and begin with group 8.
-    if (bytes.size() < 8 || bytes.substr(0, 2) != std::string_view("\x08\0", 2))
-      throw DicomDamage("it is no DICOM file");
-    return Walk(bytes, bytes[4] >= 'A' && bytes[4] <= 'Z' && bytes[5] >= 'A' && bytes[5] <= 'Z')
-        .elements(false);
-  }
-  // The file meta information is the elements of group 2; its stated length, (0002,0000), may be
-  // missing or wrong.
-  Walk head(bytes.substr(kPreamble + 4), true);
-  const DicomElements meta = head.elements(false, 2);
-  const std::string syntax = meta.text(kTransferSyntax);
-  if (syntax == "1.2.840.10008.1.2.2" || syntax == "1.2.840.10008.1.2.1.99")
-    throw DicomDamage("it is big endian or deflated as a whole (transfer syntax '" + syntax +
-                      "'), which is not read");
-  return Walk(bytes.substr(kPreamble + 4 + head.at()), syntax != "1.2.840.10008.1.2").elements(false);
+namespace {
+
+bool beginsWithGroup(std::string_view bytes, char group) {
+  return bytes.size() >= 8 && bytes[0] == group && bytes[1] == 0;
 }
 
-int DicomElements::number(DicomTag tag) const {
+/// Whether the first element has a value representation.
+bool hasTypes(std::string_view bytes) {
+  const auto isLetter = [](char c) { return c >= 'A' && c <= 'Z'; };
+  return bytes.size() >= 6 && isLetter(bytes[4]) && isLetter(bytes[5]);
+}
+
+/// Unpacks a deflated data set (PS3.5 section A.5: without zlib's header).
+std::string inflated(std::string_view packed) {
+  z_stream stream{};
+  if (inflateInit2(&stream, -MAX_WBITS) != Z_OK) throw DicomDamage("it cannot be unpacked");
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data()));
+  stream.avail_in = uInt(packed.size());
+  std::string out;
+  int state = Z_OK;
+  while (state == Z_OK) {
+    const size_t done = out.size(), step = std::max<size_t>(1 << 16, done);
+    out.resize(done + step);
+    stream.next_out = reinterpret_cast<Bytef*>(out.data() + done);
+    stream.avail_out = uInt(step);
+    state = inflate(&stream, Z_NO_FLUSH);
+    out.resize(done + step - stream.avail_out);
+    if (stream.avail_in == 0 && stream.avail_out > 0) break;
+  }
+  inflateEnd(&stream);
+  if (state != Z_STREAM_END) throw DicomDamage("its packed data are damaged or were cut short");
+  return out;
+}
+
+double numberAt(std::string_view raw, std::string_view type, bool bigEndian) {
+  std::uint64_t bits = 0;
+  for (size_t i = 0; i < raw.size(); ++i)
+    bits |= std::uint64_t(static_cast<unsigned char>(raw[i])) << (8 * (bigEndian ? raw.size() - 1 - i : i));
+  if (type == "FL") {
+    const auto low = std::uint32_t(bits);
+    float value = 0;
+    std::memcpy(&value, &low, sizeof value);
+    return double(value);
+  }
+  if (type == "FD") {
+    double value = 0;
+    std::memcpy(&value, &bits, sizeof value);
+    return value;
+  }
+  if (type == "SS") return double(std::int16_t(bits));
+  if (type == "SL") return double(std::int32_t(bits));
+  return double(bits);
+}
+
+std::vector<double> decimalsOf(std::string_view text) {
+  std::vector<double> numbers;
+  while (true) {
+    const size_t end = std::min(text.find('\\'), text.size());
+    const std::string part(text.substr(0, end));
+    char* stop = nullptr;
+    const double value = std::strtod(part.c_str(), &stop);
+    if (stop == part.c_str() || !std::isfinite(value)) return {};
+    numbers.push_back(value);
+    if (end == text.size()) return numbers;
+    text.remove_prefix(end + 1);
+  }
+}
+
+}  // namespace
+
+DicomElements DicomElements::ofFile(std::string_view bytes) {
+  std::string damage;
+  DicomElements out = startOfFile(bytes, damage);
+  if (!damage.empty()) throw DicomDamage(damage);
+  return out;
+}
+
+DicomElements DicomElements::startOfFile(std::string_view bytes, std::string& damage) {
+  damage.clear();
+  DicomElements out;
+  try {
+    const bool marked = bytes.size() >= kPreamble + 4 && bytes.substr(kPreamble, 4) == "DICM";
+    std::string_view data = bytes;
+    // Old files have no preamble, and begin with the meta information of group 2 or with group 8.
+    if (marked || beginsWithGroup(bytes, 2)) {
+      // The file meta information is the elements of group 2; its stated length, (0002,0000), may be
+      // missing or wrong.
+      if (marked) data.remove_prefix(kPreamble + 4);
+      Walk head(data, true, false);
+      out.transferSyntax_ = head.elements(false, 2).text(kTransferSyntax);
+      data.remove_prefix(head.at());
+    } else if (!beginsWithGroup(bytes, 8) &&
+               !(bytes.size() >= 8 && bytes[0] == 0 && bytes[1] == 8 && hasTypes(bytes))) {
+      throw DicomDamage("it is no DICOM file");
+    }
+    const bool deflated = out.transferSyntax_ == "1.2.840.10008.1.2.1.99";
+    if (deflated) {
+      out.inflated_ = std::make_shared<const std::string>(inflated(data));
+      data = *out.inflated_;
+    }
+    // What stands in the file, since files without or with a wrong transfer syntax are common.
+    const bool bigEndian = data.size() >= 2 && data[0] == 0 && data[1] != 0;
+    Walk(data, hasTypes(data), bigEndian).read(out, false);
+  } catch (const DicomDamage& found) {
+    damage = found.what();
+  }
+  return out;
+}
+
+int DicomElements::number(DicomTag tag) const { return int(first(tag, "US", -1)); }
+
+std::string_view DicomElements::bytes(DicomTag tag) const {
   const auto found = values_.find(tag);
-  if (found == values_.end() || found->second.bytes.size() < 2) return -1;
-  return static_cast<unsigned char>(found->second.bytes[0]) +
-         256 * static_cast<unsigned char>(found->second.bytes[1]);
+  return found == values_.end() ? std::string_view() : found->second.bytes;
+}
+
+std::string_view DicomElements::type(DicomTag tag) const {
+  const auto found = values_.find(tag);
+  return found == values_.end() ? std::string_view() : found->second.type;
+}
+
+std::vector<double> DicomElements::numbers(DicomTag tag, std::string_view type) const {
+  const auto found = values_.find(tag);
+  if (found == values_.end()) return {};
+  const std::string_view stated = found->second.type;
+  if (isAnyOf(stated, {"DS", "IS", "US", "SS", "UL", "SL", "AT", "FL", "FD"})) type = stated;
+  std::string_view raw = found->second.bytes;
+  if (type == "DS" || type == "IS") return decimalsOf(text(tag));
+  std::vector<double> out;
+  if (type == "AT") {
+    for (; raw.size() >= 4; raw.remove_prefix(4))
+      out.push_back(numberAt(raw.substr(0, 2), "US", bigEndian_) * 65536 +
+                    numberAt(raw.substr(2, 2), "US", bigEndian_));
+    return out;
+  }
+  const size_t size = type == "FD" ? 8 : isAnyOf(type, {"US", "SS"}) ? 2 : 4;
+  for (; raw.size() >= size; raw.remove_prefix(size))
+    out.push_back(numberAt(raw.substr(0, size), type, bigEndian_));
+  return out;
+}
+
+double DicomElements::first(DicomTag tag, std::string_view type, double otherwise) const {
+  const std::vector<double> all = numbers(tag, type);
+  return all.empty() ? otherwise : all[0];
 }
 
 size_t DicomElements::size(DicomTag tag) const {
@@ -187,7 +322,18 @@ std::string DicomElements::text(DicomTag tag) const {
 std::vector<DicomElements> DicomElements::items(DicomTag tag) const {
   const auto found = values_.find(tag);
   if (found == values_.end()) return {};
-  return Walk(found->second.bytes, found->second.withTypes).items(false);
+  return Walk(found->second.bytes, found->second.withTypes, bigEndian_).items(false);
+}
+
+DicomElements DicomElements::item(DicomTag tag) const {
+  std::vector<DicomElements> all = items(tag);
+  return all.empty() ? DicomElements() : std::move(all[0]);
+}
+
+std::vector<DicomTag> DicomElements::tags() const {
+  std::vector<DicomTag> tags;
+  for (const auto& [tag, value] : values_) tags.push_back(tag);
+  return tags;
 }
 
 }  // namespace slicemorph

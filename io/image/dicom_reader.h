@@ -1,35 +1,42 @@
 #pragma once
 
+#include "io/image/dicom_volumes.h"
 #include "io/image/raw_values.h"
 #include "slicemorph/io/image_file.h"
 #include "slicemorph/note.h"
 
 namespace slicemorph {
 
-/// The files of a folder that share series UID, orientation, size and pixel spacing.
-struct DicomSeries {
-  std::string uid, modality, description;
-  std::vector<std::string> files;  ///< sorted by name, not along the stack
-};
-
-/// The image series among the files of a folder, in the order of their UIDs; `notes`: which
-/// files were skipped.
+/// The image series of a folder or a file, in the order of their UIDs; `notes`: which files were left out.
 struct DicomFolder {
   std::vector<DicomSeries> series;
   Notes notes;
+  /// Damaged files by the UID of their series.
+  std::vector<std::pair<std::string, Note>> damaged;
 };
-/// Throws IoError where the folder cannot be read, a DICOM file is damaged or there is no image.
-DicomFolder scanDicomFolder(const std::string& folder);
+/// `path`: a folder; or a file, which stands for itself where it holds several slices, else for its folder.
+/// Unreadable and foreign files are left out. Throws IoError where the folder cannot be read or holds no image.
+DicomFolder scanDicom(const std::string& path);
 
-/// Reads a series: slices in the order of their positions, values rescaled (CT: Hounsfield units), axes from
+/// Whether a file holds several slices, and so stands for itself.
+bool holdsDicomVolumes(const std::string& path);
+
+/// A volume of a series. Of a segmentation `volume` is the number of a segment, 0: all of them.
+struct DicomChoice {
+  DicomSeries series;
+  size_t volume = 0;
+};
+/// Finds a volume. `selection`: SERIES, SERIES@VOLUME or @VOLUME, by numbers (from 1) or the series' UID. Localizers
+/// beside one other series are passed over. Throws InputError, which lists what there is, where there are several and
+/// none is chosen, and IoError for a damaged file of the series, where this was not chosen.
+DicomChoice chooseDicomVolume(const std::string& path, const std::string& selection, Notes& notes);
+
+/// Reads a volume: slices in the order of their positions, values rescaled (CT: Hounsfield units), axes from
 /// its direction cosines. Slices of a tilted gantry or with uneven gaps are resampled from their stored
-/// positions (see straighten); notes report missing and duplicate slices. Throws IoError naming the file,
-/// InputError where slices contradict each other, and what `check` throws.
-ImageFile readDicomSeries(const std::string& folder, const DicomSeries& series, const SizeCheck& check);
-
-/// Finds a series. `path`: a folder, of which `series` chooses by number (from 1) or UID; or one .dcm file,
-/// which stands for the series that it belongs to. Throws InputError, which lists the series, where there are
-/// several and none is chosen.
-DicomSeries chooseDicomSeries(const std::string& path, const std::string& series, Notes& notes);
+/// positions (see straighten); notes report missing and duplicate slices. `spacing` (millimetres along i, j, k; 0: not
+/// given) serves where the file's own is not certain. Throws IoError naming the file, InputError where slices contradict
+/// each other or their places are not certain, and what `check` throws.
+ImageFile readDicomVolume(const std::string& path, const DicomChoice& choice, const Vec3d& spacing,
+                          const SizeCheck& check);
 
 }  // namespace slicemorph

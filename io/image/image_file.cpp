@@ -1,6 +1,7 @@
 #include "slicemorph/io/image_file.h"
 
 #include "io/format.h"
+#include "io/image/chosen_volume.h"
 #include "io/image/image_formats.h"
 #include "io/image/itk_library.h"
 #include "io/image/nifti_reader.h"
@@ -9,22 +10,13 @@
 #include "slicemorph/errors.h"
 #include "slicemorph/io/placing.h"
 
-#include <algorithm>
-#include <cctype>
+#include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <string_view>
 
 namespace slicemorph {
 namespace {
-
-int volumeOf(const InputSpec& input) {
-  const std::string& chosen = input.selection;
-  if (chosen.empty()) return 0;
-  const bool digits =
-      std::all_of(chosen.begin(), chosen.end(), [](unsigned char c) { return std::isdigit(c); });
-  if (!digits || chosen.size() > 9)
-    throw InputError(input.text, "'" + chosen + "' is no volume of the file; give its number, from 0");
-  return std::stoi(chosen);
-}
 
 bool isFolder(const std::string& path) {
   std::error_code ignored;
@@ -41,18 +33,88 @@ SizeCheck checkOf(const InputSpec& input, const ImageOptions& options) {
   };
 }
 
-/// The DICOM series that is selected, or the only one.
-ImageFile readOneSeries(const InputSpec& input, const ImageOptions& options) {
+/// The DICOM volume that is selected, or the only one.
+ImageFile readOneVolume(const InputSpec& input, const ImageOptions& options) {
   Notes notes;
-  const DicomSeries series = itkReaders().chooseSeries(input.path, input.selection, notes);
-  ImageFile file = itkReaders().dicomSeries(input.path, series, checkOf(input, options));
+  const DicomChoice choice = itkReaders().chooseVolume(input.path, input.selection, notes);
+  ImageFile file = itkReaders().dicomVolume(input.path, choice, options.spacing, checkOf(input, options));
   file.notes.insert(file.notes.begin(), notes.begin(), notes.end());
   return file;
 }
 
+/// A volume for a listing: where it is refused, without values, and the reason as a note.
+ImageFile listedVolume(const InputSpec& input, const ImageOptions& options, const DicomChoice& choice) {
+  try {
+    return itkReaders().dicomVolume(input.path, choice, options.spacing, checkOf(input, options));
+  } catch (const MemoryError&) {
+    throw;
+  } catch (const Error& error) {
+    const DicomFile& first = choice.series.files[0];
+    ImageFile file;
+    file.format = "DICOM series";
+    file.about = choice.series.modality;
+    file.image.lattice.size =
+        openvdb::Coord(first.columns, first.rows, int(choice.series.volumes[choice.volume].slices.size()));
+    file.notes.emplace_back("image.refused", Severity::kWarning, error.note().about, error.note().text);
+    return file;
+  }
+}
+
+/// Every volume of every series.
+std::vector<ImageFile> listVolumes(const InputSpec& input, const ImageOptions& options) {
+  DicomFolder folder = itkReaders().dicomFolder(input.path);
+  std::vector<ImageFile> files;
+  for (size_t i = 0; i < folder.series.size(); ++i) {
+    DicomChoice choice{std::move(folder.series[i]), 0};
+    const size_t volumes = choice.series.isSegmentation() ? 1 : choice.series.volumes.size();
+    for (size_t v = 0; v < volumes; ++v) {
+      choice.volume = choice.series.isSegmentation() ? 0 : v;
+      const bool only = folder.series.size() == 1 && volumes == 1;
+      files.push_back(
+          only ? itkReaders().dicomVolume(input.path, choice, options.spacing, checkOf(input, options))
+               : listedVolume(input, options, choice));
+      files.back().name = input.path + ":" + std::to_string(i + 1);
+      if (volumes > 1) files.back().name += "@" + std::to_string(v + 1);
+      files.back().volumes = int(volumes);
+    }
+  }
+  Notes& notes = files[0].notes;
+  notes.insert(notes.begin(), folder.notes.begin(), folder.notes.end());
+  for (const auto& [uid, note] : folder.damaged) notes.push_back(note);
+  return files;
+}
+
+/// Whether a file of any name begins as DICOM files do (PS3.10 section 7.1).
+bool beginsAsDicom(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return false;
+  std::ifstream file(path, std::ios::binary);
+  char head[132];
+  return file.read(head, sizeof head) && std::string_view(head + 128, 4) == "DICM";
+}
+
+void noteNotFinite(ImageFile& file) {
+  const auto [all, count] = std::visit(
+      [](const auto& values) {
+        using T = typename std::decay_t<decltype(values)>::value_type;
+        size_t found = 0;
+        if constexpr (std::is_floating_point_v<T>)
+          for (const T v : values) found += !std::isfinite(v);
+        return std::pair(values.size(), found);
+      },
+      file.image.values);
+  if (count > 0)
+    file.notes.emplace_back("image.not-finite", Severity::kWarning, "",
+                            std::to_string(count) + " of its " + std::to_string(all) +
+                                " values are not finite (NaN or infinite): shapes have NaN outside");
+}
+
 }  // namespace
 
-bool isDicomImage(const std::string& path) { return extensionOf(path) == ".dcm" || isFolder(path); }
+bool isDicomImage(const std::string& path) {
+  const std::string extension = extensionOf(path);
+  return extension == ".dcm" || extension == ".ima" || isFolder(path) || beginsAsDicom(path);
+}
 
 bool isImageStack(const std::string& path) {
   const std::string extension = extensionOf(path);
@@ -73,23 +135,20 @@ ImageFile readMetaImageFile(const InputSpec& input, const ImageOptions& options)
 }
 
 ImageFile readDicomImage(const InputSpec& input, const ImageOptions& options) {
-  return readOneSeries(input, options);
+  return readOneVolume(input, options);
 }
 
 std::vector<ImageFile> listDicomImages(const InputSpec& input, const ImageOptions& options) {
-  if (!input.selection.empty() || !isFolder(input.path)) {
-    ImageFile file = readOneSeries(input, options);
-    file.name = input.text;
-    return {std::move(file)};
-  }
-  const DicomFolder folder = itkReaders().dicomFolder(input.path);
-  std::vector<ImageFile> files;
-  for (size_t i = 0; i < folder.series.size(); ++i) {
-    files.push_back(itkReaders().dicomSeries(input.path, folder.series[i], checkOf(input, options)));
-    files.back().name = input.path + ":" + std::to_string(i + 1);
-    if (i == 0) files[0].notes.insert(files[0].notes.begin(), folder.notes.begin(), folder.notes.end());
-  }
-  return files;
+  const bool whole = isFolder(input.path) || itkReaders().dicomHoldsVolumes(input.path);
+  if (input.selection.empty() && whole) return listVolumes(input, options);
+  ImageFile file = readOneVolume(input, options);
+  file.name = input.text;
+  return {std::move(file)};
+}
+
+bool isStatedLabels(const ImageFile& file) {
+  return std::any_of(file.notes.begin(), file.notes.end(),
+                     [](const Note& note) { return note.code == kLabelsStated; });
 }
 
 ImageFile readStackImage(const InputSpec& input, const ImageOptions& options) {
@@ -113,20 +172,18 @@ std::optional<ImageSlices> openStackSlices(const InputSpec& input, const ImageOp
 }
 
 std::vector<ImageFile> listStackImages(const InputSpec& input, const ImageOptions& options) {
-  ImageFile file = readStack(input, options, /*values=*/options.spacing[0] != 0);
+  ImageFile file = readStack(input, options, /*placed=*/options.spacing[0] != 0);
   file.name = input.text;
   return {std::move(file)};
 }
 
-ImageFile readImage(const InputSpec& input, const ImageOptions& options) {
+ImageFile readImage(const InputSpec& given, const ImageOptions& options) {
+  const InputSpec input = stillInput(given);
   if (!input.format || !input.format->readImage)
     throw InputError(input.text, "is no image; use " + readableList(Contents::kImage));
   ImageFile file = input.format->readImage(input, options);
   place(file.image.lattice, placingOf(input.placing, options.up));
-  if (file.volumes > 1 && input.selection.empty())
-    file.notes.emplace_back(
-        "image.volume-chosen", Severity::kNote, "",
-        "took volume 0 of " + std::to_string(file.volumes) + " (" + input.path + ":N takes another)");
+  noteNotFinite(file);
   return file;
 }
 
@@ -135,7 +192,11 @@ ImageFile readImage(const std::string& text, const ImageOptions& options) {
 }
 
 std::optional<ImageSlices> openImageSlices(const std::string& text, const ImageOptions& options) {
-  const InputSpec input = parseInput(text);
+  return openImageSlices(parseInput(text), options);
+}
+
+std::optional<ImageSlices> openImageSlices(const InputSpec& given, const ImageOptions& options) {
+  const InputSpec input = stillInput(given);
   if (!input.format || !input.format->openSlices) return std::nullopt;
   std::optional<ImageSlices> slices = input.format->openSlices(input, options);
   if (slices) place(slices->file.image.lattice, placingOf(input.placing, options.up));

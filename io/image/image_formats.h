@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 /// Functions of image formats, for the table of formats (io/formats.cpp).
@@ -26,6 +27,11 @@ ImageFile readStackImage(const InputSpec& input, const ImageOptions& options);
 std::vector<ImageFile> listDicomImages(const InputSpec& input, const ImageOptions& options);
 std::vector<ImageFile> listStackImages(const InputSpec& input, const ImageOptions& options);
 
+/// Code of the note by which a reader says so.
+constexpr const char* kLabelsStated = "image.labels-stated";
+/// Whether a file itself says that its values are labels, as segmentations do; a note's code tells it.
+bool isStatedLabels(const ImageFile& file);
+
 /// As openImageSlices.
 std::optional<ImageSlices> openNiftiSlices(const InputSpec& input, const ImageOptions& options);
 std::optional<ImageSlices> openNrrdSlices(const InputSpec& input, const ImageOptions& options);
@@ -39,6 +45,8 @@ struct Voxels {
   size_t bytes;          ///< of a number
   bool vectors = false;  ///< three numbers a voxel
   std::string meaning;   ///< one line; empty: nothing to say
+  int volumes = 1;
+  double seconds = 0;  ///< from one volume to the next
 };
 enum class Packing { kNone, kGzip, kZlib };
 /// What stands before the values, and how these follow.
@@ -47,9 +55,16 @@ struct VoxelHead {
   Packing packing = Packing::kNone;  ///< of the values
   bool packed = false;               ///< the head too is
   bool interleaved = true;           ///< the three numbers of a vector stand together
+  /// Where the bytes of the packed values are told, in kSizeDigits letters, if the head does.
+  std::optional<size_t> sizeAt = std::nullopt;
+  static constexpr size_t kSizeDigits = 20;
 };
 VoxelHead niftiHead(const std::string& path, const Voxels& voxels);
 VoxelHead nrrdHead(const std::string& path, const Voxels& voxels);
+/// Labels of several layers; `wide`: of 16 bits, else 8. `keys`: lines of key and value.
+VoxelHead nrrdLabelsHead(const ImageLattice& lattice, int layers, bool wide, const std::string& keys);
 VoxelHead metaImageHead(const std::string& path, const Voxels& voxels);
+/// Writes a head and the values behind it, whole or not at all. Throws IoError.
+void writeVoxels(const std::string& path, const VoxelHead& head, std::string_view values);
 
 }  // namespace slicemorph

@@ -8,8 +8,10 @@
 #include "slicemorph/errors.h"
 
 #include <nifti/nifti1.h>
+#include <nifti/nifti2.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -40,6 +42,8 @@ class Packer {
 
   void add(std::string_view bytes) { run(bytes, Z_NO_FLUSH); }
   void finish() { run({}, Z_FINISH); }
+  /// Of all that was written, compressed.
+  std::uint64_t bytes() const { return stream_.total_out; }
 
  private:
   void run(std::string_view bytes, int flush) {
@@ -66,7 +70,7 @@ class Packer {
 /// A head, followed by values.
 class VoxelFile {
  public:
-  VoxelFile(const std::string& path, const VoxelHead& head) : file_(path) {
+  VoxelFile(const std::string& path, const VoxelHead& head) : file_(path), sizeAt_(head.sizeAt) {
     if (head.packing != Packing::kNone && !head.packed) file_.write(head.bytes);
     if (head.packing != Packing::kNone) packer_.emplace(file_, head.packing);
     if (head.packing == Packing::kNone || head.packed) add(head.bytes);
@@ -74,12 +78,18 @@ class VoxelFile {
   void add(std::string_view bytes) { packer_ ? packer_->add(bytes) : file_.write(bytes); }
   void commit() {
     if (packer_) packer_->finish();
+    if (sizeAt_) {
+      std::string digits = std::to_string(packer_->bytes());
+      digits.resize(VoxelHead::kSizeDigits, ' ');
+      file_.overwrite(*sizeAt_, digits);
+    }
     file_.commit();
   }
 
  private:
   AtomicFile file_;
   std::optional<Packer> packer_;
+  std::optional<size_t> sizeAt_;
 };
 
 namespace {
@@ -129,42 +139,64 @@ void quaternionOf(const Mat3d& r, float q[3]) {
   q[0] = float(sign * b), q[1] = float(sign * c), q[2] = float(sign * d);
 }
 
-nifti_1_header niftiHeader(const std::string& path, const Voxels& voxels) {
+/// Whether sizes need NIfTI-2: NIfTI-1 has 16 bits for them.
+bool needsNifti2(const Voxels& voxels) {
+  const openvdb::Coord& size = voxels.lattice.size;
+  return std::max({size[0], size[1], size[2], voxels.volumes}) > std::numeric_limits<short>::max();
+}
+
+void setMagic(nifti_1_header& h) {
+  h.sizeof_hdr = sizeof h;
+  h.vox_offset = float(sizeof h + 4);
+  h.xyzt_units = NIFTI_UNITS_MM;
+  std::memcpy(h.magic, "n+1", 4);
+}
+
+void setMagic(nifti_2_header& h) {
+  h.sizeof_hdr = sizeof h;
+  h.vox_offset = sizeof h + 4;
+  h.xyzt_units = NIFTI_UNITS_MM;
+  std::memcpy(h.magic, "n+2\0\r\n\032\n", 8);
+}
+
+/// `Header`: of NIfTI-1 or -2, which name their fields the same.
+template <typename Header>
+Header niftiHeader(const Voxels& voxels) {
+  using Number = std::decay_t<decltype(Header().pixdim[0])>;
+  using Size = std::decay_t<decltype(Header().dim[0])>;
   const ImageLattice& lattice = voxels.lattice;
-  nifti_1_header h = {};
-  h.sizeof_hdr = 348;
-  h.dim[0] = voxels.vectors ? 5 : 3, h.dim[4] = h.dim[5] = h.dim[6] = h.dim[7] = 1;
+  Header h = {};
+  setMagic(h);
+  h.dim[0] = voxels.vectors ? 5 : voxels.volumes > 1 ? 4 : 3;
+  h.dim[4] = Size(voxels.volumes), h.dim[5] = h.dim[6] = h.dim[7] = 1;
   if (voxels.vectors) h.dim[5] = 3, h.intent_code = NIFTI_INTENT_VECTOR;
-  for (int d = 0; d < 3; ++d) {
-    if (lattice.size[d] > std::numeric_limits<short>::max())
-      throw InputError(path, "NIfTI holds at most 32767 voxels along an axis, not " +
-                                 std::to_string(lattice.size[d]) + "; use .nrrd or .mha");
-    h.dim[d + 1] = short(lattice.size[d]);
+  for (int d = 0; d < 3; ++d) h.dim[d + 1] = Size(lattice.size[d]);
+  if (voxels.seconds > 0) {
+    h.pixdim[4] = Number(voxels.seconds);
+    h.xyzt_units = decltype(h.xyzt_units)(NIFTI_UNITS_MM | NIFTI_UNITS_SEC);
   }
   h.datatype = namesOf(voxels.type).nifti;
   h.bitpix = short(8 * voxels.bytes);
-  h.vox_offset = 352;
   h.scl_slope = 1;
-  h.xyzt_units = NIFTI_UNITS_MM;
   const std::string description = voxels.meaning.empty() ? "slicemorph" : "slicemorph: " + voxels.meaning;
   std::strncpy(h.descrip, description.c_str(), sizeof h.descrip - 1);
-  std::memcpy(h.magic, "n+1", 4);
   // LPS to RAS.
   Vec3d step[3], origin = lattice.origin;
   for (int d = 0; d < 3; ++d) step[d] = {-lattice.step[d][0], -lattice.step[d][1], lattice.step[d][2]};
   origin[0] = -origin[0], origin[1] = -origin[1];
-  float* rows[3] = {h.srow_x, h.srow_y, h.srow_z};
+  Number* rows[3] = {h.srow_x, h.srow_y, h.srow_z};
   for (int r = 0; r < 3; ++r) {
-    for (int d = 0; d < 3; ++d) rows[r][d] = float(step[d][r]) + 0.0f;
-    rows[r][3] = float(origin[r]) + 0.0f;
+    for (int d = 0; d < 3; ++d) rows[r][d] = Number(step[d][r]) + Number(0);
+    rows[r][3] = Number(origin[r]) + Number(0);
   }
   h.sform_code = NIFTI_XFORM_SCANNER_ANAT;
   const Vec3d spacing = lattice.spacing();
-  for (int d = 0; d < 3; ++d) h.pixdim[d + 1] = float(spacing[d]);
+  for (int d = 0; d < 3; ++d) h.pixdim[d + 1] = Number(spacing[d]);
   Mat3d r;
   for (int d = 0; d < 3; ++d) r.setCol(d, step[d] / spacing[d]);
   const double mirrored = r.det() < 0 ? -1 : 1;
-  h.pixdim[0] = float(mirrored);
+  h.pixdim[0] = Number(mirrored);
+  if (voxels.volumes > 1 && !(voxels.seconds > 0)) h.pixdim[4] = 1;
   r.setCol(2, r.col(2) * mirrored);
   // A quaternion holds right-angled axes only: the largest cosine between two of them, as exact
   // as floats are.
@@ -180,39 +212,46 @@ nifti_1_header niftiHeader(const std::string& path, const Voxels& voxels) {
   return h;
 }
 
-std::string nrrdText(const Voxels& voxels) {
+/// `numbers`: of a voxel; `kind`: what these are, with a blank behind it, nothing of one number.
+std::string nrrdText(const Voxels& voxels, int numbers, const std::string& kind, const std::string& keys) {
   const ImageLattice& l = voxels.lattice;
-  const bool vectors = voxels.vectors;
+  const bool vectors = numbers > 1, times = voxels.volumes > 1;
   std::string text = "NRRD0004\n# written by slicemorph\n";
   if (!voxels.meaning.empty()) text += "content: " + voxels.meaning + "\n";
-  text += "type: " + std::string(namesOf(voxels.type).nrrd) + "\ndimension: " + (vectors ? "4" : "3") +
-          "\nspace: left-posterior-superior\nsizes: " + (vectors ? "3 " : "") + std::to_string(l.size[0]) +
-          " " + std::to_string(l.size[1]) + " " + std::to_string(l.size[2]) +
-          "\nspace directions:" + (vectors ? " none" : "");
+  text +=
+      "type: " + std::string(namesOf(voxels.type).nrrd) + "\ndimension: " + (vectors || times ? "4" : "3") +
+      "\nspace: left-posterior-superior\nsizes: " + (vectors ? std::to_string(numbers) + " " : "") +
+      std::to_string(l.size[0]) + " " + std::to_string(l.size[1]) + " " + std::to_string(l.size[2]) +
+      (times ? " " + std::to_string(voxels.volumes) : "") + "\nspace directions:" + (vectors ? " none" : "");
   for (const Vec3d& s : l.step) text += " (" + numbersText(s, ",") + ")";
-  return text + "\nkinds: " + (vectors ? "vector " : "") +
-         "domain domain domain\nendian: little\nencoding: gzip\nspace origin: (" +
-         numbersText(l.origin, ",") + ")\n\n";
+  return text + (times ? " none" : "") + "\nkinds: " + kind + "domain domain domain" +
+         (times ? " time" : "") + "\nendian: little\nencoding: gzip\nspace origin: (" +
+         numbersText(l.origin, ",") + ")\n" + keys + "\n";
 }
+
+/// Without it ITK reads zeros.
+constexpr const char* kPackedSize = "CompressedDataSize = ";
 
 std::string metaImageText(const Voxels& voxels) {
   const ImageLattice& l = voxels.lattice;
   const Vec3d spacing = l.spacing();
-  std::string text = "ObjectType = Image\nNDims = 3\n";
+  const bool times = voxels.volumes > 1;
+  const std::string zero = times ? " 0" : "";
+  std::string text = std::string("ObjectType = Image\nNDims = ") + (times ? "4" : "3") + "\n";
   if (!voxels.meaning.empty()) text += "Comment = " + voxels.meaning + "\n";
-  text +=
-      "BinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = "
-      "True\nTransformMatrix =";
-  for (int d = 0; d < 3; ++d) text += " " + numbersText(l.step[d] / spacing[d], " ");
-  return text + "\nOffset = " + numbersText(l.origin, " ") +
-         "\nCenterOfRotation = 0 0 0\nElementSpacing = " + numbersText(spacing, " ") +
-         "\nDimSize = " + std::to_string(l.size[0]) + " " + std::to_string(l.size[1]) + " " +
-         std::to_string(l.size[2]) + (voxels.vectors ? "\nElementNumberOfChannels = 3" : "") +
+  text += "BinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = True\n" +
+          std::string(kPackedSize) + std::string(VoxelHead::kSizeDigits, ' ') + "\nTransformMatrix =";
+  for (int d = 0; d < 3; ++d) text += " " + numbersText(l.step[d] / spacing[d], " ") + zero;
+  return text + (times ? " 0 0 0 1" : "") + "\nOffset = " + numbersText(l.origin, " ") + zero +
+         "\nCenterOfRotation = 0 0 0" + zero + "\nElementSpacing = " + numbersText(spacing, " ") +
+         (times ? " 1" : "") + "\nDimSize = " + std::to_string(l.size[0]) + " " + std::to_string(l.size[1]) +
+         " " + std::to_string(l.size[2]) + (times ? " " + std::to_string(voxels.volumes) : "") +
+         (voxels.vectors ? "\nElementNumberOfChannels = 3" : "") +
          "\nElementType = " + namesOf(voxels.type).meta + "\nElementDataFile = LOCAL\n";
 }
 
-Voxels voxelsOf(const ImageLattice& lattice, const ImageValues& like) {
-  return {lattice, like.index(), size_t(rawTypeOf(like).bytes), false, {}};
+Voxels voxelsOf(const ImageLattice& lattice, const ImageValues& like, int volumes = 1) {
+  return {lattice, like.index(), size_t(rawTypeOf(like).bytes), false, {}, volumes};
 }
 
 Voxels voxelsOf(const VectorImage& image) {
@@ -251,23 +290,44 @@ bool isImageOutput(const std::string& path) {
 }
 
 VoxelHead niftiHead(const std::string& path, const Voxels& voxels) {
-  const nifti_1_header header = niftiHeader(path, voxels);
-  const bool plain = fullExtensionOf(path) == ".nii";
-  return {std::string(reinterpret_cast<const char*>(&header), sizeof header) + std::string(4, '\0'),
-          plain ? Packing::kNone : Packing::kGzip, true, false};
+  const auto bytesOfHeader = [](const auto& header) {
+    return std::string(reinterpret_cast<const char*>(&header), sizeof header) + std::string(4, '\0');
+  };
+  const std::string bytes = needsNifti2(voxels) ? bytesOfHeader(niftiHeader<nifti_2_header>(voxels))
+                                                : bytesOfHeader(niftiHeader<nifti_1_header>(voxels));
+  return {bytes, fullExtensionOf(path) == ".nii" ? Packing::kNone : Packing::kGzip, true, false};
 }
 
 VoxelHead nrrdHead(const std::string&, const Voxels& voxels) {
-  return {nrrdText(voxels), Packing::kGzip, false, true};
+  return {nrrdText(voxels, voxels.vectors ? 3 : 1, voxels.vectors ? "vector " : "", ""), Packing::kGzip,
+          false, true};
+}
+
+VoxelHead nrrdLabelsHead(const ImageLattice& lattice, int layers, bool wide, const std::string& keys) {
+  const ImageValues like =
+      wide ? ImageValues(std::vector<std::uint16_t>()) : ImageValues(std::vector<std::uint8_t>());
+  return {nrrdText(voxelsOf(lattice, like), layers, layers > 1 ? "list " : "", keys), Packing::kGzip, false,
+          true};
+}
+
+void writeVoxels(const std::string& path, const VoxelHead& head, std::string_view values) {
+  VoxelFile file(path, head);
+  file.add(values);
+  file.commit();
 }
 
 VoxelHead metaImageHead(const std::string&, const Voxels& voxels) {
-  return {metaImageText(voxels), Packing::kZlib, false, true};
+  VoxelHead head{metaImageText(voxels), Packing::kZlib, false, true};
+  head.sizeAt = head.bytes.find(kPackedSize) + std::strlen(kPackedSize);
+  return head;
 }
 
 ImageSliceWriter::ImageSliceWriter(const std::string& path, const ImageLattice& lattice,
-                                   const ImageValues& like)
-    : file_(std::make_unique<VoxelFile>(path, headerOf(path)(path, voxelsOf(lattice, like)))) {}
+                                   const ImageValues& like, int volumes, double seconds) {
+  Voxels voxels = voxelsOf(lattice, like, volumes);
+  voxels.seconds = seconds;
+  file_ = std::make_unique<VoxelFile>(path, headerOf(path)(path, voxels));
+}
 
 ImageSliceWriter::~ImageSliceWriter() = default;
 

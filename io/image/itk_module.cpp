@@ -2,7 +2,8 @@
 
 const slicemorph::ItkReaders* slicemorphItkReaders() {
   using namespace slicemorph;
-  static const ItkReaders readers{readNrrd,        readMetaImage,     openNrrd,       openMetaImage,
-                                  scanDicomFolder, chooseDicomSeries, readDicomSeries};
+  static const ItkReaders readers{readNrrd,         readMetaImage,     openNrrd,          openMetaImage,
+                                  scanDicom,        holdsDicomVolumes, chooseDicomVolume, readDicomVolume,
+                                  segmentationFile, structureSetFile};
   return &readers;
 }

@@ -1,14 +1,18 @@
 #include "io/image/nifti_reader.h"
 
-#include "io/image/raw_values.h"
+#include "io/image/chosen_volume.h"
+#include "io/image/nifti_place.h"
+#include "io/image/packed_bytes.h"
 #include "io/paths.h"
 #include "slicemorph/errors.h"
 
-#include <nifti/nifti1_io.h>
-
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <utility>
 
 namespace slicemorph {
@@ -17,188 +21,261 @@ namespace {
 struct FreeImage {
   void operator()(nifti_image* image) const { nifti_image_free(image); }
 };
-using NiftiHeader = std::unique_ptr<nifti_image, FreeImage>;
+using NiftiPointer = std::unique_ptr<nifti_image, FreeImage>;
 
-/// From voxel indices to LPS.
-struct Affine {
-  Vec3d origin, step[3];
-
-  bool valid() const {
-    const double volume = step[0].dot(step[1].cross(step[2]));
-    const double size = step[0].length() * step[1].length() * step[2].length();
-    return std::isfinite(volume + origin.length()) && size > 0 && std::abs(volume) > 1e-6 * size;
-  }
+/// The numbers of a voxel: their type, and how many there are, of colours or complex numbers.
+struct VoxelType {
+  RawType type;
+  int components = 1;
 };
 
-/// From a matrix of NIfTI, whose axes are RAS.
-Affine affineOf(const mat44& m) {
-  const auto column = [&](int c) { return Vec3d(-double(m.m[0][c]), -double(m.m[1][c]), double(m.m[2][c])); };
-  return {column(3), {column(0), column(1), column(2)}};
-}
-
-/// Millimetres of a unit of length; unknown ones are taken as millimetres.
-double millimetres(int unit) {
-  return unit == NIFTI_UNITS_METER ? 1000 : unit == NIFTI_UNITS_MICRON ? 0.001 : 1;
-}
-
-/// Sets the lattice's origin and steps. Throws IoError where the header has no valid affine.
-void place(const std::string& path, const nifti_image& header, ImageFile& file) {
-  Affine affine{};
-  bool found = false;
-  if (header.sform_code > 0) {
-    affine = affineOf(header.sto_xyz);
-    found = affine.valid();
-    if (!found)
-      file.notes.emplace_back("image.sform-damaged", Severity::kWarning, "",
-                              "its sform is no valid affine (it flattens space)");
-  }
-  if (!found && header.qform_code > 0) {
-    affine = affineOf(header.qto_xyz);
-    found = affine.valid();
-    if (found && header.sform_code > 0) file.notes.back().text += ": the qform was taken";
-  }
-  if (!found) {
-    const Vec3d spacing(std::abs(header.dx), std::abs(header.dy), std::abs(header.dz));
-    if (header.sform_code > 0 || header.qform_code > 0 ||
-        !(spacing[0] > 0 && spacing[1] > 0 && spacing[2] > 0) || !std::isfinite(spacing.length()))
-      throw IoError(path, "no valid affine: neither its sform (code " + std::to_string(header.sform_code) +
-                              ") nor its qform (code " + std::to_string(header.qform_code) +
-                              ") nor its voxel spacing places the voxels in space");
-    affine = {Vec3d(0.0), {{-spacing[0], 0, 0}, {0, -spacing[1], 0}, {0, 0, spacing[2]}}};
-    file.notes.emplace_back(
-        "image.place-unknown", Severity::kWarning, "",
-        "it does not say where it lies (sform and qform codes are 0): taken from its voxel spacing, axes as "
-        "right, front, up");
-  }
-  const double unit = millimetres(header.xyz_units);
-  if (unit != 1)
-    file.notes.emplace_back("image.unit-converted", Severity::kNote, "",
-                            "lengths are not in millimetres: multiplied by " + std::to_string(unit));
-  file.image.lattice.origin = affine.origin * unit;
-  for (int d = 0; d < 3; ++d) file.image.lattice.step[d] = affine.step[d] * unit;
-}
-
-RawType rawTypeOfNifti(const std::string& path, int datatype) {
+VoxelType voxelTypeOf(const std::string& path, int datatype) {
   switch (datatype) {
     case DT_UINT8:
-      return {1, RawType::kUnsigned};
+      return {{1, RawType::kUnsigned}};
     case DT_INT8:
-      return {1, RawType::kSigned};
+      return {{1, RawType::kSigned}};
     case DT_UINT16:
-      return {2, RawType::kUnsigned};
+      return {{2, RawType::kUnsigned}};
     case DT_INT16:
-      return {2, RawType::kSigned};
+      return {{2, RawType::kSigned}};
     case DT_UINT32:
-      return {4, RawType::kUnsigned};
+      return {{4, RawType::kUnsigned}};
     case DT_INT32:
-      return {4, RawType::kSigned};
+      return {{4, RawType::kSigned}};
     case DT_UINT64:
-      return {8, RawType::kUnsigned};
+      return {{8, RawType::kUnsigned}};
     case DT_INT64:
-      return {8, RawType::kSigned};
+      return {{8, RawType::kSigned}};
     case DT_FLOAT32:
-      return {4, RawType::kFloat};
+      return {{4, RawType::kFloat}};
     case DT_FLOAT64:
-      return {8, RawType::kFloat};
+      return {{8, RawType::kFloat}};
+    case DT_RGB24:
+      return {{1, RawType::kUnsigned}, 3};
+    case DT_RGBA32:
+      return {{1, RawType::kUnsigned}, 4};
+    case DT_COMPLEX64:
+      return {{4, RawType::kFloat}, 2};
+    case DT_COMPLEX128:
+      return {{8, RawType::kFloat}, 2};
   }
-  throw IoError(path, std::string("its voxels are ") + nifti_datatype_string(datatype) +
-                          "; only plain numbers can be read");
+  throw IoError(path, std::string("its voxels are ") + nifti_datatype_string(datatype) + " (code " +
+                          std::to_string(datatype) +
+                          "); numbers of up to 64 bits, RGB24, RGBA32 and complex ones can be read");
 }
-
-/// The data of a file, from a volume's first byte on.
-class NiftiData {
- public:
-  NiftiData(const std::string& path, nifti_image& header, size_t volume, size_t bytes)
-      : path_(path), header_(header), volume_(volume), file_(znzopen(header.iname, "rb", isPacked(header))) {
-    if (znz_isnull(file_))
-      throw IoError(path, "its data file " + std::string(header.iname) + " cannot be opened");
-    if (znzseek(file_, long(header.iname_offset + volume * bytes), SEEK_SET) < 0) refuse();
-  }
-  ~NiftiData() { Xznzclose(&file_); }
-  NiftiData(const NiftiData&) = delete;
-  NiftiData& operator=(const NiftiData&) = delete;
-
-  /// The next bytes.
-  void read(void* to, size_t bytes) {
-    if (nifti_read_buffer(file_, to, bytes, &header_) != bytes) refuse();
-  }
-
- private:
-  static int isPacked(const nifti_image& header) { return nifti_is_gzfile(header.iname); }
-  [[noreturn]] void refuse() const {
-    throw IoError(path_, "is truncated or damaged: volume " + std::to_string(volume_) + " is not all there");
-  }
-
-  std::string path_;
-  nifti_image& header_;
-  size_t volume_;
-  znzFile file_;
-};
 
 /// A file whose header was read.
 struct OpenNifti {
-  NiftiHeader header;
+  NiftiPointer header;
   ImageFile file;
-  RawType type;
-  bool scaled = false;  ///< values are to be multiplied or shifted
+  VoxelType voxel;
+  std::vector<StoredAxis> axes;
+  double slope = 1, intercept = 0;
+
+  bool colours() const { return voxel.components > 2; }
+  bool packed() const { return nifti_is_gzfile(header->iname); }
 };
+
+/// Slope and intercept, which stand elsewhere where a file is none of NIfTI.
+void setScale(const std::string& path, OpenNifti& open) {
+  const nifti_image& header = *open.header;
+  double slope = header.scl_slope, intercept = header.scl_inter;
+  if (header.nifti_type == NIFTI_FTYPE_ANALYZE) slope = analyzeHeaderOf(header.fname).funused1, intercept = 0;
+  if (open.colours() || slope == 0 || std::isnan(slope)) return;
+  if (!std::isfinite(slope) || !std::isfinite(intercept)) {
+    std::ostringstream text;
+    text << "its scl_slope " << slope << " and scl_inter " << intercept << " scale no values";
+    throw IoError(path, text.str());
+  }
+  open.slope = slope, open.intercept = intercept;
+}
+
+/// Size, axes and the number of volumes. Throws IoError where these make no sense.
+void describeNifti(const std::string& path, OpenNifti& open) {
+  const nifti_image& header = *open.header;
+  const std::int64_t sizes[] = {header.nx,
+                                header.ny,
+                                std::max<std::int64_t>(1, header.nz),
+                                std::max<std::int64_t>(1, header.nt),
+                                std::max<std::int64_t>(1, header.nu),
+                                std::max<std::int64_t>(1, header.nv),
+                                std::max<std::int64_t>(1, header.nw)};
+  const std::int64_t most = std::int64_t(1) << 40;
+  std::int64_t all = open.voxel.components, volumes = open.voxel.components;
+  open.axes = {{size_t(open.voxel.components), false}};
+  for (int d = 0; d < 7; ++d) {
+    if (sizes[d] < 1 || sizes[d] > most / all || (d < 3 && sizes[d] > std::int64_t(1) << 30))
+      throw IoError(path, "its size " + std::to_string(sizes[0]) + " x " + std::to_string(sizes[1]) + " x " +
+                              std::to_string(sizes[2]) + " makes no sense");
+    all *= sizes[d];
+    open.axes.push_back({size_t(sizes[d]), d < 3});
+    if (d < 3)
+      open.file.image.lattice.size[d] = int(sizes[d]);
+    else
+      volumes *= sizes[d];
+  }
+  open.file.volumes = int(std::min<std::int64_t>(volumes, 1 << 30));
+}
+
+/// What tells the volumes of a file apart.
+std::string kindsOf(const OpenNifti& open) {
+  const nifti_image& header = *open.header;
+  std::string kinds = open.voxel.components == 2 ? "real and imaginary part" : open.colours() ? "colour" : "";
+  const auto add = [&](bool there, const char* kind) {
+    if (there) kinds += (kinds.empty() ? "" : ", ") + std::string(kind);
+  };
+  const int intent = header.intent_code;
+  add(header.nt > 1, "time");
+  add(header.nu > 1, intent == NIFTI_INTENT_VECTOR || intent == NIFTI_INTENT_DISPVECT ? "vector component"
+                     : intent == NIFTI_INTENT_SYMMATRIX                               ? "matrix component"
+                                                        : "the fifth dimension");
+  add(header.nv > 1 || header.nw > 1, "further dimensions");
+  return kinds;
+}
+
+/// A whole number of a header.
+std::int64_t numberAt(const unsigned char* header, size_t at, size_t bytes, bool highFirst) {
+  std::uint64_t value = 0;
+  for (size_t i = 0; i < bytes; ++i)
+    value |= std::uint64_t(header[at + i]) << 8 * (highFirst ? bytes - 1 - i : i);
+  const unsigned spare = unsigned(64 - 8 * bytes);
+  return std::int64_t(value << spare) >> spare;
+}
+
+/// Throws IoError for the headers of which the library prints what is wrong instead of returning it.
+void checkNiftiHeader(const std::string& path) {
+  const std::unique_ptr<char, decltype(&std::free)> name(nifti_findhdrname(path.c_str()), &std::free);
+  if (!name) return;
+  unsigned char header[sizeof(nifti_2_header)] = {};
+  PackedBytes file(name.get(), 0, nifti_is_gzfile(name.get()) ? PackedAs::kDeflate : PackedAs::kPlain);
+  if (file.read(header, sizeof header) < sizeof(nifti_1_header)) return;
+  for (const bool swap : {false, true}) {
+    const std::int64_t size = numberAt(header, 0, 4, swap);
+    if (size != sizeof(nifti_1_header) && size != sizeof(nifti_2_header)) continue;
+    const bool second = size == sizeof(nifti_2_header);
+    const auto dim = [&](size_t n) {
+      return second ? numberAt(header, 16 + 8 * n, 8, swap) : numberAt(header, 40 + 2 * n, 2, swap);
+    };
+    const std::int64_t dimensions = dim(0);
+    if (dimensions < 1 || dimensions > 7)
+      throw IoError(path, "is damaged: its header states " + std::to_string(dimensions) +
+                              " dimensions; there are 1 to 7");
+    if (dim(1) < 1) throw IoError(path, "is damaged: its header states a size of " + std::to_string(dim(1)));
+    const std::int64_t type = numberAt(header, second ? 12 : 70, 2, swap);
+    if (nifti_is_valid_datatype(int(type)) == 0) voxelTypeOf(path, int(type));
+    return;
+  }
+}
 
 OpenNifti openedNifti(const std::string& path, int volume) {
   sizeOfInput(path);
   nifti_set_debug_level(0);
-  OpenNifti open{NiftiHeader(nifti_image_read(path.c_str(), 0)), {}, {}};
-  const nifti_image* header = open.header.get();
-  if (!header) throw IoError(path, "is no NIfTI file, or its header is damaged");
-  ImageFile& file = open.file;
-  file.format = "NIfTI";
-  file.about = header->descrip;
-  const openvdb::Coord size(header->nx, header->ny, std::max(1, header->nz));
-  const std::int64_t most = std::int64_t(1) << 40;
-  if (size[0] < 1 || size[1] < 1 || std::int64_t(size[0]) * size[1] > most / size[2])
-    throw IoError(path, "its size " + std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " +
-                            std::to_string(size[2]) + " makes no sense");
-  const std::int64_t volumes = std::int64_t(std::max(1, header->nt)) * std::max(1, header->nu) *
-                               std::max(1, header->nv) * std::max(1, header->nw);
-  file.volumes = int(std::min<std::int64_t>(volumes, 1 << 30));
-  if (volume < 0 || volume >= file.volumes)
-    throw InputError(path, "has no volume " + std::to_string(volume) + "; it has " +
-                               std::to_string(file.volumes) + ", numbered from 0");
-  file.image.lattice.size = size;
-  place(path, *header, file);
-  open.type = rawTypeOfNifti(path, header->datatype);
-  const double slope = header->scl_slope, intercept = header->scl_inter;
-  open.scaled = slope != 0 && std::isfinite(slope) && std::isfinite(intercept);
+  checkNiftiHeader(path);
+  OpenNifti open;
+  open.header.reset(nifti_image_read(path.c_str(), 0));
+  if (!open.header) throw IoError(path, "is no NIfTI or Analyze 7.5 file, or its header is damaged");
+  const nifti_image& header = *open.header;
+  open.file.format = header.nifti_type == NIFTI_FTYPE_ANALYZE ? "Analyze 7.5"
+                     : header.nifti_type == NIFTI_FTYPE_NIFTI2_1 || header.nifti_type == NIFTI_FTYPE_NIFTI2_2
+                         ? "NIfTI-2"
+                         : "NIfTI";
+  open.file.about = header.descrip;
+  // Numbers of CIFTI's intents, https://www.nitrc.org/projects/cifti/
+  if (header.intent_code >= 3000 && header.intent_code < 3100)
+    throw IoError(path, "is CIFTI (intent " + std::to_string(header.intent_code) +
+                            "): matrices over points of surfaces, which are no image");
+  open.voxel = voxelTypeOf(path, header.datatype);
+  describeNifti(path, open);
+  placeNifti(path, header, open.file);
+  checkVolume(path, volume, open.file.volumes);
+  setScale(path, open);
+  if (header.nifti_type == NIFTI_FTYPE_ANALYZE && open.slope != 1)
+    open.file.notes.emplace_back(
+        "image.rescaled", Severity::kNote, "",
+        "its values are multiplied by SPM's scale factor " + std::to_string(open.slope));
+  if (volume == kNoVolume && !open.colours()) noteFirstVolume(path, kindsOf(open), open.file);
   return open;
+}
+
+/// The stream of a volume's numbers.
+struct NiftiStream {
+  std::shared_ptr<PackedBytes> bytes;
+  VolumeReader reader;
+};
+
+NiftiStream streamOf(const std::string& path, const OpenNifti& open, size_t volume) {
+  const nifti_image& header = *open.header;
+  const std::string data = header.iname ? header.iname : "";
+  if (!std::filesystem::exists(data)) throw IoError(path, "its data file " + data + " does not exist");
+  std::vector<StoredAxis> axes = open.axes;
+  std::uint64_t each = std::uint64_t(open.voxel.type.bytes),
+                from = std::uint64_t(std::max<std::int64_t>(0, header.iname_offset));
+  std::uint64_t all = each;
+  for (const StoredAxis& axis : axes) all *= axis.size, each *= axis.domain ? axis.size : 1;
+  if (open.voxel.components == 1) {
+    // Volumes follow each other: those before are passed over.
+    from += volume * each, all = each;
+    for (StoredAxis& axis : axes)
+      if (!axis.domain) axis.size = 1;
+  }
+  if (!open.packed()) {
+    const std::uint64_t there = sizeOfInput(data);
+    if (there < from + all)
+      throw IoError(path, "is truncated: " + (data == path ? "it" : data) + " has " +
+                              std::to_string(there - std::min(from, there)) + " bytes of voxels" +
+                              (open.file.volumes > 1 ? " for volume " + std::to_string(volume) : "") + ", " +
+                              std::to_string(all) + " are needed");
+  }
+  auto bytes = std::make_shared<PackedBytes>(data, open.packed() ? 0 : from,
+                                             open.packed() ? PackedAs::kDeflate : PackedAs::kPlain);
+  if (open.packed() && !bytes->skip(from))
+    throw IoError(path, "is truncated or damaged: volume " + std::to_string(volume) + " is not there");
+  const bool swap = header.byteorder != nifti_short_order();
+  const int size = open.voxel.type.bytes;
+  return {bytes, VolumeReader(axes, volume, size_t(size), [=](void* to, size_t wanted) {
+            const size_t got = bytes->read(to, wanted);
+            if (swap) swapBytes(to, got / size_t(size), size);
+            return got;
+          })};
+}
+
+ImageValues valuesOfNifti(const std::string& path, const OpenNifti& open, size_t volume) {
+  NiftiStream stream = streamOf(path, open, volume);
+  const size_t count = open.file.image.lattice.count();
+  ImageValues values = readValues(open.voxel.type, count, [&](void* to) {
+    readOrRefuse(path, stream.reader, to, count, open.voxel.type);
+  });
+  // The checksum stands at the end.
+  if (open.packed() && volume + 1 == size_t(open.file.volumes) && !stream.bytes->endsWell())
+    throw IoError(path, "is truncated or damaged: its compressed data do not end as they should");
+  return rescaled(std::move(values), open.slope, open.intercept);
 }
 
 }  // namespace
 
 ImageFile readNifti(const std::string& path, int volume, const SizeCheck& check) {
   OpenNifti open = openedNifti(path, volume);
-  ImageFile& file = open.file;
-  const size_t count = file.image.lattice.count(), bytes = count * size_t(open.type.bytes);
-  check(file.image.lattice.size, double(bytes));
-  NiftiData data(path, *open.header, size_t(volume), bytes);
-  file.image.values = readValues(open.type, count, [&](void* to) { data.read(to, bytes); });
-  if (open.scaled)
-    file.image.values =
-        rescaled(std::move(file.image.values), open.header->scl_slope, open.header->scl_inter);
-  return std::move(file);
+  const ImageLattice& lattice = open.file.image.lattice;
+  const bool luminance = volume == kNoVolume && open.colours();
+  check(lattice.size,
+        double(lattice.count()) * (open.voxel.type.bytes + (luminance ? int(sizeof(double)) : 0)));
+  if (luminance) {
+    open.file.image.values =
+        luminanceOf([&](int colour) { return valuesOfNifti(path, open, size_t(colour)); });
+    noteLuminance(path, open.file);
+  } else {
+    open.file.image.values = valuesOfNifti(path, open, size_t(std::max(volume, 0)));
+    if (open.slope == 1 && open.intercept == 0) noteRounded(open.voxel.type, open.file);
+  }
+  return std::move(open.file);
 }
 
 std::optional<ImageSlices> openNifti(const std::string& path, int volume) {
-  auto open = std::make_shared<OpenNifti>(openedNifti(path, volume));
-  const bool same = open->header->scl_slope == 1 && open->header->scl_inter == 0;
-  if (open->file.volumes > 1 || (open->scaled && !same)) return std::nullopt;
-  const ImageLattice& lattice = open->file.image.lattice;
-  const size_t each = size_t(lattice.size[0]) * size_t(lattice.size[1]);
-  auto data = std::make_shared<NiftiData>(path, *open->header, 0, lattice.count() * size_t(open->type.bytes));
-  ImageFile file = open->file;
-  file.image.values = noValues(open->type);
-  return ImageSlices{std::move(file), bytesWhileRead(open->type), [open, data, each] {
-                       return readValues(open->type, each,
-                                         [&](void* to) { data->read(to, each * size_t(open->type.bytes)); });
-                     }};
+  OpenNifti open = openedNifti(path, volume);
+  if (open.slope != 1 || open.intercept != 0 || (volume == kNoVolume && open.colours())) return std::nullopt;
+  NiftiStream stream = streamOf(path, open, size_t(std::max(volume, 0)));
+  return slicesOf(path, std::move(open.file), open.voxel.type, std::move(stream.reader));
 }
 
 }  // namespace slicemorph

@@ -4,11 +4,13 @@
 #include "slicemorph/io/image_file.h"
 #include "slicemorph/io/image_slices.h"
 
+#include <optional>
+
 namespace slicemorph {
 
-/// Reads one volume (from 0) of a NIfTI file. Its position in space is the sform where that has a code and is
-/// valid, else the qform, else the spacing alone; RAS is converted to LPS. Throws IoError, and InputError
-/// where there is no such volume, and what `check` throws.
+/// Reads one volume (from 0; kNoVolume: the first, or the luminance of colours) of a NIfTI-1, NIfTI-2 or Analyze 7.5
+/// file, plain or by gzip, header and data together or apart. Where it lies: see placeNifti(). Throws IoError, and
+/// InputError where there is no such volume, and what `check` throws.
 ImageFile readNifti(const std::string& path, int volume, const SizeCheck& check);
 
 /// The same slice by slice, as openImageSlices.

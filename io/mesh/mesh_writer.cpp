@@ -19,6 +19,15 @@ namespace {
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
               "binary PLY and STL are written as they lie in memory");
 
+std::string textOf(MeshSpace space) { return space == MeshSpace::kRas ? "SPACE=RAS" : "SPACE=LPS"; }
+
+/// LPS to RAS: half a turn about z, which keeps the winding.
+Mesh inRas(Mesh mesh) {
+  for (openvdb::Vec3s& p : mesh.points) p[0] = -p[0], p[1] = -p[1];
+  mesh.origin[0] = -mesh.origin[0], mesh.origin[1] = -mesh.origin[1];
+  return mesh;
+}
+
 /// Builds one line of text after the other in the same memory.
 class Line {
  public:
@@ -70,8 +79,9 @@ struct __attribute__((packed)) StlFacet {
 
 }  // namespace
 
-void writeObj(const std::string& path, const Mesh& mesh) {
+void writeObj(const std::string& path, const Mesh& mesh, MeshSpace space) {
   AtomicFile file(path);
+  if (space != MeshSpace::kUnsaid) file.write("# " + textOf(space) + "\n");
   Line line;
   for (size_t i = 0; i < mesh.points.size(); ++i) {
     line.begin('v');
@@ -88,14 +98,16 @@ void writeObj(const std::string& path, const Mesh& mesh) {
   file.commit();
 }
 
-void writePly(const std::string& path, const Mesh& mesh) {
+void writePly(const std::string& path, const Mesh& mesh, MeshSpace space) {
   AtomicFile file(path);
   const bool colored = !mesh.colors.empty(), far = isFar(mesh);
   const std::string number = far ? "double" : "float",
                     colors = colored ? "property uchar red\nproperty uchar green\nproperty uchar blue\n" : "";
-  file.write("ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(mesh.points.size()) +
-             "\nproperty " + number + " x\nproperty " + number + " y\nproperty " + number + " z\n" + colors +
-             "element face " + std::to_string(mesh.triangles.size()) +
+  const std::string comment = space == MeshSpace::kUnsaid ? "" : "comment " + textOf(space) + "\n";
+  file.write("ply\nformat binary_little_endian 1.0\n" + comment + "element vertex " +
+             std::to_string(mesh.points.size()) + "\nproperty " + number + " x\nproperty " + number +
+             " y\nproperty " + number + " z\n" + colors + "element face " +
+             std::to_string(mesh.triangles.size()) +
              "\nproperty list uchar uint vertex_indices\nend_header\n");
   for (size_t i = 0; i < mesh.points.size(); ++i) {
     const Vec3d place = Vec3d(mesh.points[i]) + mesh.origin;
@@ -111,12 +123,13 @@ void writePly(const std::string& path, const Mesh& mesh) {
   file.commit();
 }
 
-void writeStl(const std::string& path, const Mesh& mesh) {
+void writeStl(const std::string& path, const Mesh& mesh, MeshSpace space) {
   if (mesh.triangles.size() > std::numeric_limits<std::uint32_t>::max()) {
     throw IoError(path, "cannot be written: STL holds at most 2^32 - 1 triangles; use .ply");
   }
   AtomicFile file(path);
   char header[80] = "slicemorph";
+  if (space != MeshSpace::kUnsaid) std::strncat(header, (" " + textOf(space)).c_str(), 20);
   file.write({header, sizeof header});
   writeRaw(file, std::uint32_t(mesh.triangles.size()));
   for (const openvdb::Vec3I& t : mesh.triangles) {
@@ -133,7 +146,7 @@ void writeStl(const std::string& path, const Mesh& mesh) {
   file.commit();
 }
 
-void writeStillGlb(const std::string& path, const Mesh& mesh) {
+void writeStillGlb(const std::string& path, const Mesh& mesh, MeshSpace) {
   std::vector<std::vector<openvdb::Vec3s>> colors;
   if (!mesh.colors.empty()) colors.push_back(mesh.colors);
   std::vector<openvdb::Vec3s> places(mesh.points.size());
@@ -141,12 +154,12 @@ void writeStillGlb(const std::string& path, const Mesh& mesh) {
   writeGlb(path, {{0, mesh.triangles, {std::move(places)}, colors}});
 }
 
-void writeMesh(const std::string& path, const Mesh& mesh) {
+void writeMesh(const std::string& path, const Mesh& mesh, MeshSpace space) {
   const Format* format = formatToWrite(path);
   if (!format || !format->writeMesh)
     throw InputError(path, "no mesh format that can be written has this extension; use " +
                                writableList(Contents::kMesh, ", "));
-  format->writeMesh(path, mesh);
+  format->writeMesh(path, space == MeshSpace::kRas ? inRas(mesh) : mesh, space);
 }
 
 }  // namespace slicemorph

@@ -173,7 +173,8 @@ TEST_F(Formats, ListsNameWhatThereIs) {
   EXPECT_EQ(meshes.substr(0, 28), ".obj, .ply, .stl, .off, .glb");
   EXPECT_EQ(writableList(Contents::kMesh).substr(0, 19), ".obj .ply .stl .glb");
   EXPECT_EQ(readableList(Contents::kImage),
-            ".nii .nii.gz .nrrd .nhdr .mha .mhd, a DICOM folder, name.####.tif|png|exr");
+            ".nii .nii.gz .hdr .hdr.gz .img .img.gz .nrrd .nhdr .mha .mhd, a DICOM folder, "
+            "name.####.tif|png|exr");
   EXPECT_EQ(writableList(Contents::kImage), ".nii .nii.gz .nrrd .mha");
   EXPECT_EQ(readableList(Contents::kContours), ".csl, a DICOM RT structure set");
 }

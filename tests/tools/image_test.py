@@ -312,9 +312,15 @@ def case_damaged():
             refused("convert", part, "-o", "out.nii.gz", says=[part])
     write_series("cut", [(0, 0, n) for n in range(4)])
     raw = open("cut/002.dcm", "rb").read()
-    for cut in (140, 200, 400, len(raw) // 2, len(raw) - 20, len(raw) - 300):
+    # One that says of what series it is, and one that ends before that: it is left out, by name.
+    of_series = raw.index(b"1.2.3.9") + 10
+    for cut in (of_series, len(raw) // 2, len(raw) - 20, len(raw) - 300):
         open("cut/002.dcm", "wb").write(raw[:cut])
-        refused("convert", "cut", "-o", "out.nii.gz", says=["002.dcm"])
+        refused("convert", "cut", "-o", "out.nii.gz", says=["002.dcm", "cut:1"])
+    for cut in (140, 200, 400):
+        open("cut/002.dcm", "wb").write(raw[:cut])
+        said = run("convert", "cut", "-o", "rest.nii").stderr
+        assert "002.dcm: is truncated or damaged" in said and "unevenly spaced" in said, said
     # A MetaImage of several files with wrong sizes: the whole stream is read, with a note.
     header = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = %s\nCompressedData = %s\n%s" \
              "TransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = 1 2 3\nElementSpacing = 1 1 2\nDimSize = 20 22 24\n" \

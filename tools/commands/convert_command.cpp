@@ -4,6 +4,7 @@
 #include "engine/volume/image_shape.h"
 #include "engine/volume/level_set.h"
 #include "engine/volume/resample_image.h"
+#include "io/image/image_formats.h"
 #include "io/paths.h"
 #include "io/vdb/grid_choice.h"
 #include "slicemorph/errors.h"
@@ -16,16 +17,21 @@
 #include "tools/job/load_settings.h"
 #include "tools/job/memory_need.h"
 #include "tools/job/option_values.h"
+#include "tools/job/write_structures.h"
 
 #include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
 
 namespace slicemorph {
 namespace {
 
 struct ConvertSettings {
-  std::string input, output, like;
+  std::string input, output, like, source, names;
   LoadOptions load;
   bool quiet = false, verbose = false;
+  MeshSpace space = MeshSpace::kUnsaid;  ///< of meshes
 };
 
 /// The image on the lattice that the options ask for; unchanged where they ask for none.
@@ -35,6 +41,20 @@ Image onAskedLattice(Image image, const ConvertSettings& s) {
       s.like.empty() ? cubicLattice(image.lattice, s.load) : readImage(s.like, s.load.image).image.lattice;
   require(s.load.memory, s.output, needOfImage(on, 1));
   return isLabelMap(image, s.load.imageKind) ? nearestTo(image, on) : resampledTo(image, on);
+}
+
+/// The settings for a file that may say itself that its values are labels.
+ConvertSettings settingsFor(const ImageFile& file, ConvertSettings s) {
+  if (s.load.imageKind == ImageKind::kAuto && isStatedLabels(file)) s.load.imageKind = ImageKind::kLabels;
+  return s;
+}
+
+/// The image that is converted; labels that are stored as floating point are rounded but where values stay as they are.
+ImageFile imageToConvert(const InputSpec& input, const ConvertSettings& s) {
+  ImageFile file = readImage(input, s.load.image);
+  const bool resampled = !s.like.empty() || s.load.voxelSize != 0 || s.load.resolution != 0;
+  if (resampled || !isImageOutput(s.output)) takeLabels(file, s.load.imageKind);
+  return file;
 }
 
 /// Writes an image's values as a grid, and with --iso its surface as another.
@@ -76,11 +96,38 @@ Image maskOf(const FloatGrid& levelSet) {
   return distances;
 }
 
+/// Several volumes of an image become one file.
+void convertVolumes(const ConvertSettings& s, const std::vector<InputFrame>& volumes) {
+  std::optional<ImageSliceWriter> writer;
+  Image first;
+  for (const InputFrame& volume : volumes) {
+    ImageFile file = imageToConvert(volume.input, s);
+    printNotes(volume.input.text + ": ", file.notes, s.quiet, s.verbose);
+    const Image image = onAskedLattice(std::move(file.image), s);
+    if (!writer) {
+      writer.emplace(s.output, image.lattice, image.values, int(volumes.size()));
+      first.values =
+          std::visit([](const auto& v) { return ImageValues(std::decay_t<decltype(v)>()); }, image.values);
+    }
+    if (image.values.index() != first.values.index())
+      throw InputError(volume.input.text, "its values have another type than those of " +
+                                              volumes[0].input.text +
+                                              ", and one file holds one type; convert each volume by itself");
+    writer->add(image.values);
+  }
+  writer->commit();
+}
+
 void convertToImage(const ConvertSettings& s) {
-  if (isImageInput(s.input)) {
-    ImageFile file = readImage(s.input, s.load.image);
+  const InputSpec input = parseInput(s.input);
+  if (input.isImage() && input.isMoving()) {
+    const std::vector<InputFrame> volumes = framesOf(input);
+    if (volumes.size() > 1) return convertVolumes(s, volumes);
+  }
+  if (input.isImage()) {
+    ImageFile file = imageToConvert(input, s);
     printNotes(s.input + ": ", file.notes, s.quiet, s.verbose);
-    writeImage(s.output, onAskedLattice(std::move(file.image), s));
+    writeImage(s.output, onAskedLattice(std::move(file.image), settingsFor(file, s)));
   } else if (parseInput(s.input).isGrids()) {
     writeImage(s.output, onAskedLattice(imageOfGrid(s), s));
   } else {
@@ -93,23 +140,57 @@ void convertToImage(const ConvertSettings& s) {
   }
 }
 
+/// Labels, or the shape of anything else, as structures.
+void convertToStructures(const ConvertSettings& s) {
+  const StructuresJob job{s.input, s.output, s.source, s.like, s.names, s.load.image};
+  if (isImageInput(s.input)) {
+    ImageFile file = readImage(s.input, s.load.image);
+    if (isLabelMap(file.image, s.load.imageKind)) {
+      printNotes(s.input + ": ", file.notes, s.quiet, s.verbose);
+      const auto labels = std::make_shared<const Image>(onAskedLattice(std::move(file.image), s));
+      printNotes(s.output + ": ", writeLabelStructures(job, labels), s.quiet, s.verbose);
+      return;
+    }
+  }
+  const LoadedObject loaded = loadObject(s.input, s.load);
+  printNotes(s.input + ": ", loaded.notes, s.quiet, s.verbose);
+  const std::string name = loaded.gridName.empty()
+                               ? std::filesystem::path(parseInput(s.input).path).stem().string()
+                               : loaded.gridName;
+  const FloatGrid& shape = *loaded.object.levelSet;
+  ImageLattice otherwise;
+  if (loaded.image) {
+    otherwise = loaded.image->lattice;
+  } else if (s.like.empty() && s.source.empty()) {
+    require(s.load.memory, s.input, needOfDenseGrid(shape));
+    otherwise = imageOf(shape).lattice;
+  }
+  const Notes notes = writeSurfaceStructures(job, {{1, name, loaded.object.levelSet}}, otherwise);
+  printNotes(s.output + ": ", notes, s.quiet, s.verbose);
+}
+
 void runConvert(const OptionSet& options) {
   options.checkExclusions();
   const JobOptions& given = options.values();
-  const ConvertSettings s = {given.input,           given.output, given.like,
-                             loadSettings(options), given.quiet,  given.verbose};
+  const MeshSpace usual = isImageInput(given.input) ? MeshSpace::kLps : MeshSpace::kUnsaid;
+  const ConvertSettings s = {given.input,  given.output,  given.like,
+                             given.source, given.names,   loadSettings(options),
+                             given.quiet,  given.verbose, meshSpace(options, given.output, usual)};
   if (OutputName(s.output).isSequence())
     throw InputError("-o " + s.output + ": convert writes one file; leave out the ####");
-  checkOutput(s.output);
+  checkStudyOutput(s.output);
   checkInputExists(s.input);
   const auto limit = limitThreads(given.threads);
   s.load.memory.enforce();
-  if (isImageOutput(s.output)) {
+  if (isStructureOutput(s.output)) {
+    convertToStructures(s);
+  } else if (isImageOutput(s.output)) {
     convertToImage(s);
   } else if (isImageInput(s.input) && extensionOf(s.output) == ".vdb") {
-    ImageFile file = readImage(s.input, s.load.image);
+    ImageFile file = imageToConvert(parseInput(s.input), s);
     printNotes(s.input + ": ", file.notes, s.quiet, s.verbose);
-    writeGrids(s, onAskedLattice(std::move(file.image), s));
+    const ConvertSettings own = settingsFor(file, s);
+    writeGrids(own, onAskedLattice(std::move(file.image), own));
   } else {
     if (!s.like.empty()) throw InputError("--like is for images; the output " + s.output + " is none");
     const LoadedObject loaded = loadObject(s.input, s.load);
@@ -117,7 +198,7 @@ void runConvert(const OptionSet& options) {
     SurfaceOutput options;
     options.halfFloat = loaded.halfFloat, options.doubles = loaded.doubles && !loaded.fog;
     options.name = surfaceNameOf({loaded});
-    options.colors = loaded.colors;
+    options.colors = loaded.colors, options.space = s.space;
     writeSurface(s.output, *loaded.object.levelSet, options);
   }
   if (!s.quiet) std::printf("%s\n", s.output.c_str());

@@ -65,11 +65,21 @@ Json describeImage(const ImageInfo& i) {
           {"origin", toJson(i.origin)},
           {"axes", {toJson(i.axes[0]), toJson(i.axes[1]), toJson(i.axes[2])}},
           {"volumes", i.volumes},
-          {"minimum", i.minimum},
-          {"maximum", i.maximum},
-          {"labels", i.labels},
+          {"minimum", i.looked ? Json(i.minimum) : Json()},
+          {"maximum", i.looked ? Json(i.maximum) : Json()},
+          {"labels", i.looked ? Json(i.labels) : Json()},
           {"reading", i.reading},
           {"notes", sentencesOf(i.notes)}};
+}
+
+Json describeStructure(const StructureInfo& s) {
+  return {{"number", s.number},
+          {"name", s.name},
+          {"planes", s.planes},
+          {"contours", s.contours},
+          {"gapMm", {{"usual", s.gap}, {"least", s.gapMin}, {"most", s.gapMax}}},
+          {"volumeMl", s.volume ? Json(*s.volume / 1000) : Json(nullptr)},
+          {"box", {toJson(s.boxMin), toJson(s.boxMax)}}};
 }
 
 void printJson(const FileInfo& info) {
@@ -77,6 +87,10 @@ void printJson(const FileInfo& info) {
   if (info.contents == Contents::kImage) {
     json["images"] = Json::array();
     for (const ImageInfo& image : info.images) json["images"].push_back(describeImage(image));
+  } else if (info.contents == Contents::kContours) {
+    json["structures"] = Json::array();
+    for (const StructureInfo& one : info.structures) json["structures"].push_back(describeStructure(one));
+    json["notes"] = sentencesOf(info.notes);
   } else if (info.contents == Contents::kMesh) {
     json["mesh"] = describeMesh(info.mesh);
   } else {
@@ -132,9 +146,27 @@ void printImage(const ImageInfo& i) {
   printLine("spacing", toText(i.spacing) + " mm");
   printLine("origin", toText(i.origin) + " (LPS)");
   for (int d = 0; d < 3; ++d) printLine(d == 0 ? "axes" : "", toText(i.axes[d]));
-  printLine("values", formatNumber(i.minimum) + " .. " + formatNumber(i.maximum));
+  if (i.looked) printLine("values", formatNumber(i.minimum) + " .. " + formatNumber(i.maximum));
   printLine("read as", i.reading);
   for (const Note& note : i.notes) printLine("on reading", note.sentence());
+}
+
+void printStructure(const StructureInfo& s) {
+  std::printf("structure %d '%s'\n", s.number, s.name.c_str());
+  if (s.planes == 0) return printLine("planes", "none: it has no closed contour");
+  std::string gaps;
+  if (s.volume) {
+    gaps = ", " + formatNumber(s.gap) + " mm apart";
+    if (s.gapMax - s.gapMin > 0.01 * s.gap)
+      gaps += " (" + formatNumber(s.gapMin) + " to " + formatNumber(s.gapMax) + ")";
+  } else if (s.planes > 1) {
+    gaps = ", in several directions";
+  }
+  printLine("planes", std::to_string(s.planes) + gaps);
+  printLine("contours", std::to_string(s.contours));
+  printLine("volume", s.volume ? formatNumber(*s.volume / 1000) + " ml, between the contours' planes as slabs"
+                               : "not told by slabs: `slicemorph reconstruct --report` measures it");
+  printLine("box", toText(s.boxMin) + " .. " + toText(s.boxMax));
 }
 
 void printText(const FileInfo& info) {
@@ -143,6 +175,12 @@ void printText(const FileInfo& info) {
   if (info.contents == Contents::kMesh) {
     std::printf("\n");
     printMesh(info.mesh);
+    return;
+  }
+  if (info.contents == Contents::kContours) {
+    std::printf("\n");
+    for (const StructureInfo& one : info.structures) printStructure(one);
+    for (const Note& note : info.notes) printLine("on reading", note.sentence());
     return;
   }
   if (info.contents == Contents::kImage) {

@@ -2,6 +2,7 @@
 
 #include "engine/volume/image_grid.h"
 #include "engine/volume/resample_image.h"
+#include "io/image/image_formats.h"
 #include "io/paths.h"
 #include "io/points/position_file.h"
 #include "slicemorph/errors.h"
@@ -157,9 +158,11 @@ void carryPositions(const ApplyJob& job, const PositionFile& file, const TimeMap
 }
 
 void carryImage(const ApplyJob& job, const TimeMap& map, JobEvents& events) {
-  const ImageFile file = readImage(job.what, job.load.image);
+  ImageFile file = readImage(job.what, job.load.image);
+  takeLabels(file, job.load.imageKind);
   events.notes(about(job.what, file.notes));
-  const bool labels = isLabelMap(file.image, job.load.imageKind);
+  const bool stated = job.load.imageKind == ImageKind::kAuto && isStatedLabels(file);
+  const bool labels = stated || isLabelMap(file.image, job.load.imageKind);
   const ImageLattice on = !job.like.empty() ? readImage(job.like, job.load.image).image.lattice
                           : map.imageTo()   ? map.imageTo()->lattice
                                             : file.image.lattice;

@@ -4,9 +4,12 @@
 #include "engine/volume/voxelise.h"
 #include "io/mesh/glb_writer.h"
 #include "io/sequence.h"
+#include "slicemorph/errors.h"
 #include "slicemorph/io/image_writer.h"
 #include "slicemorph/io/mesh_writer.h"
 #include "slicemorph/io/vdb_writer.h"
+
+#include <algorithm>
 
 namespace slicemorph {
 namespace {
@@ -67,6 +70,8 @@ void FrameWriter::prepare(const FrameMaker& maker, double done) {
 void FrameWriter::write(const FrameTask& task, const MorphFrame& frame) {
   if (images_) {
     events_.notes(writeFrameImage(task, *images_, frame, events_));
+  } else if (frame.image && settings_.oneImage()) {
+    addVolume(*frame.image);
   } else if (frame.image) {
     writeImage(task.job.path, *frame.image);
   } else if (settings_.oneGlb()) {
@@ -75,13 +80,35 @@ void FrameWriter::write(const FrameTask& task, const MorphFrame& frame) {
   } else if (OutputName(task.job.path).extension() == ".glb") {
     writeStill(task, frame);
   } else if (frame.grids.empty()) {
-    writeMesh(task.job.path, meshForFile(*frame.shape.surface, frame.colors.get()));
+    const bool scans = std::all_of(task.inputs.begin(), task.inputs.end(),
+                                   [](const LoadedObject& object) { return object.image != nullptr; });
+    writeMesh(task.job.path, meshForFile(*frame.shape.surface, frame.colors.get()),
+              scans ? MeshSpace::kLps : MeshSpace::kUnsaid);
   } else {
     writeGrids(task, frame);
   }
 }
 
+void FrameWriter::addVolume(const Image& image) {
+  if (!volumes_) {
+    const int volumes = int(settings_.wantedFrames().size());
+    volumes_ = std::make_unique<ImageSliceWriter>(settings_.output, image.lattice, image.values, volumes,
+                                                  1 / settings_.framesPerSecond);
+    lattice_ = image.lattice;
+  }
+  if (image.lattice.size != lattice_->size || image.lattice.origin != lattice_->origin)
+    throw InputError(settings_.output,
+                     "its frames do not have the same voxels, so that one file cannot hold them; put "
+                     "#### into the name, or give --like IMAGE");
+  volumes_->add(image.values);
+}
+
 void FrameWriter::finish(const MorphPlan* plan, double from) {
+  if (volumes_) {
+    volumes_->commit();
+    volumes_.reset();
+    events_.fileWritten(settings_.output, false);
+  }
   if (!settings_.oneGlb()) return;
   PartProgress following(events_, from, 1);
   const std::vector<MovingMesh> meshes = followSurfaces(surfaces_, plan, {}, &following);

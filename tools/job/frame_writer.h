@@ -1,16 +1,18 @@
 #pragma once
 
 #include "engine/follow/moving_mesh.h"
+#include "slicemorph/io/image_writer.h"
 #include "tools/job/frame_images.h"
 #include "tools/job/frame_maker.h"
 
+#include <memory>
 #include <optional>
 #include <vector>
 
 namespace slicemorph {
 
 /// Writes frames in the form that the output's name asks for: grids, a mesh, an image, slices or a picture
-/// each, or all frames in one animated .glb.
+/// each, or all frames in one animated .glb or one NIfTI file.
 class FrameWriter {
  public:
   FrameWriter(const MorphSettings& settings, JobEvents& events) : settings_(settings), events_(events) {}
@@ -25,11 +27,15 @@ class FrameWriter {
   void finish(const MorphPlan* plan, double from);
 
  private:
+  void addVolume(const Image& image);
+
   const MorphSettings& settings_;
   JobEvents& events_;
   std::optional<ImageSetup> images_;
-  std::vector<SurfaceFrame> surfaces_;  ///< of all frames that are made, for one .glb
-  std::vector<int> numbers_;            ///< of these frames
+  std::vector<SurfaceFrame> surfaces_;         ///< of all frames that are made, for one .glb
+  std::vector<int> numbers_;                   ///< of these frames
+  std::unique_ptr<ImageSliceWriter> volumes_;  ///< of all frames that are made, for one NIfTI file
+  std::optional<ImageLattice> lattice_;        ///< of these
 };
 
 }  // namespace slicemorph

@@ -2,6 +2,7 @@
 
 #include "engine/volume/image_grid.h"
 #include "engine/volume/image_shape.h"
+#include "io/image/label_values.h"
 #include "slicemorph/io/image_writer.h"
 #include "slicemorph/io/output.h"
 #include "tools/job/option_values.h"
@@ -19,6 +20,10 @@ constexpr int kMargin = 2;
 
 bool isLabelMap(const Image& image, ImageKind kind) {
   return kind == ImageKind::kLabels || (kind == ImageKind::kAuto && looksLikeLabels(image));
+}
+
+void takeLabels(ImageFile& file, ImageKind kind) {
+  if (kind != ImageKind::kGrey) takeLabels(file.image, kind == ImageKind::kLabels, file.notes);
 }
 
 ImageLattice cubicLattice(const ImageLattice& lattice, const LoadOptions& options) {

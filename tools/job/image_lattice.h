@@ -11,6 +11,9 @@ namespace slicemorph {
 /// Whether an image is taken as a map of labels.
 bool isLabelMap(const Image& image, ImageKind kind);
 
+/// Rounds labels that are stored as floating point, where the image is not read as grey; see takeLabels().
+void takeLabels(ImageFile& file, ImageKind kind);
+
 /// A lattice of cubic voxels over the same box: of the given voxel size, or with `resolution` voxels along
 /// the longest side.
 ImageLattice cubicLattice(const ImageLattice& lattice, const LoadOptions& options);

@@ -28,7 +28,8 @@ struct JobOptions {
   bool fogAsSurface = false;
 
   // Outputs
-  std::string output, at, weights, keys, timing = "linear", ease = "linear", grids, sliceFolder, like;
+  std::string output, at, weights, keys, timing = "linear", ease = "linear", grids, sliceFolder, like, source,
+                                         names, space = "auto";
   int frames = 24, start = 1;
   std::string range, planFile;
   double framesPerSecond = 24;
@@ -36,6 +37,7 @@ struct JobOptions {
   bool conserve = false, addVelocity = false, velocityHalf = false, json = false;
   std::vector<std::string> reports;
   int every = 0, between = 0;       ///< of `reconstruct`; 0: not given
+  std::string givenSlices;          ///< of `reconstruct`: numbers of slices
   double sliceTime = 0;             ///< of `slice`
   double fromTime = 0, toTime = 1;  ///< of `apply`, as the next one
   bool field = false;

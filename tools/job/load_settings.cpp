@@ -1,5 +1,6 @@
 #include "tools/job/load_settings.h"
 
+#include "slicemorph/io/output.h"
 #include "tools/job/option_values.h"
 
 #include <algorithm>
@@ -66,6 +67,17 @@ MemoryLimit memorySettings(const OptionSet& options) {
   else if (std::isfinite(free))
     limit.bytes = kShareOfFree * free + takenMemory();
   return limit;
+}
+
+MeshSpace meshSpace(const OptionSet& options, const std::string& output, MeshSpace otherwise) {
+  const std::string& space = options.values().space;
+  if (space == "auto") return otherwise;
+  const std::string meshes = writableList(Contents::kMesh) + " ";
+  const std::string extension = OutputName(output).extension();
+  if (extension == ".glb" || meshes.find(extension + " ") == std::string::npos)
+    throw InputError("--space " + space + " is for meshes that can say it (.stl .ply .obj .vtp); " + output +
+                     " is none");
+  return space == "RAS" ? MeshSpace::kRas : MeshSpace::kLps;
 }
 
 LoadOptions loadSettings(const OptionSet& options) {

@@ -142,11 +142,12 @@ void checkPurposes(const MorphSettings& s, const OptionSet& options) {
 void checkOutputKind(const MorphSettings& s, const OptionSet& options) {
   checkFrameImages(s, options);
   checkGrids(s, options);
-  if (s.frames.size() > 1 && !OutputName(s.output).isSequence() && !s.oneGlb())
-    options.refuse("output",
-                   "-o " + s.output + " is one file for " + std::to_string(s.frames.size()) +
-                       " frames; put #### where the frame number belongs (name.####.vdb), or ask for one "
-                       "frame by --at T or --weights; a .glb holds all frames");
+  if (s.frames.size() > 1 && !OutputName(s.output).isSequence() && !s.oneFile())
+    options.refuse(
+        "output",
+        "-o " + s.output + " is one file for " + std::to_string(s.frames.size()) +
+            " frames; put #### where the frame number belongs (name.####.vdb), or ask for one "
+            "frame by --at T or --weights; a .glb holds all frames, and of images a .nii or .nii.gz");
   checkImages(s, options);
   checkMethodOutput(s, options);
 }

@@ -1,5 +1,7 @@
 #include "tools/job/morph_settings.h"
 
+#include "io/paths.h"
+
 #include <algorithm>
 #include <iterator>
 
@@ -22,6 +24,12 @@ bool MorphSettings::toFrameImages() const {
 bool MorphSettings::oneGlb() const {
   const OutputName name(output);
   return name.extension() == ".glb" && !name.isSequence();
+}
+
+bool MorphSettings::oneImage() const {
+  const std::string extension = fullExtensionOf(output);
+  return (extension == ".nii" || extension == ".nii.gz") && !OutputName(output).isSequence() &&
+         wantedFrames().size() > 1;
 }
 
 }  // namespace slicemorph

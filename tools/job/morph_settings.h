@@ -98,6 +98,9 @@ struct MorphSettings {
   bool holdsGrids() const { return OutputName(output).extension() == ".vdb" || toFrameImages(); }
   /// All frames go into one .glb file.
   bool oneGlb() const;
+  /// All frames go into one NIfTI file, as its volumes.
+  bool oneImage() const;
+  bool oneFile() const { return oneGlb() || oneImage(); }
 };
 
 }  // namespace slicemorph

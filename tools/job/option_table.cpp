@@ -101,7 +101,9 @@ Rows inputRows() {
           "name.####.vdb:grid where the file holds several shapes")
           .positional("INPUT")
           .required(),
-      Row(kCompare, "a", at<&J::input>, "", "Shape: " + shapes).positional("A").required(),
+      Row(kCompare, "a", at<&J::input>, "", "Shape: " + shapes + "; image: " + images)
+          .positional("A")
+          .required(),
       Row(kCompare, "b", at<&J::other>, "", "Shape to compare with A").positional("B").required(),
       Row(kApply, "inputs", at<&J::inputs>, "",
           "Two or more objects, as for `morph`, and then WHAT is to be carried from the one to the other: "
@@ -226,12 +228,14 @@ Rows outputRows() {
           "Result: " + writableList(Contents::kImage) + " (a dense label map); " +
               writableList(Contents::kMesh) +
               " (surfaces, #### stands for the label); .vdb (a level set per label; of EXR slices all their "
-              "grids)")
+              "grids); " +
+              structureList() + " (named structures)")
           .required(),
       Row(kConvert, "output", at<&J::output>, "OUTPUT",
           "Result: .vdb (a level set; of an image its values, with --iso the surface beside them), " +
               writableList(Contents::kMesh) + " (the surface), " + writableList(Contents::kImage) +
-              " (an image; of a shape 1 inside)")
+              " (an image; of a shape 1 inside), " + structureList() +
+              " (labels, or the shape, as structures)")
           .required(),
       Row(kRender, "output", at<&J::output>, "OUTPUT",
           "Pictures: .png, .exr (with mask, Z and N); #### stands for the number; a preview: .gif, .mp4 "
@@ -239,6 +243,11 @@ Rows outputRows() {
           .basic(),
       Row(kReconstruct, "report", at<&J::reports>, "FILE.json|FILE.csv",
           "Volume, area and extents of every label")
+          .notInFrames()
+          .basic(),
+      Row(kCompare, "report", at<&J::reports>, "FILE.json|FILE.csv",
+          "All figures; of label maps a line a label: volumes, Dice, distances (mean, 95 %, largest), "
+          "centroids")
           .notInFrames()
           .basic(),
       Row(kCompare | kInfo, "json", at<&J::json>, "", "Print JSON").basic(),
@@ -366,11 +375,12 @@ Rows contentRows() {
 Rows imageRows() {
   constexpr unsigned kReaders = kVoxelisers | kReconstruct | kInfo;
   return {
-      Row(kVoxelisers, "image", at<&J::imageKind>, "",
+      Row(kVoxelisers | kReconstruct, "image", at<&J::imageKind>, "",
           "What an image's values are; auto: labels where whole numbers are mostly like their neighbours")
           .oneOf({"auto", "grey", "labels"}),
       Row(kReaders, "spacing", at<&J::spacing>, "X,Y,Z",
-          "Of image stacks: pixel width, pixel height, gap between pictures")
+          "Of image stacks, and of DICOM files that do not tell it: pixel width, pixel height, gap between "
+          "pictures")
           .as(OptionType::kNumbers)
           .unit("millimetres"),
       Row(kMorph, "like", at<&J::like>, "IMAGE", "Put in-between images on the voxels of this one")
@@ -380,18 +390,34 @@ Rows imageRows() {
                     "longest side"),
       Row(kConvert, "like", at<&J::like>, "IMAGE", "Put an image on the voxels of another one"),
       Row(kReconstruct, "like", at<&J::like>, "IMAGE", "Put the dense label map on the voxels of this image"),
+      Row(kReconstruct | kConvert, "source", at<&J::source>, "SERIES",
+          "DICOM series (a folder, folder:2, a file) that structures are of: " + structureList() +
+              " belong to its patient and name its images; surfaces and outlines are put on its slices")
+          .fallback("none: patient and frame of reference of their own"),
+      Row(kReconstruct | kConvert, "space", at<&J::space>, "",
+          "Coordinates of meshes: LPS as everything, or RAS; auto: LPS, and scans' meshes say so (SPACE=LPS)")
+          .oneOf({"auto", "LPS", "RAS"}),
+      Row(kReconstruct | kConvert, "names", at<&J::names>, "N=NAME[,N=NAME...]",
+          "Names of labels in " + structureList())
+          .fallback("the structures' own, else label_N"),
       Row(kReconstruct, "axis", at<&J::axis>, "", "Array axis that the slices follow each other along")
           .oneOf({"auto", "i", "j", "k"}),
       Row(kReconstruct, "every", at<&J::every>, "N", "Every n-th slice is given, also where it is empty")
           .range(2, 10000)
           .fallback("found")
-          .excludes({"between"})
+          .excludes({"between", "given"})
+          .basic(),
+      Row(kReconstruct, "given", at<&J::givenSlices>, "K,K[,K...]",
+          "Numbers of the slices that are given, from 0; the others are filled in")
+          .as(OptionType::kNumbers)
+          .fallback("found")
+          .excludes({"between", "every"})
           .basic(),
       Row(kReconstruct, "between", at<&J::between>, "N",
           "All slices are given; put N between every two of them")
           .range(1, 1000)
           .fallback("none")
-          .excludes({"every"})
+          .excludes({"every", "given"})
           .basic(),
   };
 }

@@ -26,11 +26,9 @@ void refusePlacing(const InputSpec& input) {
 
 /// Throws InputError for options that have no effect on EXR slices.
 void refuseForSlices(const ReconstructJob& job) {
-  const std::vector<std::pair<bool, std::string>> others = {{job.every > 0, "--every"},
-                                                            {job.between > 0, "--between"},
-                                                            {job.axis >= 0, "--axis"},
-                                                            {!job.like.empty(), "--like"},
-                                                            {!job.reports.empty(), "--report"}};
+  const std::vector<std::pair<bool, std::string>> others = {
+      {job.every > 0, "--every"}, {job.between > 0, "--between"}, {!job.given.empty(), "--given"},
+      {job.axis >= 0, "--axis"},  {!job.like.empty(), "--like"},  {!job.reports.empty(), "--report"}};
   for (const auto& [given, option] : others)
     if (given)
       throw InputError(option + " is for label maps and contours; " + job.input + " are slices of grids");
@@ -46,7 +44,8 @@ void reconstruct(const ReconstructJob& job, JobEvents& events) {
     return reconstructSlices(job, events);
   }
   if (job.grids) throw InputError("--grids is for EXR slices; " + job.input + " are none");
-  if (!input.isImage()) filesOfInput(input);  // says so where the file is missing, which helps more
+  if (!input.isImage() && input.contents != Contents::kContours)
+    filesOfInput(input);  // says so where the file is missing, which helps more
   if (input.contents == Contents::kContours) {
     refusePlacing(input);
     return reconstructContours(job, stillInput(input), events);
@@ -57,7 +56,7 @@ void reconstruct(const ReconstructJob& job, JobEvents& events) {
         " is neither a label map (.nii .nii.gz .nrrd .nhdr .mha .mhd, name.####.png|tif) nor contours (.csl, "
         "a DICOM RT structure set) nor EXR slices (name.####.exr, name.exr)");
   checkInputExists(job.input);
-  reconstructLabels(job, events);
+  reconstructImage(job, events);
 }
 
 }  // namespace slicemorph

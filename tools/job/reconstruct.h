@@ -1,7 +1,9 @@
 #pragma once
 
 #include "slicemorph/io/image_file.h"
+#include "slicemorph/io/input.h"
 #include "slicemorph/io/memory.h"
+#include "slicemorph/io/mesh_writer.h"
 #include "tools/job/job_events.h"
 
 #include <optional>
@@ -13,13 +15,17 @@ namespace slicemorph {
 /// What `slicemorph reconstruct` is to do. Numbers that are 0 and texts that are empty were not given.
 struct ReconstructJob {
   std::string input, output;
-  int axis = -1;         ///< array axis along which slices follow each other, 0 to 2; -1: found
-  int every = 0;         ///< every n-th slice is given
-  int between = 0;       ///< all slices are given, and this many are made between every two
-  double voxelSize = 0;  ///< of surfaces or grids, world units
-  std::string like;      ///< an image whose voxels a dense label map gets
+  int axis = -1;                      ///< array axis along which slices follow each other, 0 to 2; -1: found
+  int every = 0;                      ///< every n-th slice is given
+  std::vector<int> given;             ///< numbers of the given slices, ascending
+  int between = 0;                    ///< all slices are given, and this many are made between every two
+  double voxelSize = 0;               ///< of surfaces or grids, world units
+  std::string like;                   ///< an image whose voxels a dense label map gets
+  MeshSpace space = MeshSpace::kLps;  ///< of meshes
+  std::string source, names;          ///< of structures, as StructuresJob has them
   std::optional<std::vector<std::string>> grids;  ///< of EXR slices; none: all
   std::vector<std::string> reports;               ///< .json, .csv
+  ImageKind imageKind = ImageKind::kAuto;
   ImageOptions image;
   MemoryLimit memory;
 };

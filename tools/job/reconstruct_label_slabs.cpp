@@ -1,12 +1,15 @@
 #include "tools/job/reconstruct_label_slabs.h"
 
 #include "engine/reconstruct/fill_gaps.h"
+#include "engine/reconstruct/grey_slices.h"
 #include "engine/volume/image_shape.h"
+#include "io/image/label_values.h"
 #include "slicemorph/io/image_slices.h"
 #include "slicemorph/io/image_writer.h"
 #include "tools/job/given_slices.h"
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -18,6 +21,7 @@ struct LabelSurvey {
   ImageLattice lattice;  ///< of the dense map
   GivenSlices given;     ///< of the dense map
   std::vector<double> ranked;
+  Notes notes;       ///< about them
   ImageValues like;  ///< none, of the type of the values
 };
 
@@ -38,19 +42,38 @@ double neededInMemory(const ReconstructJob& job, const ImageSlices& slices) {
   return pixels * (bytes * lattice.size[2] * copies + kPlanes * kPerPixel);
 }
 
+/// The slices with labels that are stored as floating point rounded, each of which `notes` tells.
+ImageSlices roundedSlices(ImageSlices slices, const std::shared_ptr<Notes>& notes) {
+  slices.next = [lattice = slices.file.image.lattice, next = std::move(slices.next), notes] {
+    Image slice{lattice, next()};
+    takeLabels(slice, /*asked=*/true, *notes);
+    return std::move(slice.values);
+  };
+  return slices;
+}
+
 LabelSurvey surveyed(const ReconstructJob& job, ImageSlices slices, JobEvents& events) {
   const ImageLattice& lattice = slices.file.image.lattice;
   const SliceLayout layout = layoutOf(lattice, 2);
   LabelledSlices labelled(lattice.size);
   std::vector<LabelCount> counts;
+  DrawnSlices drawn;
+  ValuesSeen seen;
   LabelSurvey survey;
   for (int k = 0; k < lattice.size[2]; ++k) {
     events.throwIfCancelled();
     const Image slice{lattice, slices.next()};
     if (job.between > 0) labelsOf(slice);
+    seen.add(slice.values, {lattice.size[0], lattice.size[1], 1});
     labelled.add(slice.values);
     counts.push_back(countLabels({slice.values, layout, 0}));
+    if (areFound(job) && labelled.along(2)[size_t(k)]) drawn.add({slice.values, layout, 0}, k);
   }
+  if (job.imageKind == ImageKind::kAuto && !seen.looksDrawn())
+    throw MemoryError(
+        job.input +
+        ": its values look grey, and grey images are only filled in with the whole in memory; allow "
+        "more --memory, or say --image labels");
   survey.like = slices.file.image.values;
   survey.given = givenSlices(job, labelled, lattice);
   if (survey.given.axis != 2)
@@ -58,6 +81,15 @@ LabelSurvey surveyed(const ReconstructJob& job, ImageSlices slices, JobEvents& e
                       std::string(1, "ijk"[survey.given.axis]) +
                       ", and only such along k are filled in without the whole map in memory; allow more "
                       "--memory, or turn the map's axes");
+  if (areFound(job)) survey.given = whatWasDrawn(std::move(survey.given), labelled, drawn);
+  if (!survey.given.own.empty())
+    throw MemoryError(
+        job.input + ": label " + std::to_string(survey.given.own[0].label) +
+        " was drawn on slices of its own, and such are only filled in with the whole map in memory; "
+        "allow more --memory, or say with --given that all labels are on the same slices");
+  survey.notes = job.between > 0
+                     ? Notes{{"reconstruct.given-slices", Severity::kNote, "", described(survey.given)}}
+                     : notesOf(survey.given, labelled.along(2));
   survey.lattice = expandedLattice(lattice, 2, job.between);
   std::vector<LabelCount> ofGiven;
   for (const int at : survey.given.at) ofGiven.push_back(std::move(counts[size_t(at / (job.between + 1))]));
@@ -113,12 +145,16 @@ bool reconstructLabelSlabs(const ReconstructJob& job, JobEvents& events) {
   std::optional<ImageSlices> slices = openImageSlices(job.input, job.image);
   if (!slices || neededInMemory(job, *slices) <= job.memory.left()) return false;
   Notes notes = slices->file.notes;
-  const LabelSurvey survey = surveyed(job, std::move(*slices), events);
-  notes.emplace_back("reconstruct.given-slices", Severity::kNote, "", described(survey.given));
+  const auto rounded = std::make_shared<Notes>();
+  const LabelSurvey survey = surveyed(job, roundedSlices(std::move(*slices), rounded), events);
+  if (!rounded->empty())
+    notes.emplace_back("image.labels-rounded", Severity::kNote, "",
+                       "its labels are whole numbers but for 0.001 at most: rounded");
+  notes.insert(notes.end(), survey.notes.begin(), survey.notes.end());
   notes.emplace_back("reconstruct.slice-by-slice", Severity::kNote, "",
                      "the whole map would not fit the memory: filled in slice by slice");
   events.notes(about(job.input, notes));
-  writeDense(job, std::move(*openImageSlices(job.input, job.image)), survey, events);
+  writeDense(job, roundedSlices(std::move(*openImageSlices(job.input, job.image)), rounded), survey, events);
   events.fileWritten(job.output, false);
   return true;
 }

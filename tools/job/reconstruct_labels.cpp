@@ -2,15 +2,22 @@
 
 #include "engine/measure/label_measures.h"
 #include "engine/reconstruct/fill_gaps.h"
+#include "engine/reconstruct/grey_slices.h"
 #include "engine/reconstruct/label_level_set.h"
+#include "engine/reconstruct/own_slices.h"
 #include "engine/volume/image_shape.h"
 #include "engine/volume/manifold.h"
 #include "engine/volume/resample_image.h"
 #include "engine/volume/voxelise.h"
+#include "io/image/label_values.h"
 #include "io/paths.h"
 #include "slicemorph/io/image_writer.h"
+#include "slicemorph/io/structure_file.h"
 #include "tools/job/given_slices.h"
+#include "tools/job/label_output.h"
 #include "tools/job/option_values.h"
+#include "tools/job/reconstruct_cross.h"
+#include "tools/job/reconstruct_grey.h"
 #include "tools/job/reconstruct_label_slabs.h"
 #include "tools/job/surface_writer.h"
 
@@ -27,37 +34,38 @@ struct SparseLabels {
   Notes notes;
 };
 
-/// The stack with `between` empty slices between every two.
-Image expanded(const Image& stack, int axis, int between) {
-  Image result{expandedLattice(stack.lattice, axis, between), {}};
-  std::visit(
-      [&](const auto& from) {
-        std::decay_t<decltype(from)> to(result.lattice.count(), 0);
-        const openvdb::Coord n = stack.lattice.size;
-        for (int k = 0; k < n[2]; ++k)
-          for (int j = 0; j < n[1]; ++j)
-            for (int i = 0; i < n[0]; ++i) {
-              openvdb::Coord at(i, j, k);
-              at[axis] *= between + 1;
-              to[result.lattice.index(at[0], at[1], at[2])] = from[stack.lattice.index(i, j, k)];
-            }
-        result.values = std::move(to);
-      },
-      stack.values);
-  return result;
+SparseLabels sparseLabels(const ReconstructJob& job, Image image, const LabelledSlices& labelled,
+                          Notes notes) {
+  SparseLabels sparse{std::move(image), givenSlices(job, labelled, image.lattice), std::move(notes)};
+  const int axis = sparse.given.axis;
+  const std::vector<char>& found = labelled.along(axis);
+  if (areFound(job)) {
+    DrawnSlices drawn;
+    const SliceLayout layout = layoutOf(sparse.image.lattice, axis);
+    for (int at = 0; at < sparse.image.lattice.size[axis]; ++at)
+      if (found[size_t(at)]) drawn.add({sparse.image.values, layout, at}, at);
+    sparse.given = whatWasDrawn(std::move(sparse.given), labelled, drawn);
+  }
+  if (job.between > 0) {
+    labelsOf(sparse.image);
+    sparse.image = expandedStack(sparse.image, axis, job.between);
+  }
+  const Notes more = job.between > 0
+                         ? Notes{{"reconstruct.given-slices", Severity::kNote, "", described(sparse.given)}}
+                         : notesOf(sparse.given, found);
+  sparse.notes.insert(sparse.notes.end(), more.begin(), more.end());
+  return sparse;
 }
 
-SparseLabels readSparse(const ReconstructJob& job) {
-  ImageFile file = readImage(job.input, job.image);
-  SparseLabels sparse{std::move(file.image), {}, std::move(file.notes)};
-  Image& image = sparse.image;
-  LabelledSlices labelled(image.lattice.size);
-  if (job.between > 0) labelsOf(image);
-  labelled.add(image.values);
-  sparse.given = givenSlices(job, labelled, image.lattice);
-  if (job.between > 0) image = expanded(image, sparse.given.axis, job.between);
-  sparse.notes.emplace_back("reconstruct.given-slices", Severity::kNote, "", described(sparse.given));
-  return sparse;
+/// Whether labelled slices along some axis lie in steps, as they cannot where slices across it are labelled, too.
+bool inSteps(const LabelledSlices& labelled) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::vector<char>& found = labelled.along(axis);
+    const auto neighbours =
+        std::adjacent_find(found.begin(), found.end(), [](char a, char b) { return a && b; });
+    if (neighbours == found.end()) return true;
+  }
+  return false;
 }
 
 StackPlacement placeOf(const ImageLattice& lattice, int axis) {
@@ -69,17 +77,13 @@ StackPlacement placeOf(const ImageLattice& lattice, int axis) {
   return placement;
 }
 
-void writeLabelSurfaces(const ReconstructJob& job, const SparseLabels& sparse, JobEvents& events) {
-  RankedSlices ranked = rankSlices(sparse.image, sparse.given);
+/// Surfaces of the labels of one group, each closed for itself.
+void addSurfaces(const ReconstructJob& job, const Image& labels, const GivenSlices& given,
+                 SurfaceWriter& writer, JobEvents& events) {
+  RankedSlices ranked = rankSlices(labels, given);
   const std::vector<double> values = ranked.values;
   const SliceScores scores(std::move(ranked.stack));
-  const ImageLattice& lattice = sparse.image.lattice;
-  const StackPlacement placement = placeOf(lattice, sparse.given.axis);
-  std::string list;
-  for (double v : values)
-    if (v != 0) list += (list.empty() ? "" : ", ") + formatNumber(v);
-  const size_t count = values.size() - size_t(std::count(values.begin(), values.end(), 0.0));
-  SurfaceWriter writer(job, count, "labels " + list, events);
+  const StackPlacement placement = placeOf(labels.lattice, given.axis);
   for (size_t rank = 0; rank < values.size(); ++rank) {
     if (values[rank] == 0) continue;
     events.throwIfCancelled();
@@ -89,31 +93,55 @@ void writeLabelSurfaces(const ReconstructJob& job, const SparseLabels& sparse, J
     structure.name = "label_" + formatNumber(values[rank]);
     structure.mesh = makeManifold(surfaceOf(*field)).mesh;
     if (extensionOf(job.output) == ".vdb") {
-      const Vec3d spacing = lattice.spacing();
+      const Vec3d spacing = labels.lattice.spacing();
       structure.grid = voxelise(
           structure.mesh, job.voxelSize > 0 ? job.voxelSize : std::min({spacing[0], spacing[1], spacing[2]}));
       structure.grid->setGridClass(openvdb::GRID_LEVEL_SET);
     }
     writer.add(structure);
   }
+}
+
+void writeLabelSurfaces(const ReconstructJob& job, const SparseLabels& sparse, JobEvents& events) {
+  std::string list;
+  size_t count = 0;
+  for (const double v : rankLabels(sparse.image, sparse.given))
+    if (v != 0) list += (list.empty() ? "" : ", ") + formatNumber(v), ++count;
+  SurfaceWriter writer(job, count, "labels " + list, events);
+  const std::vector<LabelGroup> groups = groupsOf(sparse.given);
+  for (size_t g = 0; g < groups.size(); ++g)
+    if (groups[g].given.at.size() > 1)
+      addSurfaces(job, groups.size() > 1 ? onlyGroup(sparse.image, groups, g) : sparse.image, groups[g].given,
+                  writer, events);
   writeStructureReports(job.reports, job.input, writer.finish(), sparse.notes);
 }
 
 }  // namespace
 
-void reconstructLabels(const ReconstructJob& job, JobEvents& events) {
-  if (reconstructLabelSlabs(job, events)) return;
-  SparseLabels sparse = readSparse(job);
+void reconstructImage(const ReconstructJob& job, JobEvents& events) {
+  if (job.imageKind != ImageKind::kGrey && reconstructLabelSlabs(job, events)) return;
+  ImageFile file = readImage(job.input, job.image);
+  const size_t notes = file.notes.size();
+  if (job.imageKind != ImageKind::kGrey) takeLabels(file.image, /*asked=*/true, file.notes);
+  ValuesSeen seen;
+  if (job.imageKind == ImageKind::kAuto) seen.add(file.image.values, file.image.lattice.size);
+  const bool labels =
+      job.imageKind == ImageKind::kLabels || (job.imageKind == ImageKind::kAuto && seen.looksDrawn());
+  if (!labels) {
+    if (file.notes.size() > notes) file = readImage(job.input, job.image);  // as it is, without rounding
+    return reconstructGrey(job, std::move(file), events);
+  }
+  LabelledSlices labelled(file.image.lattice.size);
+  labelled.add(file.image.values);
+  if (areFound(job) && job.axis < 0 && !inSteps(labelled) &&
+      reconstructCross(job, file.image, file.notes, events))
+    return;
+  SparseLabels sparse = sparseLabels(job, std::move(file.image), labelled, std::move(file.notes));
   events.notes(about(job.input, sparse.notes));
-  if (!isImageOutput(job.output)) return writeLabelSurfaces(job, sparse, events);
+  if (!isImageOutput(job.output) && !isStructureOutput(job.output))
+    return writeLabelSurfaces(job, sparse, events);
   Image dense = interpolateLabels(std::move(sparse.image), sparse.given);
-  if (!job.like.empty()) dense = nearestTo(dense, readImage(job.like, job.image).image.lattice);
-  writeImage(job.output, dense);
-  events.fileWritten(job.output, false);
-  if (job.reports.empty()) return;
-  std::vector<StructureRow> rows;
-  for (const LabelMeasures& m : measureLabels(dense)) rows.push_back(rowOf(m, job.output));
-  writeStructureReports(job.reports, job.input, rows, sparse.notes);
+  writeLabelImage(job, std::move(dense), sparse.notes, events);
 }
 
 }  // namespace slicemorph

@@ -45,7 +45,7 @@ FrameSteps stepsOf(const MorphSettings& settings, size_t index) {
     return double(std::count_if(frames.begin(), frames.begin() + std::ptrdiff_t(end),
                                 [](const FrameJob& frame) { return frame.wanted; }));
   };
-  const double step = (settings.oneGlb() ? kFramesMade : 1) / counted(endOfFrames(settings));
+  const double step = (settings.oneFile() ? kFramesMade : 1) / counted(endOfFrames(settings));
   if (!settings.moving()) return {0, kPlanned, kPlanned + (1 - kPlanned) * counted(index) * step};
   const double from = double(index) * step, planned = from + kFramePlanned * step;
   return {from, planned, planned};
@@ -110,7 +110,7 @@ void runMorph(const MorphSettings& settings, JobEvents& caller) {
   FrameReport report(settings);
   const auto reportClaims = claimReports(settings.reports);
   FrameClaims claims(settings, log);
-  if (settings.oneGlb() && !claims.take(wholeOf(settings))) return events.notes(claims.finish());
+  if (settings.oneFile() && !claims.take(wholeOf(settings))) return events.notes(claims.finish());
   const std::vector<FrameJob>& jobs = settings.frames;
   const size_t end = endOfFrames(settings);
   const auto isDone = [&](size_t i) {
@@ -127,10 +127,10 @@ void runMorph(const MorphSettings& settings, JobEvents& caller) {
     if (i == 0) writer.prepare(maker, steps.planned);
     events.throwIfCancelled();
     const bool kept = jobs[i].wanted && isDone(i);
-    if (jobs[i].wanted && !kept && (settings.oneGlb() || claims.take(jobs[i]))) {
+    if (jobs[i].wanted && !kept && (settings.oneFile() || claims.take(jobs[i]))) {
       events.report("making frames", steps.made);
       log.add(jobs[i], makeAndWrite(maker.task(), writer, report, events));
-      if (!settings.oneGlb()) claims.free(), events.fileWritten(jobs[i].path, false);
+      if (!settings.oneFile()) claims.free(), events.fileWritten(jobs[i].path, false);
       continue;
     }
     if (kept) report.addKept(maker.task(), log.row(jobs[i])), events.fileWritten(jobs[i].path, true);

@@ -23,7 +23,7 @@ void SurfaceWriter::add(const Structure& structure) {
     structure.grid->setName(structure.name);
     grids_.push_back(structure.grid);
   } else {
-    writeMesh(path, structure.mesh);
+    writeMesh(path, structure.mesh, job_.space);
     events_.fileWritten(path, false);
   }
   if (!job_.reports.empty()) rows_.push_back(rowOf(structure.number, structure.name, structure.mesh, path));

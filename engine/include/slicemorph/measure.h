@@ -23,6 +23,7 @@ ShapeMeasures measureMesh(const Mesh& mesh);
 /// Symmetric distance between two surfaces, world units.
 struct SurfaceDistance {
   double mean = 0;
+  double p95 = 0;  ///< 95 % of them are shorter
   double p99 = 0;
   double max = 0;
 };

@@ -53,7 +53,7 @@ TEST_F(MatchDepthsOfBalls, OnTheSurfaceAllAreOnTheirOwn) {
     depths.measure(positions);
     EXPECT_NEAR(positions[0].distance, 0.1, 0.1 * kVoxel);
     EXPECT_NEAR(positions[1].distance, -0.1, 0.1 * kVoxel);
-    EXPECT_NEAR(depths.match(positions), 0, 0.1 * kVoxel);
+    EXPECT_NEAR(depths.match(positions).distance, 0, 0.1 * kVoxel);
     for (size_t k = 0; k < 2; ++k) {
       const Vec3d at = Vec3d(positions[k].at) + images[k].anchor;
       // The nearest surface point is exact to about a voxel along the surface.
@@ -63,19 +63,29 @@ TEST_F(MatchDepthsOfBalls, OnTheSurfaceAllAreOnTheirOwn) {
   }
 }
 
+/// On the surface both are shifted by the radii's difference to the mean, far from it neither.
+TEST_F(MatchDepthsOfBalls, ShiftsAreTold) {
+  const MatchDepths depths(images, nodes);
+  for (double r : {0.5, 1.1, 1.7}) {
+    auto positions = positionsAt({0, r, 0});
+    depths.measure(positions);
+    EXPECT_NEAR(depths.match(positions).shift, r == 1.1 ? 0.1 : 0, 0.1 * kVoxel) << r;
+  }
+}
+
 /// Half a voxel inside, every image is sampled half a voxel inside; far from the surface nothing moves.
 TEST_F(MatchDepthsOfBalls, DepthsAreThoseOfTheInBetween) {
   const MatchDepths depths(images, nodes);
   auto positions = positionsAt({0, 1.1 - 0.5 * kVoxel, 0});
   depths.measure(positions);
-  EXPECT_NEAR(depths.match(positions), -0.5 * kVoxel, 0.1 * kVoxel);
+  EXPECT_NEAR(depths.match(positions).distance, -0.5 * kVoxel, 0.1 * kVoxel);
   depths.measure(positions);
   for (const auto& position : positions) EXPECT_NEAR(position.distance, -0.5 * kVoxel, 0.2 * kVoxel);
   for (double r : {0.5, 1.7}) {
     auto far = positionsAt({r, 0, 0});
     const auto before = far;
     depths.measure(far);
-    EXPECT_NEAR(depths.match(far), r - 1.1, 0.2 * kVoxel);
+    EXPECT_NEAR(depths.match(far).distance, r - 1.1, 0.2 * kVoxel);
     for (size_t k = 0; k < 2; ++k) EXPECT_EQ(far[k].at, before[k].at);
   }
 }
@@ -88,7 +98,7 @@ TEST_F(MatchDepthsOfBalls, MatchingFadesWithDepth) {
   auto positions = positionsAt({0, 0, 1.1 + blended});
   depths.measure(positions);
   const auto before = positions;
-  EXPECT_NEAR(depths.match(positions), blended, 0.1 * kVoxel);
+  EXPECT_NEAR(depths.match(positions).distance, blended, 0.1 * kVoxel);
   depths.measure(positions);
   for (size_t k = 0; k < 2; ++k)
     EXPECT_NEAR(positions[k].distance, before[k].distance + 0.5 * (blended - before[k].distance),
@@ -103,7 +113,7 @@ TEST_F(MatchDepthsOfBalls, NothingIsSeenFromTheOtherSide) {
   for (double r : {1.03, 1.07, 1.13, 1.17}) {
     auto positions = positionsAt({r, 0, 0});
     depths.measure(positions);
-    const float blended = depths.match(positions);
+    const float blended = depths.match(positions).distance;
     depths.measure(positions);
     for (const auto& position : positions) EXPECT_EQ(position.distance < 0, blended < 0) << r;
   }

@@ -380,6 +380,23 @@ TEST(Carry, RatesThatAreNoneAreRefused) {
   EXPECT_EQ(refusalOf([&] { pullback.velocity(*a, {-24.1, 24.1 + 1e-12}); }), "");
 }
 
+/// A scan beside itself and another: where only its own weights count it is itself, to the bit.
+TEST(Carry, ImagesOfOneShapeStay) {
+  const FloatGrid::Ptr a = puff({0, 0, 0}, Vec3d(kWidth), kVoxel), b = puff({4, 0, 0}, Vec3d(kWidth), kVoxel);
+  const MorphPlan plan({shapeOf(a), shapeOf(b), shapeOf(a)});
+  Image image, other;
+  image.lattice.size = {7, 6, 5};
+  image.lattice.origin = {-2.3, -1.1, -0.7};
+  std::vector<float> values(image.lattice.count());
+  for (size_t i = 0; i < values.size(); ++i) values[i] = float(i % 17) / 3;
+  image.values = values;
+  other = image, other.values = std::vector<float>(values.size(), 2);
+  for (double w : {0.001, 1.0 / 3, 0.5})
+    EXPECT_EQ(plan.pullback({w, 0, 1 - w}).carry({&image, &other, &image}, image.lattice, {1, 1, 1}).values,
+              image.values)
+        << w;
+}
+
 TEST(Carry, ImagesAndLabelsThatAreMissingAreRefused) {
   const FloatGrid::Ptr a = puff({0, 0, 0}, Vec3d(kWidth), kVoxel), b = puff({4, 0, 0}, Vec3d(kWidth), kVoxel);
   const MorphPlan plan({shapeOf(a), shapeOf(b)});

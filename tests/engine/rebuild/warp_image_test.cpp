@@ -136,29 +136,73 @@ TEST(WarpImage, SurfacesAreOfLikeDepth) {
       }
 }
 
-/// A skin darker than the isovalue opens no hole in the in-between: values stay above it inside the shape,
-/// and below it outside.
+/// Balls whose skin, 1.5 voxels thick, is darker than the isovalue of 500.
+struct DarkBalls {
+  explicit DarkBalls(const std::vector<double>& radii) {
+    for (double radius : radii) {
+      balls.push_back(imageOf<float>(on, [&](const Vec3d& p) {
+        const double depth = radius - p.length();
+        return depth > 1.5 * kSpacing ? 1000 : depth > 0 ? 450 : 0;
+      }));
+      fields.push_back(
+          shapes::fieldOf(shapes::sphere({0, 0, 0}, radius), shapes::cube({0, 0, 0}, 1.4), kSpacing));
+    }
+    for (size_t k = 0; k < radii.size(); ++k) {
+      images.push_back(carried(balls[k], k, 1.0 / double(radii.size())));
+      images[k].field = fields[k].get(), images[k].anchor = fields[k]->anchor(), images[k].iso = 500;
+      shifts.push_back(-fields[k]->anchor());
+    }
+  }
+  std::vector<float> values() const {
+    return std::get<std::vector<float>>(warpImages(images, shiftedNodes(on, shifts), on).values);
+  }
+  static constexpr double kSpacing = 0.08;
+  const ImageLattice on = latticeOf({37, 37, 37}, {-1.44, -1.44, -1.44}, kSpacing);
+  std::vector<Image> balls;
+  Fields fields;
+  std::vector<CarriedImage> images;
+  std::vector<Vec3d> shifts;
+};
+
+/// A skin darker than the isovalue opens no hole where depths of different shapes are matched: values stay above it
+/// inside the in-between, a ball of radius 1.1, and below it outside.
 TEST(WarpImage, TheSurfaceStaysWhereTheShapeHasIt) {
-  constexpr double kSpacing = 0.08;
-  const ImageLattice on = latticeOf({33, 33, 33}, {-1.28, -1.28, -1.28}, kSpacing);
-  const Image ball = imageOf<float>(on, [&](const Vec3d& p) {
-    const double depth = 1 - p.length();
-    return depth > 1.5 * kSpacing ? 1000 : depth > 0 ? 450 : 0;
-  });
-  const auto field = shapes::fieldOf(shapes::sphere({0, 0, 0}, 1), shapes::cube({0, 0, 0}, 1.2), kSpacing);
-  std::vector<CarriedImage> images(2, carried(ball, 0, 0.5));
-  images[1].shape = 1;
-  for (CarriedImage& c : images) c.field = field.get(), c.anchor = field->anchor(), c.iso = 500;
-  const std::vector<Vec3d> shifts(2, -field->anchor());
-  const auto values = std::get<std::vector<float>>(warpImages(images, shiftedNodes(on, shifts), on).values);
-  for (int k = 0; k < on.size[2]; ++k)
-    for (int j = 0; j < on.size[1]; ++j)
-      for (int i = 0; i < on.size[0]; ++i) {
-        const double r = on.toWorld(Vec3d(i, j, k)).length(), value = values[on.index(i, j, k)];
-        if (std::abs(r - 1) > 0.1 * kSpacing) {
-          ASSERT_EQ(value > 500, r < 1) << r;
+  const DarkBalls dark({1.0, 1.2});
+  const std::vector<float> values = dark.values();
+  for (int k = 0; k < dark.on.size[2]; ++k)
+    for (int j = 0; j < dark.on.size[1]; ++j)
+      for (int i = 0; i < dark.on.size[0]; ++i) {
+        const double r = dark.on.toWorld(Vec3d(i, j, k)).length(), value = values[dark.on.index(i, j, k)];
+        if (std::abs(r - 1.1) > 0.1 * DarkBalls::kSpacing) {
+          ASSERT_EQ(value > 500, r < 1.1) << r;
         }
       }
+}
+
+/// Where shapes lie on each other nothing is changed: a dark skin is what the images have there.
+TEST(WarpImage, WhatLiesOnItselfKeepsItsValues) {
+  const DarkBalls dark({1.0, 1.0});
+  const std::vector<float> values = dark.values();
+  const auto& own = std::get<std::vector<float>>(dark.balls[0].values);
+  // Positions are in single precision: to 1e-5 of a voxel, over which the values change by up to 1000.
+  for (size_t i = 0; i < own.size(); ++i) ASSERT_NEAR(values[i], own[i], 0.05) << i;
+}
+
+/// As the second weight goes to 0, so does what is not the first image: the surfaces are 2.5 voxels apart.
+TEST(WarpImage, TheFirstImageIsReachedSmoothly) {
+  DarkBalls dark({1.0, 1.2});
+  const auto& first = std::get<std::vector<float>>(dark.balls[0].values);
+  const auto& second = std::get<std::vector<float>>(dark.balls[1].values);
+  double whole = 0;
+  for (size_t i = 0; i < first.size(); ++i) whole += std::pow(first[i] - second[i], 2);
+  for (double t : {0.01, 0.001}) {
+    dark.images[0].weight = 1 - t, dark.images[1].weight = t;
+    const std::vector<float> values = dark.values();
+    double sum = 0;
+    for (size_t i = 0; i < first.size(); ++i) sum += std::pow(values[i] - first[i], 2);
+    // Depths go by t times 2.5 voxels; the edge of a voxel's width and what moves beside it: ten times t is ample.
+    EXPECT_LT(std::sqrt(sum / whole), 10 * t) << t;
+  }
 }
 
 }  // namespace

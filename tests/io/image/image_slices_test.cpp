@@ -136,15 +136,47 @@ TEST_F(Slices, WhatIsCutShortIsToldWhenReached) {
   }
 }
 
-TEST_F(Slices, OthersAreReadAsAWhole) {
+TEST_F(Slices, OfDataApartAndOfOneVolumeOfSeveral) {
   write("numbers.raw", counted(false));
   const std::string head = "NRRD0004\ntype: uint16\n", data = counted(false);
-  EXPECT_FALSE(openImageSlices(
+  expectCounted(
       write("apart.nhdr",
-            head + "dimension: 3\nsizes: 2 3 4\nendian: little\nencoding: raw\ndata file: numbers.raw\n")));
+            head + "dimension: 3\nsizes: 2 3 4\nendian: little\nencoding: raw\ndata file: numbers.raw\n"));
+  const std::string times =
+      write("times.nrrd", head + "dimension: 4\nsizes: 2 3 2 2\nendian: little\nencoding: raw\n\n" + data);
+  std::optional<ImageSlices> second = openImageSlices(times + ":1");
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->next(), ImageValues(std::vector<std::uint16_t>{12, 13, 14, 15, 16, 17}));
+  const std::string pairs =
+      write("pairs.nrrd", head +
+                              "dimension: 4\nsizes: 2 3 2 2\nkinds: list domain domain domain\nendian: "
+                              "little\nencoding: raw\n\n" +
+                              data);
+  std::optional<ImageSlices> odd = openImageSlices(pairs + ":1");
+  ASSERT_TRUE(odd);
+  EXPECT_EQ(odd->next(), ImageValues(std::vector<std::uint16_t>{1, 3, 5, 7, 9, 11}));
+  EXPECT_EQ(odd->next(), ImageValues(std::vector<std::uint16_t>{13, 15, 17, 19, 21, 23}));
+}
+
+TEST_F(Slices, OthersAreReadAsAWhole) {
+  const std::string head = "NRRD0004\n";
   EXPECT_FALSE(openImageSlices(
-      write("times.nrrd", head + "dimension: 4\nsizes: 2 3 2 2\nendian: little\nencoding: raw\n\n" + data)));
-  EXPECT_FALSE(openImageSlices(write("text.nrrd", head + "dimension: 1\nsizes: 2\nencoding: text\n\n1 2\n")));
+      write("text.nrrd", head + "type: uint16\ndimension: 1\nsizes: 2\nencoding: text\n\n1 2\n")));
+  EXPECT_FALSE(
+      openImageSlices(write("colours.nrrd", head + "type: uint8\ndimension: 3\nsizes: 3 2 1\nkinds: "
+                                                   "RGB-color domain domain\nencoding: raw\n\nabcdef")));
+}
+
+/// What a whole reads as double, since it needs more than 32 bits, slices refuse.
+TEST_F(Slices, BeyondThirtyTwoBitsAreRefused) {
+  const std::string head =
+      "NRRD0004\ntype: uint32\ndimension: 3\nsizes: 1 1 2\nendian: little\nencoding: raw\n\n";
+  const std::string path = write("wide.nrrd", head + std::string("\x01\0\0\0\xff\xff\xff\xff", 8));
+  EXPECT_EQ(readImage(path).image.values, ImageValues(std::vector<double>{1, 4294967295.0}));
+  std::optional<ImageSlices> slices = openImageSlices(path);
+  ASSERT_TRUE(slices);
+  EXPECT_EQ(slices->next(), ImageValues(std::vector<std::int32_t>{1}));
+  EXPECT_THROW(slices->next(), IoError);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "slicemorph/note.h"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -56,19 +57,33 @@ struct ImageInfo {
   Vec3d spacing{0, 0, 0}, origin{0, 0, 0};  ///< LPS millimetres; origin: centre of the first voxel
   Vec3d axes[3];                            ///< unit directions of i, j, k
   int volumes = 1;                          ///< times or components in the file
-  double minimum = 0, maximum = 0;
-  size_t labels = 0;  ///< of a label map; 0: grey values
+  bool looked = true;               ///< values were read; else minimum, maximum and labels mean nothing
+  double minimum = 0, maximum = 0;  ///< of the finite values
+  size_t labels = 0;                ///< of a label map; 0: grey values
   Notes notes;
   std::string reading;  ///< how it is read as a shape
 };
 
+/// One structure of a file of contours.
+struct StructureInfo {
+  int number = 0;  ///< of a region of interest, or a label
+  std::string name;
+  size_t planes = 0, contours = 0;  ///< planes with contours
+  double gap = 0, gapMin = 0,
+         gapMax = 0;             ///< between neighbouring planes, world units: usual, least, most; 0: none
+  std::optional<double> volume;  ///< world units cubed, of the slabs around parallel planes; none of others
+  Vec3d boxMin{0, 0, 0}, boxMax{0, 0, 0};  ///< of the points, world units
+};
+
 struct FileInfo {
-  Contents contents = Contents::kMesh;  ///< mesh, grids or image
-  std::string path;                     ///< without a `:grid` suffix
-  std::string format;                   ///< "obj", "ply", "stl", "off", "glb", "vdb", "nifti" ...
-  std::uint64_t bytes = 0;              ///< file size
-  MeshInfo mesh;                        ///< of meshes
-  std::vector<ImageInfo> images;        ///< of images: the series of a folder, else one
+  Contents contents = Contents::kMesh;    ///< mesh, grids, image or contours
+  std::string path;                       ///< without a `:grid` suffix
+  std::string format;                     ///< "obj", "ply", "stl", "off", "glb", "vdb", "nifti" ...
+  std::uint64_t bytes = 0;                ///< file size
+  MeshInfo mesh;                          ///< of meshes
+  std::vector<ImageInfo> images;          ///< of images: the series of a folder, else one
+  std::vector<StructureInfo> structures;  ///< of contours
+  Notes notes;                            ///< of contours: what was left out or repaired
   VdbInfo vdb;  ///< of grids; of one grid only where the path names one (`file.vdb:grid`)
 };
 

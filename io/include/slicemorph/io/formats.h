@@ -8,11 +8,12 @@ namespace slicemorph {
 /// What kind of data a file holds.
 enum class Contents {
   kUnknown,
-  kMesh,      ///< a surface of polygons
-  kGrids,     ///< level sets, fog volumes and other grids
-  kImage,     ///< voxels on a lattice: scans, label maps, stacks of pictures
-  kContours,  ///< closed curves on planes
-  kSlices,    ///< oriented slices of grids
+  kMesh,        ///< a surface of polygons
+  kGrids,       ///< level sets, fog volumes and other grids
+  kImage,       ///< voxels on a lattice: scans, label maps, stacks of pictures
+  kContours,    ///< closed curves on planes
+  kSlices,      ///< oriented slices of grids
+  kStructures,  ///< named structures on the slices of a scan; only written
 };
 
 /// A row of the table of formats (io/format.h), from which reading, writing, messages and help
@@ -36,5 +37,7 @@ std::vector<FormatSummary> knownFormats();
 std::string readableList(Contents contents, const std::string& between = " ");
 /// The extensions that can be written.
 std::string writableList(Contents contents, const std::string& between = " ");
+/// The extensions of files of named structures that can be written: ".seg.dcm .rt.dcm .seg.nrrd".
+std::string structureList(const std::string& between = " ");
 
 }  // namespace slicemorph

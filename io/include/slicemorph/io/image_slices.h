@@ -16,9 +16,10 @@ struct ImageSlices {
   std::function<ImageValues()> next;
 };
 
-/// Opens .nii .nii.gz .nrrd .mha .mhd, picture stacks; nothing where a file cannot be read slice by slice: other
-/// formats, voxels of several volumes or components, values that need rescaling, headers apart from their data in NRRD.
-/// Throws as readImage().
+/// Opens NIfTI, NRRD, MetaImage, picture stacks, of which nothing but the header is read before next(); nothing where
+/// a file cannot be read slice by slice: other formats, colours, numbers as text, values that need rescaling. Throws as
+/// readImage().
+std::optional<ImageSlices> openImageSlices(const InputSpec& input, const ImageOptions& options = {});
 std::optional<ImageSlices> openImageSlices(const std::string& text, const ImageOptions& options = {});
 
 }  // namespace slicemorph

@@ -18,11 +18,14 @@ void writeImage(const std::string& path, const Image& image);
 
 class VoxelFile;
 
-/// Writes an image slice by slice, the same bytes as writeImage().
+/// Writes an image slice by slice, the same bytes as writeImage(), or several volumes of one lattice one after the
+/// other: a fourth axis of times in the file.
 class ImageSliceWriter {
  public:
-  /// `like`: values of the type that follows. Throws as writeImage().
-  ImageSliceWriter(const std::string& path, const ImageLattice& lattice, const ImageValues& like);
+  /// `like`: values of the type that follows. Several volumes, `seconds` apart (0: not
+  /// known), follow each other slice by slice. Throws as writeImage().
+  ImageSliceWriter(const std::string& path, const ImageLattice& lattice, const ImageValues& like,
+                   int volumes = 1, double seconds = 0);
   ~ImageSliceWriter();
   /// The next slices along k. Throws IoError.
   void add(const ImageValues& slices);

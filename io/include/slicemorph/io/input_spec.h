@@ -25,12 +25,13 @@ struct InputPlacing {
 ///                       its UID), of contours a structure (its name or number)
 ///     name.####.vdb     a numbered sequence: one file a frame, or one a slice of an image stack
 ///     name.####.vdb@10-40x2   of a sequence only these numbers, each second from 10 to 40
+///     file.nii@0-24x2   of an image of several volumes these, one a frame
 ///     file.obj{scale=0.001,upright=z}   brought to another size and upright axis as it is read
 struct InputSpec {
   std::string text;       ///< as it was typed
   std::string path;       ///< the file or folder; of a sequence with its run of #
   std::string selection;  ///< the text after the colon; empty: nothing is selected
-  std::string range;      ///< the text after the @ of a sequence; empty: all files
+  std::string range;  ///< the text after the @ of a sequence, or of an image; empty: all files, no volumes
   InputPlacing placing;
   bool isSequence = false;
   Contents contents = Contents::kUnknown;
@@ -38,8 +39,8 @@ struct InputSpec {
 
   bool isImage() const { return contents == Contents::kImage; }
   bool isGrids() const { return contents == Contents::kGrids; }
-  /// Whether every file is the object at another frame: a sequence, but not the slices of one image.
-  bool isMoving() const { return isSequence && !isImage(); }
+  /// Whether every file, or volume of an image, is the object at another frame: not the slices of one image.
+  bool isMoving() const { return isImage() ? !isSequence && !range.empty() : isSequence; }
 };
 
 /// Parses the text of an input. If a file of exactly that name exists, colons and # in it mean nothing. Files
@@ -53,7 +54,7 @@ struct InputFrame {
   InputSpec input;
 };
 
-/// The files of a moving input by number, each with the same selection and placing. Throws IoError where there is none,
+/// The files, or volumes, of a moving input by number, each with the same selection and placing. Throws IoError where there is none,
 /// naming those of a range that are missing.
 std::vector<InputFrame> framesOf(const InputSpec& input);
 

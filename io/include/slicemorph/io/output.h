@@ -1,6 +1,7 @@
 #pragma once
 
 #include "slicemorph/conventions.h"
+#include "slicemorph/io/mesh_writer.h"
 #include "slicemorph/mesh.h"
 
 #include <openvdb/io/Compression.h>
@@ -39,6 +40,7 @@ struct SurfaceOutput {
   bool doubles = false;  ///< the grid holds doubles
   VdbOutput vdb;
   openvdb::Vec3SGrid::ConstPtr colors = nullptr;  ///< around the surface, named "Cd"; null: none
+  MeshSpace space = MeshSpace::kUnsaid;           ///< of meshes
 };
 
 /// Throws InputError where `path` has no extension that writeSurface knows, IoError where its folder does not

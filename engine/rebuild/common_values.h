@@ -1,0 +1,13 @@
+#pragma once
+
+#include "slicemorph/image.h"
+
+namespace slicemorph {
+
+/// `count` values of the images' common type, or of the smallest type that holds all of theirs.
+ImageValues commonValues(const std::vector<const Image*>& images, size_t count);
+
+/// Writes a row of values from index `first` on; integers are rounded and clamped.
+void storeRow(const std::vector<double>& row, size_t first, ImageValues& values);
+
+}  // namespace slicemorph

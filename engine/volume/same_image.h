@@ -1,0 +1,14 @@
+#pragma once
+
+#include "slicemorph/image.h"
+
+namespace slicemorph {
+
+/// Whether two lattices have as many voxels at the same places, to 1e-4 of a voxel: positions in files are rounded.
+bool sameLattice(const ImageLattice& a, const ImageLattice& b);
+
+/// Whether two images have the same values on the same lattice, whatever their number types. What is not a number
+/// equals its like.
+bool isSame(const Image& a, const Image& b);
+
+}  // namespace slicemorph

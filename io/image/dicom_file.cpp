@@ -1,0 +1,125 @@
+#include "io/image/dicom_file.h"
+
+#include "io/whole_file.h"
+
+#include <algorithm>
+
+namespace slicemorph {
+namespace {
+
+constexpr DicomTag kSopClass = 0x00080016, kSopInstance = 0x00080018, kModality = 0x00080060,
+                   kDescription = 0x0008103e, kImageTypeTag = 0x00080008, kSeries = 0x0020000e,
+                   kFrameOfReference = 0x00200052, kInstanceNumber = 0x00200013, kSamples = 0x00280002,
+                   kPhotometric = 0x00280004, kFrameCount = 0x00280008, kRows = 0x00280010,
+                   kColumns = 0x00280011, kBitsAllocated = 0x00280100, kBitsStored = 0x00280101,
+                   kHighBit = 0x00280102, kSign = 0x00280103, kPadding = 0x00280120,
+                   kPaddingLimit = 0x00280121, kFloatPixels = 0x7fe00008, kDoublePixels = 0x7fe00009,
+                   kPixels = 0x7fe00010, kSegmentationType = 0x00620001, kSegments = 0x00620002,
+                   kSegmentNumber = 0x00620004, kSegmentLabel = 0x00620005, kFullFraction = 0x0062000e;
+constexpr int kMostFrames = 1 << 20;  // far more than any scanner writes; damaged numbers are larger
+
+/// Stored values between which lies what is no measurement (PS3.3 C.7.5.1.1.2).
+std::optional<std::pair<double, double>> paddingOf(const DicomElements& data, bool isSigned) {
+  if (data.size(kPadding) < 2) return std::nullopt;
+  // Written as US or as SS, whatever the pixels are.
+  const auto stored = [&](DicomTag tag) {
+    const auto bits = std::uint16_t(std::int64_t(data.first(tag, isSigned ? "SS" : "US")));
+    return isSigned ? double(std::int16_t(bits)) : double(bits);
+  };
+  const double a = stored(kPadding), b = data.size(kPaddingLimit) >= 2 ? stored(kPaddingLimit) : a;
+  return std::pair(std::min(a, b), std::max(a, b));
+}
+
+void readPixelFormat(const DicomElements& data, std::string_view bytes, DicomFile& file) {
+  DicomPixels& p = file.pixels;
+  p.columns = data.number(kColumns), p.rows = data.number(kRows);
+  const double frames = data.first(kFrameCount, "IS", 1);
+  if (!(frames >= 1 && frames <= kMostFrames))
+    throw DicomDamage("its number of frames, " + data.text(kFrameCount) + ", makes no sense");
+  p.frames = int(frames);
+  p.bits = data.number(kBitsAllocated), p.bitsUsed = data.number(kBitsStored);
+  p.highBit = data.number(kHighBit);
+  p.isSigned = data.number(kSign) == 1;
+  DicomTag tag = kPixels;
+  if (data.has(kFloatPixels)) tag = kFloatPixels, p.kind = DicomPixels::kFloat, p.bits = 32;
+  if (data.has(kDoublePixels)) tag = kDoublePixels, p.kind = DicomPixels::kDouble, p.bits = 64;
+  if (!data.has(tag)) throw DicomDamage("it has no pixels");
+  if (p.bits < 1 || p.bits > 64) throw DicomDamage(std::to_string(p.bits) + " bits a pixel make no sense");
+  if (p.bitsUsed < 1 || p.bitsUsed > p.bits) p.bitsUsed = p.bits;
+  if (p.highBit < p.bitsUsed - 1 || p.highBit >= p.bits) p.highBit = p.bitsUsed - 1;
+  p.padding = paddingOf(data, p.isSigned);
+  p.tag = tag;
+  p.decode = !data.plainPixels() || !data.inFile() || data.bigEndian();
+  if (!p.decode) p.at = std::uint64_t(data.bytes(tag).data() - bytes.data());
+  const double samples = std::max(1.0, data.first(kSamples, "US", 1));
+  const std::uint64_t needed = (std::uint64_t(p.rows) * std::uint64_t(p.columns) * std::uint64_t(p.frames) *
+                                    std::uint64_t(samples) * std::uint64_t(p.bits) +
+                                7) /
+                               8;
+  if (data.plainPixels() && data.text(kPhotometric).rfind("YBR_FULL_422", 0) != 0 && data.size(tag) < needed)
+    throw DicomDamage("it has " + std::to_string(data.size(tag)) + " bytes of pixels, " +
+                      std::to_string(needed) + " are needed");
+  if (data.plainPixels() && data.size(tag) >= 2 * needed && needed > 1)
+    throw DicomDamage("it has " + std::to_string(data.size(tag)) +
+                      " bytes of pixels, which are more frames than the " + std::to_string(p.frames) +
+                      " that it states");
+  if (samples != 1)
+    file.foreign = "its pixels have " + std::to_string(int(samples)) + " values, and only grey ones are read";
+  else if (data.text(kPhotometric) == "PALETTE COLOR")
+    file.foreign = "its pixels are colours of a palette, and only grey ones are read";
+  else if (p.bits != 1 && p.bits != 8 && p.bits != 16 && p.bits != 32 && p.bits != 64)
+    file.foreign =
+        "its pixels take " + std::to_string(p.bits) + " bits each, and only 1, 8, 16, 32 and 64 are read";
+  else if (p.bits == 1 && !data.plainPixels())
+    file.foreign = "its pixels are single bits and compressed, which is not read";
+}
+
+void readSegments(const DicomElements& data, DicomFile& file) {
+  file.kind = DicomFile::kSegmentation;
+  file.isWhole = true;
+  for (const DicomElements& item : data.items(kSegments))
+    file.segments.push_back({item.number(kSegmentNumber), item.text(kSegmentLabel)});
+  if (data.text(kSegmentationType) == "FRACTIONAL")
+    file.fullFraction = std::max(1.0, data.first(kFullFraction, "US", 255));
+}
+
+void read(const DicomElements& data, std::string_view bytes, DicomFile& file) {
+  file.seriesUid = data.text(kSeries), file.instanceUid = data.text(kSopInstance);
+  file.frameOfReference = data.text(kFrameOfReference);
+  file.modality = data.text(kModality), file.description = data.text(kDescription);
+  file.instance = int(data.first(kInstanceNumber, "IS"));
+  const std::string type = data.text(kImageTypeTag);
+  file.localizer = type.find("LOCALIZER") != std::string::npos || type.find("SCOUT") != std::string::npos;
+  file.columns = data.number(kColumns), file.rows = data.number(kRows);
+  if (!file.damage.empty() || file.columns <= 0 || file.rows <= 0) return;
+  readPixelFormat(data, bytes, file);
+  if (!file.foreign.empty()) return;
+  // Segmentation Storage, and Label Map Segmentation Storage, whose pixels are numbers of segments.
+  const std::string sop = data.text(kSopClass);
+  file.labelPixels = sop == "1.2.840.10008.5.1.4.1.1.66.7";
+  if (sop == "1.2.840.10008.5.1.4.1.1.66.4" || file.labelPixels) readSegments(data, file);
+  readDicomFrames(data, file);
+  const bool mosaic = isMosaic(data);
+  if (mosaic) splitMosaic(data, file);
+  file.isWhole = file.isWhole || mosaic || file.frames.size() > 1;
+}
+
+}  // namespace
+
+DicomFile readDicomFile(const std::string& path) {
+  DicomFile file;
+  file.path = path;
+  const std::string bytes = readWholeFile(path);
+  const bool marked = bytes.size() >= 132 && bytes.compare(128, 4, "DICM") == 0;
+  const DicomElements data = DicomElements::startOfFile(bytes, file.damage);
+  try {
+    read(data, bytes, file);
+  } catch (const DicomDamage& damage) {
+    file.damage = damage.what();
+    file.frames.clear();
+  }
+  if (!marked && file.seriesUid.empty() && file.frames.empty()) file.isDicom = false;
+  return file;
+}
+
+}  // namespace slicemorph

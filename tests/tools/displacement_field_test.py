@@ -1,0 +1,195 @@
+#!/usr/bin/env python3
+"""Displacement fields of `apply --field` in ITK's convention: resampled by elastix' transformix, and inverse to each other.
+
+usage: displacement_field_test.py PATH/TO/slicemorph [NAME...]     (NAME: only the cases whose name contains it)
+"""
+import os
+import shutil
+import subprocess
+import sys
+import zlib
+
+sys.path.append("/usr/lib/python3/dist-packages")
+import nibabel as nib
+import numpy as np
+from scipy.ndimage import binary_erosion, map_coordinates
+
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+from cases import Skip, named_cases, run_cases
+
+if len(sys.argv) < 2:
+    sys.exit(__doc__)
+PROGRAM = os.path.abspath(sys.argv[1])
+ONLY = sys.argv[2:]
+LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
+SIZE, SPACING, ORIGIN = (72, 64, 50), np.array([1.0, 1.1, 1.5]), np.array([-36.0, -34.0, -37.0])
+
+
+def run(*arguments):
+    result = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, errors="replace", timeout=600)
+    assert result.returncode == 0, "%s: exit %d\n%s" % (" ".join(map(str, arguments)), result.returncode, result.stderr)
+
+
+def places():
+    """LPS positions of all voxels."""
+    return np.stack(np.meshgrid(*[np.arange(n) for n in SIZE], indexing="ij"), -1) * SPACING + ORIGIN
+
+
+def save(name, values):
+    affine = np.diag([*SPACING, 1.0])
+    affine[:3, 3] = ORIGIN
+    nib.save(nib.Nifti1Image(values.astype(np.float32), LPS @ affine), name)
+
+
+def read_mha(path):
+    """Components x i x j x k; numbers are floats."""
+    head, _, body = open(path, "rb").read().partition(b"ElementDataFile = LOCAL\n")
+    fields = dict(line.split(" = ", 1) for line in head.decode().splitlines())
+    if fields.get("CompressedData") == "True":
+        body = zlib.decompress(body)
+    sizes = [int(fields.get("ElementNumberOfChannels", 1)), *map(int, fields["DimSize"].split())]
+    return np.frombuffer(body, "<f4").reshape(sizes, order="F")
+
+
+def write_shapes():
+    """A pear-like body and another one, turned, moved and of other sides; and a picture of waves. Masks of both."""
+    p = places()
+
+    def body(middle, sides, angle):
+        c, s = np.cos(angle), np.sin(angle)
+        q = (p - middle) @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+        return np.sqrt(((q / (np.array(sides) * (1 + 0.2 * q[..., 2:] / 25))) ** 2).sum(-1))
+
+    distances = [body([0, 0, 0], [12, 16, 25], 0), body([2, -2, 1], [14, 15, 22], 0.3)]
+    for name, d in zip("ab", distances):
+        save(name + ".nii.gz", 1000 / (1 + np.exp((d - 1) * 15)))
+    save("g.nii.gz", 100 * (np.sin(p[..., 0] / 6) + np.cos(p[..., 1] / 7) + np.sin(p[..., 2] / 8)))
+    return [d < 1 for d in distances]
+
+
+PLANNED = ("--plan", "x.plan")
+
+
+def write_fields():
+    run("plan", "a.nii.gz", "b.nii.gz", "-o", "x.plan", "--iso", 500)
+    for name, start, end in (("f01", 0, 1), ("f10", 1, 0)):
+        run("apply", "--field", "-o", name + ".mha", "--like", "a.nii.gz", "--from", start, "--to", end, *PLANNED)
+    return read_mha("f01.mha"), read_mha("f10.mha")
+
+
+def moved(values, field):
+    """Values at the places where a field leads to from each voxel, trilinear."""
+    index = np.stack(np.meshgrid(*[np.arange(n) for n in SIZE], indexing="ij"))
+    return map_coordinates(values, index + field / SPACING[:, None, None, None], order=1, mode="nearest")
+
+
+def case_inverse():
+    """There and back again is where one was: points to a hundredth of a voxel; by the fields, trilinear, to a tenth wherever
+    the voxels that are interpolated lie inside (at the outline they are in part outside, where the map bends off)."""
+    inside = write_shapes()
+    fields = write_fields()
+    for start, (there, back, mask) in enumerate(((fields[0], fields[1], inside[0]), (fields[1], fields[0], inside[1]))):
+        left = there + np.stack([moved(part, there) for part in back])
+        assert np.abs(there[:, mask]).max() > 2, "nothing moves"
+        voxels = np.linalg.norm(left / SPACING[:, None, None, None], axis=0)
+        assert voxels[binary_erosion(mask)].max() < 0.1, voxels[binary_erosion(mask)].max()
+        assert np.percentile(voxels[mask], 99) < 0.1
+        points = places()[mask][::37]
+        np.savetxt("p.csv", points, "%.9g", ",", header="x,y,z", comments="")
+        for source, target, t in (("p.csv", "q.csv", start), ("q.csv", "r.csv", 1 - start)):
+            run("apply", source, "-o", target, "--from", t, "--to", 1 - t, *PLANNED)
+        again = np.loadtxt("r.csv", delimiter=",", skiprows=1)
+        assert np.linalg.norm((again - points) / SPACING, axis=1).max() < 0.01
+
+
+def case_transformix():
+    """transformix draws an image of B in A's frame as trilinear interpolation along the field does; so does `apply`."""
+    if not shutil.which("transformix"):
+        raise Skip("elastix is not installed")
+    inside, _ = write_shapes()
+    field, _ = write_fields()
+    run("convert", "g.nii.gz", "-o", "g.mha")
+    with open("t.txt", "w") as file:
+        file.write("""(Transform "DeformationFieldTransform")
+(NumberOfParameters 0)
+(DeformationFieldFileName "f01.mha")
+(DeformationFieldInterpolationOrder 1)
+(InitialTransformParametersFileName "NoInitialTransform")
+(HowToCombineTransforms "Compose")
+(FixedImageDimension 3)
+(MovingImageDimension 3)
+(FixedInternalImagePixelType "float")
+(MovingInternalImagePixelType "float")
+(Size %d %d %d)
+(Index 0 0 0)
+(Spacing %g %g %g)
+(Origin %g %g %g)
+(Direction 1 0 0 0 1 0 0 0 1)
+(UseDirectionCosines "true")
+(ResampleInterpolator "FinalBSplineInterpolator")
+(FinalBSplineInterpolationOrder 1)
+(Resampler "DefaultResampler")
+(DefaultPixelValue 0)
+(ResultImageFormat "mha")
+(ResultImagePixelType "float")
+(CompressResultImage "false")
+""" % (*SIZE, *SPACING, *ORIGIN))
+    os.mkdir("out")
+    subprocess.run(["transformix", "-in", "g.mha", "-tp", "t.txt", "-out", "out"], check=True, capture_output=True, timeout=300)
+    drawn = read_mha("out/result.mha")[0]
+    waves = nib.load("g.nii.gz").get_fdata()
+    own = moved(waves, field)
+    # Floats of 32 bits: positions of some 50 mm to 4e-6 mm, on a slope of at most 17 a millimetre for each axis.
+    assert np.abs(drawn - own)[inside].max() < 0.01, np.abs(drawn - own)[inside].max()
+    assert np.abs(waves - own)[inside].max() > 20, "nothing moves"
+    run("apply", "g.nii.gz", "--from", 1, "--to", 0, "-o", "carried.nii.gz", "--like", "a.nii.gz", *PLANNED)
+    carried = nib.load("carried.nii.gz").get_fdata()
+    assert np.abs(drawn - carried)[inside].max() < 1, np.abs(drawn - carried)[inside].max()
+
+
+def case_metaimage_by_itk():
+    """ITK reads our compressed MetaImage: transformix with no transform gives the same values."""
+    if not shutil.which("transformix"):
+        raise Skip("elastix is not installed")
+    write_shapes()
+    run("convert", "g.nii.gz", "-o", "g.mha")
+    with open("t.txt", "w") as file:
+        file.write("""(Transform "TranslationTransform")
+(NumberOfParameters 3)
+(TransformParameters 0 0 0)
+(InitialTransformParametersFileName "NoInitialTransform")
+(HowToCombineTransforms "Compose")
+(FixedImageDimension 3)
+(MovingImageDimension 3)
+(FixedInternalImagePixelType "float")
+(MovingInternalImagePixelType "float")
+(Size %d %d %d)
+(Index 0 0 0)
+(Spacing %g %g %g)
+(Origin %g %g %g)
+(Direction 1 0 0 0 1 0 0 0 1)
+(UseDirectionCosines "true")
+(ResampleInterpolator "FinalBSplineInterpolator")
+(FinalBSplineInterpolationOrder 1)
+(Resampler "DefaultResampler")
+(DefaultPixelValue 0)
+(ResultImageFormat "mha")
+(ResultImagePixelType "float")
+(CompressResultImage "false")
+""" % (*SIZE, *SPACING, *ORIGIN))
+    os.mkdir("out")
+    subprocess.run(["transformix", "-in", "g.mha", "-tp", "t.txt", "-out", "out"], check=True, capture_output=True, timeout=300)
+    # Positions that are voxels but for rounding, on a slope of at most 17 a millimetre.
+    assert np.abs(read_mha("out/result.mha")[0] - nib.load("g.nii.gz").get_fdata()).max() < 1e-3
+
+
+if __name__ == "__main__":
+    def in_folder(case):
+        def inside(folder):
+            os.chdir(folder)
+            try:
+                case()
+            finally:
+                os.chdir("/")
+        return inside
+    sys.exit(run_cases([(name, in_folder(case)) for name, case in named_cases(globals())], ONLY))

@@ -1,0 +1,636 @@
+#!/usr/bin/env python3
+"""NRRD, NIfTI, Analyze, MetaImage, TIFF and EXR stacks: places, units, types and layouts, against nibabel, Teem,
+tifffile, oiiotool and numpy.
+
+usage: image_formats_test.py PATH/TO/slicemorph [NAME...]     (NAME: only the cases whose name contains it)
+
+Needs Debian's python3-nibabel, python3-tifffile, openimageio-tools; teem-apps for some NRRD cases. Positions are LPS
+millimetres. Places are compared to 1e-4 mm: NIfTI's affines are 32-bit floats, good to 3e-5 mm at 500 mm.
+"""
+import bz2
+import gzip
+import json
+import os
+import shutil
+import struct
+import subprocess
+import sys
+import zlib
+
+sys.path.append("/usr/lib/python3/dist-packages")
+import nibabel as nib
+import numpy as np
+
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+from cases import Skip, named_cases, run_cases
+
+if len(sys.argv) < 2:
+    sys.exit(__doc__)
+PROGRAM = os.path.abspath(sys.argv[1])
+ONLY = sys.argv[2:]
+LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
+OBLIQUE = np.array([[0.4, -0.3, 0.1, 10], [0.3, 0.4, 0.2, -20], [0, 0.1, -2, 30], [0, 0, 0, 1.0]])
+
+
+def run(*arguments, code=0):
+    result = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, errors="replace", timeout=300)
+    assert result.returncode == code, "%s: exit %d\n%s" % (" ".join(map(str, arguments)), result.returncode, result.stderr)
+    return result.stderr
+
+
+def refused(*arguments, says=()):
+    """A message that names the file once, says all of `says`, and holds no address in memory; no output."""
+    before = set(os.listdir("."))
+    result = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, errors="replace", timeout=300)
+    assert result.returncode in (1, 2), "%s: exit %d\n%s" % (" ".join(map(str, arguments)), result.returncode, result.stderr)
+    for part in (os.path.basename(str(arguments[1]).split(":")[0].split("@")[0]), *says):
+        assert part in result.stderr, "%r is not in: %s" % (part, result.stderr)
+    assert "0x" not in result.stderr and "itk" not in result.stderr, result.stderr
+    assert set(os.listdir(".")) == before, "output was left: %s" % (set(os.listdir(".")) - before)
+    return result.stderr
+
+
+def converted(name, *options, out="out.nii"):
+    """Values and LPS affine of an input as convert writes them, and what was said."""
+    said = run("convert", name, "-o", out, *options)
+    image = nib.load(out)
+    return np.asanyarray(image.dataobj), LPS @ image.affine, said
+
+
+def check(name, values, affine, *options, says=()):
+    found, place, said = converted(name, *options)
+    assert found.shape == values.shape, (name, found.shape, values.shape)
+    assert np.array_equal(found, values), "%s: values differ" % name
+    assert np.abs(place - affine).max() < 1e-4, "%s: %s, not %s" % (name, place, affine)
+    for part in says:
+        assert part in said, "%s: %r is not in: %s" % (name, part, said)
+    return said
+
+
+def numbers(shape=(5, 4, 3), dtype=np.int16, seed=1):
+    return np.random.RandomState(seed).randint(0, 200, shape).astype(dtype)
+
+
+NRRD_TYPES = {"i1": "int8", "u1": "uint8", "i2": "int16", "u2": "uint16", "i4": "int32", "u4": "uint32", "i8": "int64",
+              "u8": "uint64", "f4": "float", "f8": "double"}
+
+
+def vector(v):
+    return "(" + ",".join("%.17g" % c for c in v) + ")"
+
+
+def nrrd(name, values, *fields, encoding="raw", order="<"):
+    """Written by hand after http://teem.sourceforge.net/nrrd/format.html; the first axis is the fastest."""
+    raw = values.astype(values.dtype.newbyteorder(order)).tobytes(order="F")
+    packed = {"raw": bytes, "gzip": gzip.compress, "bzip2": bz2.compress, "hex": lambda b: b.hex().encode(),
+              "text": lambda b: " ".join(map(str, values.ravel(order="F"))).encode()}[encoding](raw)
+    head = ["NRRD0005", "# a comment", "type: " + NRRD_TYPES[values.dtype.str[1:]], "dimension: %d" % values.ndim,
+            "sizes: " + " ".join(map(str, values.shape)), "endian: " + ("little" if order == "<" else "big"), "encoding: " + encoding, *fields]
+    open(name, "wb").write("\n".join(head).encode() + b"\n\n" + packed)
+
+
+def directions(affine, none_first=0, none_last=0):
+    return "space directions: " + " ".join(["none"] * none_first + [vector(affine[:3, d]) for d in range(3)] + ["none"] * none_last)
+
+
+def origin(affine):
+    return "space origin: " + vector(affine[:3, 3])
+
+
+# Signs that make a space's coordinates LPS, from the meaning of its name: a direction named is that in which the
+# coordinate grows.
+SPACES = {(-1, -1, 1): ("right-anterior-superior", "RAS"), (1, -1, 1): ("left-anterior-superior", "LAS"), (1, 1, 1): ("left-posterior-superior", "LPS")}
+
+
+def case_nrrd_spaces():
+    """Each name, abbreviation and -time form of a space; spaces without a patient are told."""
+    values = numbers()
+    for sign, names in SPACES.items():
+        expected = np.diag([*sign, 1.0]) @ OBLIQUE
+        for space in (*names, names[0].upper()):
+            nrrd("in.nrrd", values, "space: " + space, directions(OBLIQUE), origin(OBLIQUE))
+            assert "warning" not in check("in.nrrd", values, expected).lower()
+        for space in (names[0] + "-time", names[1] + "T"):
+            four = numbers((5, 4, 3, 2))
+            steps = [vector((*OBLIQUE[:3, d], 0)) for d in range(3)] + ["(0,0,0,2.5)"]
+            nrrd("in.nrrd", four, "space: " + space, "space directions: " + " ".join(steps), "space origin: " + vector((*OBLIQUE[:3, 3], 7)))
+            check("in.nrrd", four[..., 0], expected, says=["volume 0 of 2"])
+            check("in.nrrd:1", four[..., 1], expected)
+    for space, sign in (("scanner-xyz", (1, 1, 1)), ("3D-right-handed", (1, 1, 1)), ("3D-left-handed", (1, 1, -1))):
+        nrrd("in.nrrd", values, "space: " + space, directions(OBLIQUE), origin(OBLIQUE))
+        check("in.nrrd", values, np.diag([*sign, 1.0]) @ OBLIQUE, says=["its space '%s'" % space])
+    nrrd("in.nrrd", values, "space dimension: 3", directions(OBLIQUE), origin(OBLIQUE))
+    check("in.nrrd", values, OBLIQUE, says=["space has no name"])
+    nrrd("in.nrrd", values, "space: LPS", "spacings: 1 2 3", "space directions: none none none")
+    check("in.nrrd", values, np.diag([1, 2, 3, 1]), says=["spacings alone"])
+    nrrd("in.nrrd", values, "space: up-up-up", directions(OBLIQUE), origin(OBLIQUE))
+    refused("convert", "in.nrrd", "-o", "x.nii", says=["up-up-up"])
+    steps = [vector((*OBLIQUE[:3, d], 0.1)) for d in range(3)] + ["(0,0,0,2.5)"]
+    nrrd("in.nrrd", numbers((5, 4, 3, 2)), "space: LPST", "space directions: " + " ".join(steps))
+    refused("convert", "in.nrrd", "-o", "x.nii", says=["space and time at once"])
+
+
+def case_nrrd_units():
+    """Micrometres and others become millimetres, with a note; what is unknown is told."""
+    values = numbers()
+    for unit, factor in (("mm", 1), ("um", 1e-3), ("\u00b5m", 1e-3), ("micron", 1e-3), ("micrometers", 1e-3), ("cm", 10), ("m", 1000)):
+        nrrd("in.nrrd", values, "space: LPS", directions(OBLIQUE), origin(OBLIQUE), "space units: " + " ".join(['"%s"' % unit] * 3))
+        said = check("in.nrrd", values, np.diag([factor, factor, factor, 1]) @ OBLIQUE)
+        assert ("became millimetres" in said) == (factor != 1), said
+        nrrd("in.nrrd", values, "spacings: 1 2 3", "units: " + " ".join(['"%s"' % unit] * 3))
+        check("in.nrrd", values, np.diag([factor, 2 * factor, 3 * factor, 1]), says=["taken from its spacings"])
+    nrrd("in.nrrd", values, "space: LPS", directions(OBLIQUE), origin(OBLIQUE), 'space units: "furlong" "mm" "mm"')
+    check("in.nrrd", values, OBLIQUE, says=["furlong"])
+    nrrd("in.nrrd", values, "space: LPS", directions(OBLIQUE), origin(OBLIQUE), "spacings: 1 1 1")
+    check("in.nrrd", values, OBLIQUE, says=["'spacings'"])
+
+
+def case_nrrd_axes():
+    """Times, vectors and other kinds are no axes of space, wherever they stand; colours are luminance."""
+    for kind, where, shape in (("time", 3, (5, 4, 3, 2)), ("list", 0, (6, 5, 4, 3)), ("3-vector", 0, (3, 5, 4, 3)), ("vector", 3, (5, 4, 3, 3)), ("list", 1, (5, 6, 4, 3))):
+        values = numbers(shape)
+        kinds = ["domain"] * 3
+        kinds.insert(where, kind)
+        steps = [vector(OBLIQUE[:3, d]) for d in range(3)]
+        steps.insert(where, "none")
+        nrrd("in.nrrd", values, "space: LPS", "space directions: " + " ".join(steps), origin(OBLIQUE), "kinds: " + " ".join(kinds))
+        for n in range(shape[where]):
+            check("in.nrrd:%d" % n, np.take(values, n, where), OBLIQUE)
+        check("in.nrrd", np.take(values, 0, where), OBLIQUE, says=["volume 0 of %d" % shape[where], kind])
+        nrrd("in.nrrd", values, "kinds: " + " ".join(kinds))
+        check("in.nrrd:1", np.take(values, 1, where), np.eye(4))
+    rgb = numbers((3, 5, 4, 3), np.uint8)
+    nrrd("in.nrrd", rgb, "space: LPS", directions(OBLIQUE, none_first=1), origin(OBLIQUE), "kinds: RGB-color domain domain domain")
+    grey = np.rint(np.tensordot([0.2126, 0.7152, 0.0722], rgb.astype(float), 1)).astype(np.uint8)
+    check("in.nrrd", grey, OBLIQUE, says=["luminance"])
+    check("in.nrrd:1", rgb[1], OBLIQUE)
+    nrrd("in.nrrd", numbers((3, 2, 5, 4, 3)), "space: LPS", "space directions: none none " + " ".join(vector(OBLIQUE[:3, d]) for d in range(3)), "kinds: vector list domain domain domain")
+    check("in.nrrd:4", numbers((3, 2, 5, 4, 3))[1, 1], np.c_[OBLIQUE[:, :3], [0, 0, 0, 1]])
+
+
+def case_nrrd_encodings():
+    """All types in all encodings and byte orders; data apart, in several files, behind other bytes."""
+    place = ["space: LPS", directions(OBLIQUE), origin(OBLIQUE)]
+    for n, dtype in enumerate(NRRD_TYPES):
+        for e, encoding in enumerate(("raw", "gzip", "bzip2", "hex", "text")):
+            values = numbers(dtype=np.dtype(dtype))
+            if dtype[0] == "f":
+                values = values / np.dtype(dtype).type(7)
+            nrrd("in.nrrd", values, *place, encoding=encoding, order="<>"[(n // 2 + e) % 2])
+            check("in.nrrd", values, OBLIQUE)
+    values = numbers((5, 4, 6))
+    raw = values.astype("<i2").tobytes(order="F")
+    head = "NRRD0004\ntype: short\ndimension: 3\nsizes: 5 4 6\nendian: little\nspace: LPS\n%s\n%s\n" % (place[1], place[2])
+    for n in range(6):
+        open("s.%02d" % n, "wb").write(raw[40 * n:40 * n + 40])
+    open("ab.raw", "wb").write(b"one\ntwo\nxyz" + raw)
+    open("a.raw.gz", "wb").write(gzip.compress(b"xyz" + raw))
+    for fields in ("encoding: raw\ndata file: s.%02d 0 5 1\n", "encoding: raw\ndatafile: LIST\n" + "".join("s.%02d\n" % n for n in range(6)),
+                   "encoding: raw\nline skip: 2\nbyte skip: 3\ndata file: ab.raw\n", "encoding: raw\nbyteskip: -1\ndata file: ./ab.raw\n",
+                   "encoding: gzip\nbyte skip: 3\ndata file: a.raw.gz\n"):
+        open("in.nhdr", "w").write(head + fields)
+        check("in.nhdr", values, OBLIQUE)
+    open("in.nhdr", "w").write(head.replace("\n", "\r\n") + "encoding: raw\r\nline skip: 2\r\nbyte skip: 3\r\ndata file: ab.raw\r\n")
+    check("in.nhdr", values, OBLIQUE)
+    open("in.nhdr", "w").write(head + "encoding: raw\ndata file: none.raw\n")
+    refused("convert", "in.nhdr", "-o", "x.nii", says=["none.raw"])
+    for encoding in ("raw", "gzip", "bzip2", "hex", "text"):
+        nrrd("cut.nrrd", values, *place, encoding=encoding)
+        whole = open("cut.nrrd", "rb").read()
+        open("cut.nrrd", "wb").write(whole[:-30])
+        refused("convert", "cut.nrrd", "-o", "x.nii", says=["truncated"])
+    nrrd("in.nrrd", values, *place)
+    open("in.nrrd", "ab").write(b"")
+    text = open("in.nrrd", "rb").read()
+    open("odd.nrrd", "wb").write(text.replace(b"encoding: raw", b"encoding: zstd"))
+    refused("convert", "odd.nrrd", "-o", "x.nii", says=["zstd", "bzip2"])
+
+
+def case_nrrd_teem():
+    """What Teem's own program writes."""
+    unu = shutil.which("teem-unu") or shutil.which("unu")
+    if not unu:
+        raise Skip("teem-apps is not installed")
+    values = numbers((7, 6, 5), np.uint16)
+    nrrd("in.nrrd", values, "space: LAS", directions(OBLIQUE), origin(OBLIQUE))
+    expected = np.diag([1, -1, 1, 1]) @ OBLIQUE
+    for encoding in ("raw", "ascii", "hex", "gzip", "bzip2"):
+        subprocess.run([unu, "save", "-f", "nrrd", "-e", encoding, "-i", "in.nrrd", "-o", "out.nrrd"], check=True)
+        check("out.nrrd", values, expected)
+    subprocess.run([unu, "save", "-f", "nrrd", "-e", "gzip", "-i", "in.nrrd", "-o", "out.nhdr"], check=True)
+    check("out.nhdr", values, expected)
+
+
+def case_metaimage():
+    """Slope and offset, units of length, byte skips, channels."""
+    values = numbers((5, 4, 3))
+    raw = values.astype("<i2").tobytes(order="F")
+    step = np.linalg.norm(OBLIQUE[:3, :3], axis=0)
+    head = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = False\n" \
+           "TransformMatrix = %s\nOffset = %s\nElementSpacing = %s\nDimSize = 5 4 3\n%sElementType = MET_SHORT\nElementDataFile = %s\n"
+    matrix = " ".join("%.17g" % v for d in range(3) for v in OBLIQUE[:3, d] / step[d])
+
+    def write(fields="", data="LOCAL", body=raw):
+        text = head % (matrix, " ".join("%.17g" % v for v in OBLIQUE[:3, 3]), " ".join("%.17g" % v for v in step), fields, data)
+        open("in.mhd", "wb").write(text.encode() + (body if data == "LOCAL" else b""))
+
+    write()
+    check("in.mhd", values, OBLIQUE)
+    write("ElementToIntensityFunctionSlope = 2\nElementToIntensityFunctionOffset = -1000\n")
+    check("in.mhd", values * 2 - 1000, OBLIQUE, says=["multiplied by 2"])
+    write("ElementToIntensityFunctionSlope = 0.5\n")
+    check("in.mhd", (values * 0.5).astype(np.float32), OBLIQUE)
+    write("DistanceUnits = um\n")
+    check("in.mhd", values, np.diag([1e-3, 1e-3, 1e-3, 1]) @ OBLIQUE, says=["'um'"])
+    open("skip.raw", "wb").write(b"abcdefg" + raw)
+    for skip in (7, -1):
+        write("HeaderSize = %d\n" % skip, "skip.raw")
+        check("in.mhd", values, OBLIQUE)
+    for k in range(3):
+        open("s%02d.raw" % k, "wb").write(raw[40 * k:40 * k + 40])
+    write(data="s%02d.raw 0 2 1")
+    check("in.mhd", values, OBLIQUE)
+    write(data="LIST\ns00.raw\ns01.raw\ns02.raw")
+    check("in.mhd", values, OBLIQUE)
+    write(data="LIST\ns00.raw\ns01.raw\nnone.raw")
+    refused("convert", "in.mhd", "-o", "x.nii", says=["none.raw"])
+    write(body=" ".join(map(str, values.ravel(order="F"))).encode())
+    text = open("in.mhd", "rb").read()
+    open("in.mhd", "wb").write(text.replace(b"BinaryData = True", b"BinaryData = False"))
+    check("in.mhd", values, OBLIQUE)
+    vectors = numbers((2, 5, 4, 3))
+    write("ElementNumberOfChannels = 2\n", body=vectors.astype("<i2").tobytes(order="F"))
+    check("in.mhd", vectors[0], OBLIQUE, says=["volume 0 of 2", "component"])
+    check("in.mhd:1", vectors[1], OBLIQUE)
+    write(body=raw[:-1])
+    refused("convert", "in.mhd", "-o", "x.nii", says=["truncated"])
+    write("ElementToIntensityFunctionSlope = two\n")
+    refused("convert", "in.mhd", "-o", "x.nii", says=["ElementToIntensityFunctionSlope", "two"])
+
+
+def case_nifti():
+    """NIfTI-1 and -2, in one file and two, of either byte order, of all types, of 3 to 5 dimensions."""
+    for k, kind in enumerate((nib.Nifti1Image, nib.Nifti2Image, nib.Nifti1Pair, nib.Nifti2Pair)):
+        for n, dtype in enumerate(("u1", "i1", "u2", "i2", "u4", "i4", "i8", "u8", "f4", "f8")):
+            order = "<>"[(n // 2 + k) % 2]
+            values = numbers(dtype=np.dtype(dtype))
+            image = kind(values, LPS @ OBLIQUE, header=kind.header_class(endianness=order))
+            image.set_data_dtype(np.dtype(dtype).newbyteorder(order))
+            name = "in.img" if "Pair" in kind.__name__ else "in.nii" + (".gz" if n % 3 == 0 else "")
+            nib.save(image, name)
+            check(name, values, OBLIQUE)
+    check("in.hdr", values, OBLIQUE)
+    values = numbers((5, 4, 3, 2, 3), np.float32)
+    for kind in (nib.Nifti1Image, nib.Nifti2Image):
+        nib.save(kind(values, LPS @ OBLIQUE), "in.nii.gz")
+        for n in range(6):
+            check("in.nii.gz:%d" % n, values[..., n % 2, n // 2], OBLIQUE)
+        check("in.nii.gz", values[..., 0, 0], OBLIQUE, says=["volume 0 of 6", "time"])
+    open("in.nii", "wb").write(b"\0" * 400)
+    refused("convert", "in.nii", "-o", "x.nii", says=["is no NIfTI"])
+
+
+def case_nifti_of_others():
+    """Files of Debian's packages, as nibabel reads them: the first and the last volume; CIFTI is no image."""
+    folder = os.path.join(os.path.dirname(nib.__file__), "tests/data")
+    names = [os.path.join(folder, name) for name in ("anatomical.nii", "functional.nii", "example4d.nii.gz", "example_nifti2.nii.gz",
+                                                     "reoriented_anat_moved.nii", "resampled_anat_moved.nii", "standard.nii.gz")]
+    names += ["/usr/share/mricron/templates/" + name for name in ("aal.nii.gz", "inia19-NeuroMaps.nii.gz", "jhu189.nii.gz")]
+    names = [name for name in names if os.path.exists(name)]
+    if not names:
+        raise Skip("neither nibabel's test data nor mricron-data are there")
+    for name in names:
+        image = nib.load(name)
+        volumes = int(np.prod(image.shape[3:]))
+        for volume in sorted({0, volumes - 1}):
+            at = np.unravel_index(volume, image.shape[3:], order="F") if volumes > 1 else ()
+            expected = np.asanyarray(image.dataobj[(slice(None),) * 3 + tuple(at)])
+            found, place, _ = converted(name + (":%d" % volume if volumes > 1 else ""))
+            # Rescaled values are 32-bit floats: half a unit in their last place, of the largest.
+            assert np.array_equal(np.isnan(found), np.isnan(expected)), name
+            off = np.nanmax(np.abs(found - expected.astype(float)))
+            assert off == 0 or (found.dtype == np.float32 and off <= 2.0 ** -24 * np.nanmax(np.abs(expected))), (name, off)
+            assert np.abs(place - LPS @ image.affine).max() < 1e-4, (name, place)
+    matrix = os.path.join(folder, "row_major.dconn.nii")
+    if os.path.exists(matrix):
+        refused("convert", matrix, "-o", "x.nii", says=["CIFTI"])
+
+
+def case_nifti_places():
+    """Units, and forms that disagree, are told."""
+    values = numbers()
+    for unit, factor in ((1, 1000), (2, 1), (3, 1e-3)):
+        image = nib.Nifti1Image(values, LPS @ OBLIQUE)
+        image.header["xyzt_units"] = unit
+        nib.save(image, "in.nii")
+        said = check("in.nii", values, np.diag([factor, factor, factor, 1]) @ OBLIQUE)
+        assert ("became millimetres" in said) == (factor != 1), said
+    moved = LPS @ OBLIQUE
+    right = np.diag([1, 2, 3, 1.0])
+    image = nib.Nifti1Image(values, right)
+    image.set_qform(np.diag([1, 2, 3, 1.0]), 1), image.set_sform(moved, 4)
+    nib.save(image, "in.nii")
+    check("in.nii", values, OBLIQUE, says=["sform (code 4)", "qform (code 1)", "apart"])
+    image.set_sform(right, 2)
+    nib.save(image, "in.nii")
+    assert "apart" not in check("in.nii", values, LPS @ right)
+    image.set_sform(None, 0)
+    for sign in (1, -1):
+        turned = np.eye(4)
+        turned[:3, :3] = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0], [0.48, 0.64, 0.6]]) @ np.diag([1, 2, 3 * sign])
+        turned[:3, 3] = 5, -6, 7
+        image.set_qform(turned, 1)
+        nib.save(image, "in.nii")
+        check("in.nii", values, LPS @ turned)
+
+
+def case_nifti_colours():
+    """RGB and RGBA are luminance, or one of the colours; complex numbers have two parts."""
+    rgb = numbers((5, 4, 3, 3), np.uint8)
+    weights = [0.2126, 0.7152, 0.0722]
+    grey = np.rint(rgb.astype(float) @ weights).astype(np.uint8)
+    record = np.ascontiguousarray(rgb).view([("R", "u1"), ("G", "u1"), ("B", "u1")])[..., 0]
+    nib.save(nib.Nifti1Image(record, LPS @ OBLIQUE), "in.nii")
+    check("in.nii", grey, OBLIQUE, says=["luminance"])
+    check("in.nii:2", rgb[..., 2], OBLIQUE)
+    values = (numbers() + 1j * numbers(seed=2)).astype(np.complex64)
+    nib.save(nib.Nifti1Image(values, LPS @ OBLIQUE), "in.nii")
+    check("in.nii", values.real, OBLIQUE, says=["real and imaginary"])
+    check("in.nii:1", values.imag, OBLIQUE)
+    raw = bytearray(open("in.nii", "rb").read())
+    raw[70:74] = b"\0\6\x80\0"  # datatype 1536, 128 bits
+    open("in.nii", "wb").write(raw)
+    refused("convert", "in.nii", "-o", "x.nii", says=["FLOAT128"])
+
+
+def case_analyze():
+    """Analyze 7.5: as nibabel places it, with a warning; SPM's origin and scale."""
+    values = numbers((6, 5, 4))
+    for kind in (nib.AnalyzeImage, nib.Spm99AnalyzeImage, nib.Spm2AnalyzeImage):
+        for order in "<>":
+            header = kind.header_class(endianness=order)
+            header.set_data_dtype(np.int16), header.set_data_shape(values.shape), header.set_zooms((1, 2, 3))
+            if kind is not nib.AnalyzeImage:
+                header["origin"][:3] = 3, 2, 2
+            image = kind(values, None, header)
+            nib.save(image, "in.img")
+            if os.path.exists("in.mat"):
+                os.remove("in.mat")
+            check("in.img", values, LPS @ nib.load("in.img").affine, says=["Analyze 7.5", "left from right"])
+    raw = bytearray(open("in.hdr", "rb").read())
+    raw[252] = 9
+    open("in.hdr", "wb").write(raw)
+    refused("convert", "in.img", "-o", "x.nii", says=["orientation 9"])
+
+
+def tiff(name, pages, **options):
+    try:
+        import tifffile
+    except ImportError:
+        raise Skip("python3-tifffile is not installed")
+    tifffile.imwrite(name, pages, **options)
+
+
+def png(name, grey, bits):
+    """A grey PNG of 1, 2 or 4 bits a pixel, of whole bytes in a row."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    rows = b""
+    for row in grey:
+        spread = np.unpackbits(row[:, None], axis=1)[:, 8 - bits:].ravel()
+        rows += b"\0" + np.packbits(spread).tobytes()
+    head = struct.pack(">IIBBBBB", grey.shape[1], grey.shape[0], bits, 0, 0, 0, 0)
+    open(name, "wb").write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+def case_tiff_types():
+    """Whole numbers of 8 to 32 bits are themselves, also where 0 is white or fewer bits are stored."""
+    for dtype in ("u1", "i1", "u2", "i2", "u4", "i4", "f4", "f8"):
+        pages = np.random.RandomState(2).randint(0, 120, (3, 4, 5)).astype(dtype)
+        if dtype in ("u4", "i4"):
+            pages[0, 0, 0] = 2000000000
+        if dtype[0] == "i":
+            pages[1, 1, 1] = -100
+        tiff("in.tif", pages, byteorder=">" if dtype[1] == "2" else "<", photometric="minisblack", metadata=None)
+        check("in.tif", pages.T, np.diag([1, 2, 3, 1]), "--spacing", "1,2,3")
+    pages = numbers((3, 4, 5), np.uint32)
+    pages[0, 0, 0] = 4000000000
+    tiff("in.tif", pages, photometric="minisblack", metadata=None)
+    check("in.tif", pages.T.astype(float), np.diag([1, 2, 3, 1]), "--spacing", "1,2,3")
+    for dtype in (np.uint8, np.uint16):
+        tiff("in.tif", numbers((3, 4, 5), dtype), photometric="miniswhite", metadata=None)
+        check("in.tif", numbers((3, 4, 5), dtype).T, np.diag([1, 2, 3, 1]), "--spacing", "1,2,3", says=["as stored"])
+    os.mkdir("split")
+    for n in range(3):
+        tiff("split/p.%d.tif" % n, numbers((3, 4, 5), np.uint32)[n], photometric="minisblack")
+    check("split/p.#.tif", numbers((3, 4, 5), np.uint32).T, np.diag([1, 2, 3, 1]), "--spacing", "1,2,3")
+    for bits in (1, 2, 4):
+        grey = np.random.RandomState(bits).randint(0, 1 << bits, (4, 8)).astype(np.uint8)
+        png("p.0.png", grey, bits)
+        check("p.#.png", grey.T[..., None], np.diag([1, 2, 3, 1]), "--spacing", "1,2,3")
+    tiff("in.tif", numbers((3, 4, 5), np.uint64), photometric="minisblack", metadata=None)
+    assert refused("convert", "in.tif", "-o", "x.nii", "--spacing", "1,2,3").count("in.tif") == 1
+
+
+def one_page(name, pages, description, order=">", short=0):
+    """A TIFF of one page, with more pictures behind the first as ImageJ keeps large stacks."""
+    body = pages.astype(pages.dtype.newbyteorder(order)).tobytes()
+    text = description.encode() + b"\0"
+    entries = [(256, 3, 1, pages.shape[2]), (257, 3, 1, pages.shape[1]), (258, 3, 1, 8 * pages.itemsize), (259, 3, 1, 1), (262, 3, 1, 1),
+               (270, 2, len(text), None), (273, 4, 1, None), (277, 3, 1, 1), (278, 3, 1, pages.shape[1]),
+               (279, 4, 1, pages.shape[1] * pages.shape[2] * pages.itemsize), (282, 5, 1, None), (283, 5, 1, None), (296, 3, 1, 1),
+               (339, 3, 1, 3 if pages.dtype.kind == "f" else 1)]
+    after = 8 + 2 + 12 * len(entries) + 4
+    places = {270: after, 282: after + len(text), 283: after + len(text) + 8, 273: after + len(text) + 16}
+    head = (b"MM" if order == ">" else b"II") + struct.pack(order + "HI", 42, 8) + struct.pack(order + "H", len(entries))
+    for tag, kind, count, value in entries:
+        value = places.get(tag, value)
+        small = kind == 3
+        head += struct.pack(order + "HHI", tag, kind, count) + (struct.pack(order + "HH", value, 0) if small else struct.pack(order + "I", value))
+    head += struct.pack(order + "I", 0) + text + struct.pack(order + "IIII", 4, 1, 2, 1)
+    data = head + body
+    open(name, "wb").write(data[:len(data) - short])
+
+
+def case_tiff_imagej():
+    """ImageJ: all pictures behind one page, spacing, channels and times."""
+    for dtype, order in ((np.uint8, "<"), (np.uint16, ">"), (np.float32, "<")):
+        pages = numbers((6, 4, 5), dtype)
+        one_page("in.tif", pages, "ImageJ=1.53t\nimages=6\nslices=6\nunit=mm\nspacing=2.5\n", order)
+        check("in.tif", pages.T, np.diag([0.25, 0.5, 2.5, 1]), says=["ImageJ"])
+    check("in.tif", pages.T, np.diag([1, 2, 3, 1]), "--spacing", "1,2,3")
+    one_page("in.tif", pages, "ImageJ=1.53t\nimages=6\nslices=6\nunit=\\u00B5m\nspacing=2.5\n")
+    check("in.tif", pages.T, np.diag([0.25e-3, 0.5e-3, 2.5e-3, 1]))
+    one_page("in.tif", pages, "ImageJ=1.53t\nimages=6\nslices=6\nunit=pixel\n")
+    refused("convert", "in.tif", "-o", "x.nii", says=["--spacing"])
+    one_page("in.tif", pages, "ImageJ=1.53t\nimages=6\nslices=6\nunit=mm\n", short=5)
+    refused("convert", "in.tif", "-o", "x.nii", says=["6 pictures"])
+    one_page("in.tif", pages, "ImageJ=1.53t\nimages=6\nslices=4\nunit=mm\n")
+    refused("convert", "in.tif", "-o", "x.nii", says=["6 images"])
+    hyper = numbers((2, 3, 4, 5, 6), np.uint16)  # times, slices, channels, rows, columns
+    tiff("hyper.tif", hyper, imagej=True, resolution=(4, 2), metadata={"spacing": 3, "unit": "mm", "axes": "TZCYX"})
+    one_page("one.tif", hyper.reshape(-1, 5, 6), "ImageJ=1.53t\nimages=24\nchannels=4\nslices=3\nframes=2\nunit=mm\nspacing=3\n")
+    for name in ("hyper.tif", "one.tif"):
+        check(name, hyper[0, :, 0].T, np.diag([0.25, 0.5, 3, 1]), says=["volume 0 of 8", "channel, time"])
+        check(name + ":6", hyper[1, :, 2].T, np.diag([0.25, 0.5, 3, 1]))
+        refused("convert", name + ":8", "-o", "x.nii", says=["no volume 8"])
+
+
+def case_tiff_ome():
+    """OME-TIFF: spacing in micrometres, channels and times in the order it tells."""
+    values = numbers((2, 3, 4, 5, 6), np.uint16)  # times, channels, slices, rows, columns
+    tiff("in.ome.tif", values, photometric="minisblack",
+         metadata={"axes": "TCZYX", "PhysicalSizeX": 250.0, "PhysicalSizeY": 500.0, "PhysicalSizeZ": 2000.0})
+    check("in.ome.tif", values[0, 0].T, np.diag([0.25, 0.5, 2, 1]), says=["volume 0 of 6"])
+    check("in.ome.tif:5", values[1, 2].T, np.diag([0.25, 0.5, 2, 1]))
+
+
+def exr(name, picture, x, y, width, height):
+    """A picture at x, y of a display window."""
+    from OpenImageIO import FLOAT, ImageOutput, ImageSpec
+    spec = ImageSpec(picture.shape[1], picture.shape[0], 1, FLOAT)
+    spec.channelnames = ("Y",)
+    spec.x, spec.y, spec.full_width, spec.full_height = x, y, width, height
+    out = ImageOutput.create(name)
+    assert out.open(name, spec), out.geterror()
+    out.write_image(picture[..., None].astype(np.float32))
+    out.close()
+
+
+def case_exr_windows():
+    """Pixels lie by the data window in the display window, 0 outside; what is beyond is left out with a warning."""
+    random = np.random.RandomState(3)
+    expected = np.zeros((6, 5, 4), np.float32)
+    for k, (x, y, w, h) in enumerate(((0, 0, 6, 5), (1, 2, 3, 2), (5, 4, 1, 1), (2, 0, 4, 5))):
+        picture = random.rand(h, w).astype(np.float32)
+        exr("s.%d.exr" % k, picture, x, y, 6, 5)
+        expected[x:x + w, y:y + h, k] = picture.T
+    from OpenImageIO import ImageBuf
+    for k in range(4):
+        subprocess.run(["oiiotool", "s.%d.exr" % k, "--crop", "6x5+0+0", "-o", "whole.%d.tif" % k], check=True, capture_output=True)
+        assert np.array_equal(ImageBuf("whole.%d.tif" % k).get_pixels()[..., 0].T, expected[..., k]), k
+    check("s.#.exr", expected, np.diag([1, 1, 2, 1]), "--spacing", "1,1,2")
+    exr("b.0.exr", np.arange(63, dtype=np.float32).reshape(7, 9), -1, -2, 6, 5)
+    check("b.#.exr", np.arange(63, dtype=np.float32).reshape(7, 9)[2:, 1:7].T[..., None], np.diag([1, 1, 2, 1]), "--spacing", "1,1,2", says=["outside the display window"])
+
+
+def case_not_finite():
+    """NaN and infinity are kept by formats that hold them, and info tells how many there are."""
+    values = numbers(dtype=np.float32)
+    values[0, 0, 0], values[1, 0, 0], values[2, 0, 0] = np.nan, np.inf, -np.inf
+    nib.save(nib.Nifti1Image(values, LPS @ OBLIQUE), "in.nii")
+    for name in ("a.nii.gz", "a.nrrd", "a.mha"):
+        said = run("convert", "in.nii", "-o", name)
+        run("convert", name, "-o", "back.nii")
+        assert np.array_equal(np.asanyarray(nib.load("back.nii").dataobj), values, equal_nan=True), name
+    assert "3 of its 60 values are not finite" in said, said
+
+
+def case_float_labels():
+    """Labels stored as floats within 1e-3 of whole numbers are labels; others are refused."""
+    labels = np.zeros((20, 20, 20), np.float32)
+    labels[5:15, 5:15, [4, 8, 12]] = 2.9995
+    labels[7:12, 7:12, [4, 8, 12]] = 5.0004
+    nib.save(nib.Nifti1Image(labels, LPS), "in.nii")
+    said = run("reconstruct", "in.nii", "-o", "out.nii")
+    found = np.asanyarray(nib.load("out.nii").dataobj)
+    assert set(np.unique(found)) == {0, 3, 5} and found[9, 9, 6] == 5 and found[6, 6, 6] == 3, np.unique(found)
+    assert "whole numbers" in said, said
+    told = json.loads(subprocess.run([PROGRAM, "info", "in.nii", "--json"], capture_output=True, text=True, check=True).stdout)
+    assert told["images"][0]["labels"] == 2, told
+    labels[labels > 4] = 5.01
+    nib.save(nib.Nifti1Image(labels, LPS), "in.nii")
+    refused("reconstruct", "in.nii", "-o", "x.nii", says=["whole numbers"])
+
+
+def case_info():
+    """`info` names what was found, as JSON."""
+    nrrd("in.nrrd", numbers((5, 4, 3, 2)), "space: RAS", directions(OBLIQUE, none_last=1), origin(OBLIQUE), "kinds: domain domain domain time", encoding="bzip2")
+    told = json.loads(subprocess.run([PROGRAM, "info", "in.nrrd", "--json"], capture_output=True, text=True, check=True).stdout)
+    image = told["images"][0]
+    assert image["volumes"] == 2 and image["size"] == [5, 4, 3], image
+    assert np.allclose(image["origin"], [-10, 20, 30]), image
+
+
+def case_info_large():
+    """Of a large volume `info` reads the header only: less memory than its values would take."""
+    for name, dtype in (("in.nii", np.int16), ("in.nrrd", np.int16), ("in.mhd", np.int16)):
+        if name == "in.nii":
+            header = nib.Nifti1Header()
+            header.set_data_dtype(dtype), header.set_data_shape((512, 512, 512)), header.set_sform(LPS, 1)
+            header["magic"], header["vox_offset"] = b"n+1", 352
+            head = header.binaryblock + b"\0\0\0\0"
+        elif name == "in.nrrd":
+            nrrd(name, np.zeros((1, 1, 1), dtype), "space: LPS", directions(np.eye(4)), origin(np.eye(4)))
+            head = open(name, "rb").read()[:-2].replace(b"sizes: 1 1 1", b"sizes: 512 512 512")
+        else:
+            head = b"ObjectType = Image\nNDims = 3\nBinaryData = True\nElementSpacing = 1 1 1\nDimSize = 512 512 512\n" \
+                   b"ElementType = MET_SHORT\nElementDataFile = LOCAL\n"
+        with open(name, "wb") as file:
+            file.write(head)
+            file.truncate(len(head) + 2 * 512 ** 3)
+        with open("told.json", "w") as told:
+            process = subprocess.Popen([PROGRAM, "info", name, "--json"], stdout=told)
+            _, status, used = os.wait4(process.pid, 0)
+        image = json.load(open("told.json"))["images"][0]
+        assert status == 0 and image["size"] == [512] * 3 and image["minimum"] is None, (name, image)
+        assert "header" in image["reading"] and used.ru_maxrss < 512 ** 3 * 2 / 1024, (name, used.ru_maxrss, image)
+        os.remove(name)
+
+
+def case_times():
+    """Volumes that are named by a range are one file of four dimensions; sizes beyond 16 bits become NIfTI-2."""
+    values = numbers((5, 4, 3, 6))
+    nib.save(nib.Nifti1Image(values, LPS @ OBLIQUE), "in.nii")
+    run("convert", "in.nii@1-5x2", "-o", "out.nii.gz")
+    image = nib.load("out.nii.gz")
+    assert np.array_equal(np.asanyarray(image.dataobj), values[..., 1::2]) and np.allclose(image.affine, LPS @ OBLIQUE, atol=1e-4)
+    run("convert", "in.nii@1-5x2", "-o", "out.nrrd")
+    head, packed = open("out.nrrd", "rb").read().split(b"\n\n", 1)
+    for field in (b"dimension: 4", b"sizes: 5 4 3 3", b"kinds: domain domain domain time", b") none\n"):
+        assert field in head, head
+    assert np.array_equal(np.frombuffer(gzip.decompress(packed), "<i2").reshape((5, 4, 3, 3), order="F"), values[..., 1::2])
+    run("convert", "in.nii@1-5x2", "-o", "out.mha")
+    head, packed = open("out.mha", "rb").read().split(b"LOCAL\n", 1)
+    for field in (b"NDims = 4", b"DimSize = 5 4 3 3"):
+        assert field in head, head
+    assert np.array_equal(np.frombuffer(zlib.decompress(packed), "<i2").reshape((5, 4, 3, 3), order="F"), values[..., 1::2])
+    for name in ("out.nrrd", "out.mha"):
+        check(name + ":2", values[..., 5], OBLIQUE)
+        check(name + "@2", values[..., 5], OBLIQUE)
+    check("in.nii@4", values[..., 4], OBLIQUE)
+    refused("convert", "in.nii@4-6", "-o", "x.nii", says=["no volume 6"])
+    refused("convert", "in.nii@0-1", "-o", "x.ply", says=["2 volumes"])
+    long = numbers((40000, 2, 1), np.uint8)
+    nrrd("long.nrrd", long, "space: LPS", directions(np.eye(4)), origin(np.eye(4)))
+    run("convert", "long.nrrd", "-o", "long.nii")
+    image = nib.load("long.nii")
+    assert type(image) is nib.Nifti2Image and np.array_equal(np.asanyarray(image.dataobj), long) and np.allclose(image.affine, LPS)
+
+
+def case_times_morph():
+    """A range of volumes is a sequence: each frame of a morph takes the next; its ends are the first and the last volume."""
+    grid = np.stack(np.meshgrid(*map(np.arange, (30, 26, 20)), indexing="ij"), -1)
+    for name, radius, centre in (("a.nii", 5, (14, 12, 9)), ("b.nii", 7, (10, 12, 9))):
+        balls = [(np.linalg.norm(grid - centre - (t, 0, 0), axis=-1) < radius + t / 2).astype(np.uint8) for t in range(3)]
+        nib.save(nib.Nifti1Image(np.stack(balls, -1), LPS), name)
+    run("morph", "a.nii@0-2", "b.nii@0-2", "-o", "m.#.nii", "--frames", 3)
+    for frame, name, volume in ((1, "a.nii", 0), (3, "b.nii", 2)):
+        expected = np.asanyarray(nib.load(name).dataobj)[..., volume]
+        assert np.array_equal(np.asanyarray(nib.load("m.%d.nii" % frame).dataobj), expected), (frame, name)
+
+
+if __name__ == "__main__":
+    start = os.getcwd()
+
+    def inside(case):
+        def runner(folder):
+            os.chdir(folder)
+            try:
+                case()
+            finally:
+                os.chdir(start)
+        return runner
+
+    sys.exit(run_cases([(name, inside(case)) for name, case in named_cases(globals())], ONLY))
