@@ -254,6 +254,8 @@ FileInfo describeFile(const InputSpec& given, const ImageOptions& options) {
     ContourFile file = readContours(input);
     info.structures = describeStructures(file.sets);
     info.notes = std::move(file.notes), info.format = input.format->name;
+    for (const RefusedSet& set : file.refused)
+      info.notes.emplace_back("contours.refused", Severity::kWarning, "", set.why);
     return info;
   }
   if (input.contents != Contents::kMesh && input.contents != Contents::kGrids) refuseAsShape(input);

@@ -119,6 +119,18 @@ void splitSelection(InputSpec& spec) {
                      grid ? "no grid is named after the colon" : "nothing is named after the colon");
 }
 
+bool isDicom(const InputSpec& spec) { return spec.format && spec.format->name == "dicom"; }
+
+/// Takes several volumes, `2@1-12`, off the selection of a DICOM series; one, `2@3`, remains there.
+void splitVolumes(InputSpec& spec) {
+  const size_t at = spec.selection.rfind('@');
+  if (!isDicom(spec) || at == std::string::npos) return;
+  const std::string range = spec.selection.substr(at + 1);
+  if (numbersOfRange(range).size() < 2) return;
+  spec.selection.resize(at);
+  spec.range = range;
+}
+
 }  // namespace
 
 InputSpec parseInput(const std::string& text) {
@@ -130,15 +142,21 @@ InputSpec parseInput(const std::string& text) {
   spec.isSequence = isNumbered(spec.path);
   spec.format = formatToRead(spec.path);
   if (spec.format) spec.contents = spec.format->contents;
+  splitVolumes(spec);
   return spec;
 }
 
 std::vector<InputFrame> framesOf(const InputSpec& input) {
   std::vector<InputFrame> frames;
   if (input.isImage()) {
+    if (!isDicom(input) && !input.range.empty() && !input.selection.empty())
+      throw InputError(input.text,
+                       "'@" + input.range + "' and ':" + input.selection +
+                           "' each choose volumes; give one of them (each second volume is @0-8x2)");
+    const std::string series = isDicom(input) ? input.selection + "@" : "";
     for (const int volume : numbersOfRange(input.range)) {
       InputSpec one = input;
-      one.selection = std::to_string(volume);
+      one.selection = series + std::to_string(volume);
       one.text = input.path + ":" + one.selection + input.placing.text;
       one.range.clear();
       frames.push_back({volume, std::move(one)});

@@ -5,6 +5,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -95,7 +96,9 @@ std::vector<Vec3d> pointsOf(const Stem& stem, const std::vector<double>& radius)
   for (size_t i = 0; i < radius.size(); ++i) {
     const Mat3d& frame = stem.frame[std::min(i, stem.frame.size() - 1)];
     const Vec3d x = radius[i] * frame.col(1), y = radius[i] * frame.col(2);
-    for (const Vec3d& around : {Vec3d(0.0), x, -x, y, -y}) points.push_back(p + around);
+    const std::array<Vec3d, kPointsAround> around{x, -x, y, -y};
+    points.push_back(p);
+    for (const Vec3d& offset : around) points.push_back(p + offset);
     if (i < stem.length.size()) p += stem.length[i] * frame.col(0);
   }
   return points;

@@ -85,7 +85,7 @@ void addDistances(const std::vector<char>& from, const std::vector<char>& to, co
     if (from[i]) distances.push_back(to[i] ? 0.f : std::abs(field[i]));
 }
 
-/// Sorts the values: the one below which a share of them is, linear between two.
+/// Of sorted values the one below which a share of them is, linear between two.
 double percentileOf(const std::vector<float>& sorted, double share) {
   const double at = share * double(sorted.size() - 1);
   const size_t low = size_t(at), high = std::min(low + 1, sorted.size() - 1);

@@ -2,6 +2,8 @@
 
 #include "engine/volume/image_sampler.h"
 
+#include <algorithm>
+
 namespace slicemorph {
 
 ImageValues commonValues(const std::vector<const Image*>& images, size_t count) {
@@ -20,6 +22,18 @@ ImageValues commonValues(const std::vector<const Image*>& images, size_t count) 
   if (wide || (negative && large)) return std::vector<std::int32_t>(count);
   return negative ? ImageValues(std::vector<std::int16_t>(count))
                   : ImageValues(std::vector<std::uint16_t>(count));
+}
+
+ImageValues valuesAs(const ImageValues& values, const ImageValues& like) {
+  return std::visit(
+      [](const auto& from, const auto& type) -> ImageValues {
+        using T = typename std::decay_t<decltype(type)>::value_type;
+        std::vector<T> to(from.size());
+        std::transform(from.begin(), from.end(), to.begin(),
+                       [](auto value) { return storedValue<T>(double(value)); });
+        return to;
+      },
+      values, like);
 }
 
 void storeRow(const std::vector<double>& row, size_t first, ImageValues& values) {

@@ -183,7 +183,7 @@ ContourSet outlinesOf(const Image& labels, const CrossLabel& label) {
     Vec3d at(0.0);
     at[slice.axis] = slice.at;
     PlaneContours plane = planeAt(lattice.toWorld(at), lattice.step[u].cross(lattice.step[w]));
-    for (const Contour& contour : traceContours(image, pixels)) {
+    for (const Contour& contour : traceContours(image, pixels, 0)) {
       std::vector<Vec2d> loop;
       for (const Vec2d& p : contour.points) {
         at[u] = p[0], at[w] = p[1];

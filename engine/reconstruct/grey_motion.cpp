@@ -20,6 +20,8 @@ constexpr float kLongestStep = 1;  ///< pixels of the image's own size
 /// Weight of standing still: of the mean squared gradient of the whole slice. Where there is less to hold on to than
 /// that, the motion is that of the surroundings, found on coarser images.
 constexpr float kStandStill = 1;
+/// Values of larger size are marks ("no measurement") rather than measurements, and their squares are no numbers any more.
+constexpr float kMostValue = 1e15f;
 /// The motion is kept where it leaves less than this share of the difference without motion.
 constexpr float kGained = 0.7f;
 
@@ -136,6 +138,18 @@ void keepGains(const GreySlice& a, const GreySlice& b, SliceMotion& motion) {
   }
 }
 
+/// The slice with the least value in place of what is no number and of marks.
+GreySlice measured(const GreySlice& slice) {
+  const auto isMeasured = [](float v) { return std::abs(v) <= kMostValue; };
+  float least = kMostValue;
+  for (const float v : slice.values)
+    if (isMeasured(v)) least = std::min(least, v);
+  GreySlice result = slice;
+  for (float& v : result.values)
+    if (!isMeasured(v)) v = least == kMostValue ? 0 : least;
+  return result;
+}
+
 }  // namespace
 
 float GreySlice::at(float x, float y) const {
@@ -150,7 +164,7 @@ float GreySlice::at(float x, float y) const {
 }
 
 SliceMotion greyMotion(const GreySlice& a, const GreySlice& b) {
-  std::vector<std::array<GreySlice, 2>> sizes{{a, b}};
+  std::vector<std::array<GreySlice, 2>> sizes{{measured(a), measured(b)}};
   while (std::min(sizes.back()[0].width, sizes.back()[0].height) >= 2 * kLeastSide)
     sizes.push_back({half(sizes.back()[0]), half(sizes.back()[1])});
   SliceMotion motion = still(sizes.back()[0].width, sizes.back()[0].height);
@@ -159,7 +173,7 @@ SliceMotion greyMotion(const GreySlice& a, const GreySlice& b) {
     if (level + 1 < sizes.size()) motion = doubled(motion, first.width, first.height);
     for (int k = 0; k < kSteps; ++k) step(first, second, motion);
   }
-  keepGains(a, b, motion);
+  keepGains(sizes[0][0], sizes[0][1], motion);
   return motion;
 }
 

@@ -63,7 +63,7 @@ float trustedShare(const Image& grey, const SliceLayout& layout, const std::vect
         for (int x = 0; x < truth.width; ++x) {
           const double off = double(between(a, b, part, t, float(x), float(y))) -
                              double(truth.values[size_t(y) * size_t(truth.width) + size_t(x)]);
-          sum += off * off;
+          if (std::isfinite(off)) sum += off * off;
         }
       errors[n][s] = sum;
     }
@@ -121,11 +121,10 @@ std::vector<char> slicesWithValues(const Image& grey, int axis) {
         [&](const auto& values) {
           const auto first = values[k * layout.slice];
           for (int y = 0; y < layout.height && !found[k]; ++y)
-            for (int x = 0; x < layout.width; ++x)
-              if (values[k * layout.slice + size_t(y) * layout.y + size_t(x) * layout.x] != first) {
-                found[k] = 1;
-                break;
-              }
+            for (int x = 0; x < layout.width && !found[k]; ++x) {
+              const auto value = values[k * layout.slice + size_t(y) * layout.y + size_t(x) * layout.x];
+              found[k] = value != first && (value == value || first == first);  // NaN is as NaN
+            }
         },
         grey.values);
   });

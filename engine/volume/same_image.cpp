@@ -4,12 +4,12 @@
 
 namespace slicemorph {
 
-bool sameLattice(const ImageLattice& a, const ImageLattice& b) {
+bool sameLattice(const ImageLattice& a, const ImageLattice& b, double tolerance) {
   if (a.size != b.size) return false;
   const double voxel = std::min({a.spacing()[0], a.spacing()[1], a.spacing()[2]});
   for (int c = 0; c < 8; ++c) {
     const Vec3d v((c & 1) * (a.size[0] - 1), (c >> 1 & 1) * (a.size[1] - 1), (c >> 2) * (a.size[2] - 1));
-    if ((a.toWorld(v) - b.toWorld(v)).length() > 1e-4 * voxel) return false;
+    if ((a.toWorld(v) - b.toWorld(v)).length() > tolerance * voxel) return false;
   }
   return true;
 }

@@ -225,6 +225,12 @@ ContourFile contoursOf(const std::string& path, const DicomElements& all) {
     }
   }
   const auto empty = [](const ContourSet& s) { return s.planes.empty(); };
+  for (const ContourSet& set : file.sets) {
+    const auto isRefused = [&](const RefusedSet& r) { return r.label == set.label; };
+    if (empty(set) && std::none_of(file.refused.begin(), file.refused.end(), isRefused))
+      file.notes.emplace_back("contours.left-out", Severity::kNote, set.name,
+                              "has no closed contour: left out");
+  }
   if (!std::all_of(file.sets.begin(), file.sets.end(), empty)) return file;
   if (!file.refused.empty()) throw IoError(path, file.refused[0].why);
   std::string why = "no region has a closed contour";

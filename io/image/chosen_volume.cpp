@@ -6,9 +6,22 @@
 #include <cctype>
 #include <cmath>
 #include <memory>
+#include <sstream>
 #include <utility>
 
 namespace slicemorph {
+namespace {
+
+/// Of length 1; 0 where the vector has no direction.
+Vec3d unitOrNone(const Vec3d& v) { return v.length() > 0 ? v / v.length() : Vec3d(0.0); }
+
+std::string textOf(const Vec3d& v) {
+  std::ostringstream text;
+  text << "(" << v[0] << ", " << v[1] << ", " << v[2] << ")";
+  return text.str();
+}
+
+}  // namespace
 
 int volumeOf(const InputSpec& input) {
   const std::string& chosen = input.selection;
@@ -55,6 +68,7 @@ ImageValues luminanceOf(const std::function<ImageValues(int)>& colour) {
   std::vector<double> sum;
   ImageValues values;
   for (int c = 0; c < 3; ++c) {
+    values = ImageValues();  // only one colour is in memory at once
     values = colour(c);
     std::visit(
         [&](const auto& from) {
@@ -73,6 +87,35 @@ ImageValues luminanceOf(const std::function<ImageValues(int)>& colour) {
   return values;
 }
 
+TypeBy typeByOf(const ImageFile& file) { return file.volumes > 1 ? TypeBy::kRange : TypeBy::kValues; }
+
+void addFlatAxes(ImageLattice& lattice, size_t given) {
+  for (size_t d = given; d < 3; ++d) lattice.size[int(d)] = 1;
+  if (given == 1) {
+    const Vec3d& x = lattice.step[0];
+    const int least = std::abs(x[0]) <= std::abs(x[1]) ? (std::abs(x[0]) <= std::abs(x[2]) ? 0 : 2)
+                                                       : (std::abs(x[1]) <= std::abs(x[2]) ? 1 : 2);
+    Vec3d other(0.0);
+    other[least] = 1;
+    lattice.step[1] = unitOrNone(other - x * (x[least] / x.lengthSqr()));
+  }
+  if (given < 3) lattice.step[2] = unitOrNone(lattice.step[0].cross(lattice.step[1]));
+}
+
+void checkPlace(const std::string& path, const ImageLattice& lattice) {
+  // From the directions alone, for the product of tiny or huge steps is no number.
+  const Vec3d spacing = lattice.spacing();
+  Vec3d direction[3];
+  for (int d = 0; d < 3; ++d) direction[d] = unitOrNone(lattice.step[d]);
+  const double flat = direction[0].dot(direction[1].cross(direction[2]));
+  if (!std::isfinite(spacing.length()) || !(std::abs(flat) > 1e-6))
+    throw IoError(path, "its steps from voxel to voxel, " + textOf(lattice.step[0]) + ", " +
+                            textOf(lattice.step[1]) + " and " + textOf(lattice.step[2]) +
+                            ", flatten space; they must be finite, independent and not 0");
+  if (!std::isfinite(lattice.origin.length()))
+    throw IoError(path, "its origin " + textOf(lattice.origin) + " is not finite");
+}
+
 void readOrRefuse(const std::string& path, VolumeReader& reader, void* to, size_t count, RawType type) {
   const size_t got = reader.read(to, count);
   if (got == count) return;
@@ -87,11 +130,12 @@ void refuseWideSlices(const std::string& path) {
 ImageSlices slicesOf(const std::string& path, ImageFile file, RawType type, VolumeReader reader) {
   const size_t each = size_t(file.image.lattice.size[0]) * size_t(file.image.lattice.size[1]);
   auto shared = std::make_shared<VolumeReader>(std::move(reader));
-  file.image.values = noValues(type);
+  const TypeBy by = typeByOf(file);
+  file.image.values = noValues(type, by);
   const size_t kind = file.image.values.index();
   return {std::move(file), bytesWhileRead(type), [=] {
-            ImageValues values =
-                readValues(type, each, [&](void* to) { readOrRefuse(path, *shared, to, each, type); });
+            ImageValues values = readValues(
+                type, each, [&](void* to) { readOrRefuse(path, *shared, to, each, type); }, by);
             if (values.index() != kind) refuseWideSlices(path);
             return values;
           }};

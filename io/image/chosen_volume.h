@@ -5,6 +5,7 @@
 #include "slicemorph/io/image_file.h"
 #include "slicemorph/io/image_slices.h"
 
+#include <cstddef>
 #include <functional>
 #include <string>
 
@@ -32,14 +33,23 @@ void noteRounded(RawType stored, ImageFile& file);
 /// their type; whole numbers are rounded.
 ImageValues luminanceOf(const std::function<ImageValues(int)>& colour);
 
+/// What decides of the type of a volume's values, so that those of one file have one.
+TypeBy typeByOf(const ImageFile& file);
+
+/// Makes the axes from `given` on, which a file does not tell, of one voxel and at right angles to those before.
+void addFlatAxes(ImageLattice& lattice, size_t given);
+
+/// Throws IoError where the axes of an image flatten space, or it is placed by what is not finite.
+void checkPlace(const std::string& path, const ImageLattice& lattice);
+
 /// Reads numbers of a volume. Throws IoError where the file has not all of them.
 void readOrRefuse(const std::string& path, VolumeReader& reader, void* to, size_t count, RawType type);
 
 /// Throws IoError for slices with whole numbers that need more than 32 bits.
 [[noreturn]] void refuseWideSlices(const std::string& path);
 
-/// An image slice by slice. Its slices refuse whole numbers beyond 32 bits, for only the whole shows what type values
-/// of 64 bits become.
+/// An image slice by slice. Where a file has one volume its slices refuse whole numbers beyond 32 bits, for only the whole
+/// shows what type values of 64 bits become.
 ImageSlices slicesOf(const std::string& path, ImageFile file, RawType type, VolumeReader reader);
 
 }  // namespace slicemorph

@@ -98,14 +98,29 @@ std::string bytesOfHex(const std::string& path, const std::string& text) {
   return bytes;
 }
 
+/// Where the data of one file begin; of packed ones, where their stream does. Throws IoError where it is not there, or
+/// raw and too short.
+std::uint64_t beginOfPart(const std::string& path, const DataFiles& data, const std::string& file,
+                          std::uint64_t bytes) {
+  if (!std::filesystem::exists(file)) throw IoError(path, "its data file " + file + " does not exist");
+  const std::uint64_t size = sizeOfInput(file), begin = afterLines(file, data.from, data.lineSkip);
+  if (data.encoding == DataFiles::kGzip || data.encoding == DataFiles::kBzip2) return begin;
+  const bool last = data.byteSkip < 0;
+  const std::uint64_t from = last ? size - std::min(size, bytes) : begin + std::uint64_t(data.byteSkip);
+  if (data.encoding != DataFiles::kRaw) return std::min(from, size);
+  if (from > size || size - from < bytes)
+    throw IoError(path, "is truncated: " + (file == path ? "it" : file) + " has " +
+                            std::to_string(size - std::min(from, size)) + " bytes of voxels, " +
+                            std::to_string(bytes) + " are needed");
+  return from;
+}
+
 /// The numbers of one file.
 ByteReader openPart(const std::string& path, const DataFiles& data, const std::string& file, RawType type,
                     std::uint64_t bytes) {
-  if (!std::filesystem::exists(file)) throw IoError(path, "its data file " + file + " does not exist");
-  const std::uint64_t size = sizeOfInput(file), begin = afterLines(file, data.from, data.lineSkip);
+  const std::uint64_t from = beginOfPart(path, data, file, bytes);
   if (data.encoding == DataFiles::kText || data.encoding == DataFiles::kHex) {
-    const std::string whole =
-        readWholeFile(file).substr(std::min(size, begin + std::uint64_t(data.byteSkip)));
+    const std::string whole = readWholeFile(file).substr(from);
     auto numbers = std::make_shared<std::string>(
         data.encoding == DataFiles::kText ? numbersOfText(path, type, whole) : bytesOfHex(path, whole));
     return [numbers, at = size_t(0)](void* to, size_t wanted) mutable {
@@ -116,12 +131,6 @@ ByteReader openPart(const std::string& path, const DataFiles& data, const std::s
     };
   }
   const bool plain = data.encoding == DataFiles::kRaw;
-  std::uint64_t from = begin + (plain && data.byteSkip > 0 ? std::uint64_t(data.byteSkip) : 0);
-  if (plain && data.byteSkip < 0) from = size - std::min(size, bytes);
-  if (plain && (from > size || size - from < bytes))
-    throw IoError(path, "is truncated: " + (file == path ? "it" : file) + " has " +
-                            std::to_string(size - std::min(from, size)) + " bytes of voxels, " +
-                            std::to_string(bytes) + " are needed");
   auto stream = std::make_shared<PackedBytes>(file, from,
                                               plain                               ? PackedAs::kPlain
                                               : data.encoding == DataFiles::kGzip ? PackedAs::kDeflate
@@ -172,9 +181,7 @@ ByteReader openDataFiles(const std::string& path, const DataFiles& data, RawType
   if (each * files != bytes)
     throw IoError(path, "its " + std::to_string(files) + " data files cannot hold " + std::to_string(bytes) +
                             " bytes in equal parts");
-  // All but packed ones are seen to be there before anything is read.
-  for (const std::string& file : data.files)
-    if (files > 1) openPart(path, data, file, type, each);
+  for (const std::string& file : data.files) beginOfPart(path, data, file, each);
   const bool swap = data.bigEndian && data.encoding != DataFiles::kText && type.bytes > 1;
   return
       [=, part = ByteReader(), next = size_t(0), left = std::uint64_t(0)](void* to, size_t wanted) mutable {

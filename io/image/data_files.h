@@ -20,8 +20,8 @@ struct DataFiles {
 };
 
 /// Their bytes, `bytes` of them in all and as many in each file, in the machine's byte order and as numbers even where
-/// they are stored as text. `path`: of the header, for errors. Throws IoError where a file is missing, or is seen to be
-/// cut short before it is read.
+/// they are stored as text. `path`: of the header, for errors. Throws IoError where a file is missing, or raw and cut
+/// short, before anything is read.
 ByteReader openDataFiles(const std::string& path, const DataFiles& data, RawType type, std::uint64_t bytes);
 
 /// The files that a header names, in its folder: one name, a pattern with numbers (`name.%03d.raw 1 20 1`), or the lines

@@ -2,8 +2,6 @@
 #include "io/image/dicom_segmentation.h"
 #include "slicemorph/errors.h"
 
-#include <gdcmTrace.h>
-
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -19,8 +17,9 @@ constexpr size_t kMostNamed = 5;  // files that one note names
 std::vector<std::string> filesOfFolder(const std::string& folder) {
   std::error_code error;
   std::vector<std::string> files;
+  std::error_code ignored;  // links to nowhere are no files
   for (const auto& entry : fs::directory_iterator(folder, error))
-    if (entry.is_regular_file(error) && entry.path().filename().string()[0] != '.' &&
+    if (entry.is_regular_file(ignored) && entry.path().filename().string()[0] != '.' &&
         entry.path().filename() != "DICOMDIR")
       files.push_back(entry.path().string());
   if (error) throw IoError(folder, "cannot be read: " + error.message());
@@ -36,9 +35,13 @@ bool isEmpty(const std::string& path) {
 std::vector<DicomFile> readFiles(const std::vector<std::string>& paths) {
   std::vector<DicomFile> files(paths.size());
   tbb::parallel_for(size_t(0), paths.size(), [&](size_t i) {
-    if (!isEmpty(paths[i])) return void(files[i] = readDicomFile(paths[i]));
     files[i].path = paths[i];
-    files[i].isDicom = false;
+    try {
+      files[i].isDicom = !isEmpty(paths[i]);
+      if (files[i].isDicom) files[i] = readDicomFile(paths[i]);
+    } catch (const IoError& error) {
+      files[i].unreadable = error.note().text;  // beside a series it is left out
+    }
   });
   return files;
 }
@@ -61,7 +64,10 @@ DicomFolder sorted(const std::string& path, std::vector<DicomFile> files) {
   std::vector<std::pair<std::string, std::string>> foreign, others;
   std::vector<DicomFile> images;
   for (DicomFile& file : files) {
-    if (!file.isDicom)
+    if (!file.unreadable.empty())
+      found.damaged.emplace_back(
+          "", Note("image.file-unreadable", Severity::kWarning, file.path, file.unreadable));
+    else if (!file.isDicom)
       others.emplace_back(file.path, "is no DICOM file");
     else if (!file.damage.empty())
       found.damaged.emplace_back(file.seriesUid, Note("image.file-damaged", Severity::kWarning, file.path,
@@ -189,7 +195,6 @@ size_t volumeOf(const std::string& path, const DicomFolder& found, size_t series
 }  // namespace
 
 DicomFolder scanDicom(const std::string& path) {
-  gdcm::Trace::WarningOff(), gdcm::Trace::ErrorOff(), gdcm::Trace::DebugOff();
   if (fs::is_directory(path)) return sorted(path, readFiles(filesOfFolder(path)));
   DicomFile file = readDicomFile(path);
   const bool alone = file.isWhole || !file.damage.empty() || !file.foreign.empty() || file.frames.empty();

@@ -5,6 +5,7 @@
 
 #include <gdcmImage.h>
 #include <gdcmSequenceOfFragments.h>
+#include <gdcmTrace.h>
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -109,6 +110,7 @@ DecodedFile decodeFile(const DicomFile& file) {
 }
 
 WithoutTerminal::WithoutTerminal() {
+  gdcm::Trace::WarningOff(), gdcm::Trace::ErrorOff(), gdcm::Trace::DebugOff();
   std::fflush(stderr);
   const int nothing = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
   if (nothing < 0) return;

@@ -16,6 +16,8 @@ constexpr DicomTag kItem = 0xfffee000, kItemEnd = 0xfffee00d, kSequenceEnd = 0xf
                    kTransferSyntax = 0x00020010, kPixels = 0x7fe00010;
 constexpr size_t kPreamble = 128;  // bytes before "DICM", PS3.10 section 7.1
 constexpr int kMostNested = 32;    // bounds the recursion over sequences of a damaged or hostile file
+// Bounds what a small hostile file unpacks to, 1032 times its size at most; far above any deflated image there is.
+constexpr size_t kMostInflated = size_t(1) << 31;
 
 bool isAnyOf(std::string_view type, std::initializer_list<const char*> types) {
   for (const char* t : types)
@@ -180,15 +182,18 @@ std::string inflated(std::string_view packed) {
   std::string out;
   int state = Z_OK;
   while (state == Z_OK) {
-    const size_t done = out.size(), step = std::max<size_t>(1 << 16, done);
+    const size_t done = out.size(),
+                 step = std::min(std::max<size_t>(1 << 16, done), kMostInflated + 1 - done);
     out.resize(done + step);
     stream.next_out = reinterpret_cast<Bytef*>(out.data() + done);
     stream.avail_out = uInt(step);
     state = inflate(&stream, Z_NO_FLUSH);
     out.resize(done + step - stream.avail_out);
+    if (out.size() > kMostInflated) break;
     if (stream.avail_in == 0 && stream.avail_out > 0) break;
   }
   inflateEnd(&stream);
+  if (out.size() > kMostInflated) throw DicomDamage("its packed data unpack to more than 2 GB");
   if (state != Z_STREAM_END) throw DicomDamage("its packed data are damaged or were cut short");
   return out;
 }
@@ -268,7 +273,10 @@ DicomElements DicomElements::startOfFile(std::string_view bytes, std::string& da
   return out;
 }
 
-int DicomElements::number(DicomTag tag) const { return int(first(tag, "US", -1)); }
+int DicomElements::number(DicomTag tag) const {
+  const double value = first(tag, "US", -1);
+  return value >= 0 && value <= 65535 ? int(value) : -1;
+}
 
 std::string_view DicomElements::bytes(DicomTag tag) const {
   const auto found = values_.find(tag);
@@ -297,7 +305,8 @@ std::vector<double> DicomElements::numbers(DicomTag tag, std::string_view type) 
   const size_t size = type == "FD" ? 8 : isAnyOf(type, {"US", "SS"}) ? 2 : 4;
   for (; raw.size() >= size; raw.remove_prefix(size))
     out.push_back(numberAt(raw.substr(0, size), type, bigEndian_));
-  return out;
+  const bool finite = std::all_of(out.begin(), out.end(), [](double v) { return std::isfinite(v); });
+  return finite ? out : std::vector<double>();
 }
 
 double DicomElements::first(DicomTag tag, std::string_view type, double otherwise) const {

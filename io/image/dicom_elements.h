@@ -30,7 +30,7 @@ class DicomElements {
   static DicomElements startOfFile(std::string_view bytes, std::string& damage);
 
   bool has(DicomTag tag) const { return values_.count(tag) > 0; }
-  /// A 16-bit unsigned integer; -1 where there is none.
+  /// A 16-bit unsigned integer; -1 where there is none, or a number that is none.
   int number(DicomTag tag) const;
   /// An element's numbers, by the value representation that stands in the file, else by `type`: "DS" or "IS"
   /// (decimal text), "US", "SS", "UL", "SL", "AT" (as DicomTag), "FL", "FD". None where it is absent or no number.

@@ -3,20 +3,25 @@
 #include "io/whole_file.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
 
 namespace slicemorph {
 namespace {
 
 constexpr DicomTag kSopClass = 0x00080016, kSopInstance = 0x00080018, kModality = 0x00080060,
-                   kDescription = 0x0008103e, kImageTypeTag = 0x00080008, kSeries = 0x0020000e,
-                   kFrameOfReference = 0x00200052, kInstanceNumber = 0x00200013, kSamples = 0x00280002,
-                   kPhotometric = 0x00280004, kFrameCount = 0x00280008, kRows = 0x00280010,
-                   kColumns = 0x00280011, kBitsAllocated = 0x00280100, kBitsStored = 0x00280101,
-                   kHighBit = 0x00280102, kSign = 0x00280103, kPadding = 0x00280120,
-                   kPaddingLimit = 0x00280121, kFloatPixels = 0x7fe00008, kDoublePixels = 0x7fe00009,
-                   kPixels = 0x7fe00010, kSegmentationType = 0x00620001, kSegments = 0x00620002,
-                   kSegmentNumber = 0x00620004, kSegmentLabel = 0x00620005, kFullFraction = 0x0062000e;
-constexpr int kMostFrames = 1 << 20;  // far more than any scanner writes; damaged numbers are larger
+                   kDescription = 0x0008103e, kSeries = 0x0020000e, kFrameOfReference = 0x00200052,
+                   kInstanceNumber = 0x00200013, kSamples = 0x00280002, kPhotometric = 0x00280004,
+                   kFrameCount = 0x00280008, kRows = 0x00280010, kColumns = 0x00280011,
+                   kBitsAllocated = 0x00280100, kBitsStored = 0x00280101, kHighBit = 0x00280102,
+                   kSign = 0x00280103, kPadding = 0x00280120, kPaddingLimit = 0x00280121,
+                   kFloatPixels = 0x7fe00008, kDoublePixels = 0x7fe00009, kPixels = 0x7fe00010,
+                   kSegmentationType = 0x00620001, kSegments = 0x00620002, kSegmentNumber = 0x00620004,
+                   kSegmentLabel = 0x00620005, kFullFraction = 0x0062000e;
+constexpr int kMostFrames = 1 << 20;    // far more than any scanner writes; damaged numbers are larger
+constexpr double kLargestSide = 65535;  // of Rows and Columns, which have 16 bits (PS3.3 C.7.6.3.1)
+constexpr size_t kLeastPacked = 8;  // bytes of a compressed frame: the head of its item (PS3.5 section A.4)
 
 /// Stored values between which lies what is no measurement (PS3.3 C.7.5.1.1.2).
 std::optional<std::pair<double, double>> paddingOf(const DicomElements& data, bool isSigned) {
@@ -28,6 +33,28 @@ std::optional<std::pair<double, double>> paddingOf(const DicomElements& data, bo
   };
   const double a = stored(kPadding), b = data.size(kPaddingLimit) >= 2 ? stored(kPaddingLimit) : a;
   return std::pair(std::min(a, b), std::max(a, b));
+}
+
+/// Throws DicomDamage where there are fewer bytes of pixels than the file's numbers need, or far more.
+void checkPixelBytes(const DicomElements& data, double samples, const DicomFile& file) {
+  const DicomPixels& p = file.pixels;
+  const size_t stored = data.size(p.tag);
+  if (p.frames > 1 && stored / (data.plainPixels() ? 1 : kLeastPacked) < size_t(p.frames))
+    throw DicomDamage("it states " + std::to_string(p.frames) + " frames, and has " + std::to_string(stored) +
+                      " bytes of pixels");
+  if (!data.plainPixels()) return;
+  // In floating point, where no product of damaged numbers wraps.
+  const double needed = std::ceil(double(p.rows) * p.columns * p.frames * samples * p.bits / 8);
+  char text[32];
+  std::snprintf(text, sizeof text, "%.0f", needed);
+  // Of these, colours are stored at half the size.
+  const bool halved = samples == 3 && data.text(kPhotometric).rfind("YBR_FULL_422", 0) == 0;
+  if (!halved && double(stored) < needed)
+    throw DicomDamage("it has " + std::to_string(stored) + " bytes of pixels, " + text + " are needed");
+  if (double(stored) >= 2 * needed && needed > 1)
+    throw DicomDamage("it has " + std::to_string(stored) +
+                      " bytes of pixels, which are more frames than the " + std::to_string(p.frames) +
+                      " that it states");
 }
 
 void readPixelFormat(const DicomElements& data, std::string_view bytes, DicomFile& file) {
@@ -52,19 +79,10 @@ void readPixelFormat(const DicomElements& data, std::string_view bytes, DicomFil
   p.decode = !data.plainPixels() || !data.inFile() || data.bigEndian();
   if (!p.decode) p.at = std::uint64_t(data.bytes(tag).data() - bytes.data());
   const double samples = std::max(1.0, data.first(kSamples, "US", 1));
-  const std::uint64_t needed = (std::uint64_t(p.rows) * std::uint64_t(p.columns) * std::uint64_t(p.frames) *
-                                    std::uint64_t(samples) * std::uint64_t(p.bits) +
-                                7) /
-                               8;
-  if (data.plainPixels() && data.text(kPhotometric).rfind("YBR_FULL_422", 0) != 0 && data.size(tag) < needed)
-    throw DicomDamage("it has " + std::to_string(data.size(tag)) + " bytes of pixels, " +
-                      std::to_string(needed) + " are needed");
-  if (data.plainPixels() && data.size(tag) >= 2 * needed && needed > 1)
-    throw DicomDamage("it has " + std::to_string(data.size(tag)) +
-                      " bytes of pixels, which are more frames than the " + std::to_string(p.frames) +
-                      " that it states");
+  checkPixelBytes(data, samples, file);
   if (samples != 1)
-    file.foreign = "its pixels have " + std::to_string(int(samples)) + " values, and only grey ones are read";
+    file.foreign = "its pixels have " + std::to_string(std::int64_t(std::min(samples, kLargestSide))) +
+                   " values, and only grey ones are read";
   else if (data.text(kPhotometric) == "PALETTE COLOR")
     file.foreign = "its pixels are colours of a palette, and only grey ones are read";
   else if (p.bits != 1 && p.bits != 8 && p.bits != 16 && p.bits != 32 && p.bits != 64)
@@ -87,9 +105,16 @@ void read(const DicomElements& data, std::string_view bytes, DicomFile& file) {
   file.seriesUid = data.text(kSeries), file.instanceUid = data.text(kSopInstance);
   file.frameOfReference = data.text(kFrameOfReference);
   file.modality = data.text(kModality), file.description = data.text(kDescription);
-  file.instance = int(data.first(kInstanceNumber, "IS"));
+  constexpr double kMostInstance = std::numeric_limits<int>::max();
+  file.instance = int(std::clamp(data.first(kInstanceNumber, "IS"), -kMostInstance, kMostInstance));
   const std::string type = data.text(kImageTypeTag);
   file.localizer = type.find("LOCALIZER") != std::string::npos || type.find("SCOUT") != std::string::npos;
+  const double columns = data.first(kColumns, "US"), rows = data.first(kRows, "US");
+  if (columns > kLargestSide || rows > kLargestSide) {
+    char text[80];
+    std::snprintf(text, sizeof text, "its size, %.0f x %.0f pixels, makes no sense", columns, rows);
+    throw DicomDamage(text);
+  }
   file.columns = data.number(kColumns), file.rows = data.number(kRows);
   if (!file.damage.empty() || file.columns <= 0 || file.rows <= 0) return;
   readPixelFormat(data, bytes, file);

@@ -12,12 +12,15 @@
 
 namespace slicemorph {
 
+/// Elements that more than one part of the reader looks at.
+constexpr DicomTag kImageTypeTag = 0x00080008, kManufacturerTag = 0x00080070;
+
 /// What may tell the volumes of one series apart, see splitIntoVolumes().
 enum DicomMark {
-  kImageType,  ///< type of image or frame, part of a complex value, name of the stack
+  kImageType,  ///< type of image or frame, part of a complex value, stack, energy window, detector, R-R interval
   kEcho,       ///< milliseconds
   kBValue,     ///< s/mm2
-  kTemporal,   ///< index or offset of the time
+  kTemporal,   ///< index or offset of the time, or number of its slot
   kDirection,  ///< of the diffusion gradient
   kPhase,      ///< of the heart or breath: milliseconds after the trigger, or percent
   kInversion,  ///< milliseconds
@@ -75,6 +78,7 @@ struct DicomFile {
   std::string uncertain;     ///< why its frames' places are not known; empty: they are, or there is one frame
   std::string assumed;       ///< what was assumed of them, for a note
   std::string damage;        ///< why it cannot be read; what was read before the damage is above
+  std::string unreadable;    ///< of a file of a folder: why it could not be opened
   bool isDicom = true;
 };
 

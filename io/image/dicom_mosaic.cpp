@@ -1,6 +1,7 @@
 #include "io/image/dicom_file.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -9,7 +10,7 @@
 namespace slicemorph {
 namespace {
 
-constexpr DicomTag kImageKind = 0x00080008, kMaker = 0x00080070, kTileCount = 0x0019100a;
+constexpr DicomTag kTileCount = 0x0019100a;
 constexpr int kMostTiles = 4096;
 
 /// Siemens' private header "CSA": names with texts. Read by its layout as nibabel documents it (nibabel.nicom.csareader);
@@ -135,6 +136,7 @@ MosaicHeader mosaicHeaderOf(const DicomElements& data) {
 /// Where the tiles lie along the normal, from the first; none where that is not certain, which `why` then says.
 std::vector<double> offsetsOfTiles(const MosaicHeader& header, int count, const DicomFrame& frame,
                                    const Vec3d& normal, const Vec3d& firstCentre, std::string& why) {
+  if (count == 1) return {0.0};
   const double stated = std::abs(frame.between);
   int way = 0;
   if (header.normal) {
@@ -142,7 +144,7 @@ std::vector<double> offsetsOfTiles(const MosaicHeader& header, int count, const 
     if (std::abs(along) > 0.99) way = along > 0 ? 1 : -1;
   }
   std::vector<double> offsets;
-  if (header.places.size() == size_t(count) && count > 1) {
+  if (header.places.size() == size_t(count)) {
     // The first tile is the first or the last slice of the protocol.
     const double first = header.places.front().dot(normal), last = header.places.back().dot(normal),
                  here = firstCentre.dot(normal), gap = std::abs(last - first) / (count - 1);
@@ -171,10 +173,11 @@ std::vector<double> offsetsOfTiles(const MosaicHeader& header, int count, const 
 /// Whether all pixels of the tiles behind the last slice are equal, as they must be. Not known of compressed ones.
 bool isBlankBehind(const DicomElements& data, const DicomFile& file, int count, int across) {
   const DicomPixels& p = file.pixels;
-  if (p.decode || count == across * across) return true;
+  if (!data.plainPixels() || count == across * across) return true;
   const std::string_view pixels = data.bytes(p.tag);
   const size_t bytes = size_t(p.bits) / 8, columns = size_t(p.columns / across),
                rows = size_t(p.rows / across);
+  if (pixels.size() < size_t(p.columns) * size_t(p.rows) * bytes) return false;
   const auto at = [&](int tile, size_t row, size_t column) {
     const size_t i =
         (size_t(tile / across) * rows + row) * size_t(p.columns) + size_t(tile % across) * columns + column;
@@ -191,9 +194,9 @@ bool isBlankBehind(const DicomElements& data, const DicomFile& file, int count, 
 }  // namespace
 
 bool isMosaic(const DicomElements& data) {
-  std::string maker = data.text(kMaker);
+  std::string maker = data.text(kManufacturerTag);
   for (char& c : maker) c = char(std::toupper(static_cast<unsigned char>(c)));
-  return data.text(kImageKind).find("MOSAIC") != std::string::npos ||
+  return data.text(kImageTypeTag).find("MOSAIC") != std::string::npos ||
          (maker.find("SIEMENS") != std::string::npos && data.first(kTileCount, "US") > 1);
 }
 
@@ -207,6 +210,10 @@ void splitMosaic(const DicomElements& data, DicomFile& file) {
   }
   if (count < 0) {
     file.uncertain = what + "its private header has several numbers for how many";
+    return;
+  }
+  if (file.pixels.bits < 8) {
+    file.uncertain = what + "its pixels are single bits";
     return;
   }
   const int across = int(std::ceil(std::sqrt(double(count)) - 1e-9));
@@ -232,7 +239,7 @@ void splitMosaic(const DicomElements& data, DicomFile& file) {
       *whole.position + (file.columns - columns) / 2.0 * dx * x + (file.rows - rows) / 2.0 * dy * y;
   std::string why;
   const std::vector<double> offsets = offsetsOfTiles(header, count, whole, normal, first, why);
-  if (offsets.empty() && count > 1) {
+  if (offsets.empty()) {
     file.uncertain = what + why;
     return;
   }

@@ -222,6 +222,11 @@ std::vector<DecodedFile> decodeAll(const DicomSeries& series, const std::vector<
 
 int bytesOfPixel(const DicomFile& file) { return std::max(1, (file.pixels.bits + 7) / 8); }
 
+double bytesUnpacked(const DicomFile& file) {
+  const DicomPixels& p = file.pixels;
+  return p.decode ? double(p.columns) * p.rows * p.frames * p.bits / 8 : 0;
+}
+
 DicomValues readDicomValues(const DicomSeries& series, const std::vector<DicomSliceRef>& slices) {
   const std::vector<DecodedFile> decoded = decodeAll(series, slices);
   DicomValues out;
@@ -245,7 +250,11 @@ DicomValues readDicomValues(const DicomSeries& series, const std::vector<DicomSl
 }
 
 std::vector<ImageValues> readStoredFrames(const DicomFile& file) {
-  const DecodedFile decoded = file.pixels.decode ? decodeFile(file) : DecodedFile();
+  DecodedFile decoded;
+  if (file.pixels.decode) {
+    const WithoutTerminal silence;
+    decoded = decodeFile(file);
+  }
   std::vector<ImageValues> out(file.frames.size());
   tbb::parallel_for(size_t(0), out.size(), [&](size_t k) {
     std::vector<bool> padded;

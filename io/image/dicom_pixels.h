@@ -16,6 +16,9 @@ struct DicomValues {
 
 /// Bytes that a pixel takes as it is stored.
 int bytesOfPixel(const DicomFile& file);
+/// Bytes that a file's pixels take while slices are read from it: of all its frames, whichever are wanted, where it is
+/// unpacked as a whole, and about as many more while it is; 0 of others.
+double bytesUnpacked(const DicomFile& file);
 
 /// Reads slices and rescales each by its own slope and intercept. Whole numbers stay such where all slopes and
 /// intercepts are. MONOCHROME1 says how to show values, not what they are: nothing is inverted. Throws IoError.

@@ -5,12 +5,11 @@
 #include "io/image/straighten.h"
 #include "slicemorph/errors.h"
 
-#include <gdcmTrace.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <set>
 
 namespace slicemorph {
 namespace {
@@ -181,8 +180,8 @@ void noteOnValues(const DicomValues& values, Notes& notes) {
   notes.emplace_back("image.padding-filled", Severity::kNote, "", text);
 }
 
-/// Bytes a voxel takes while a volume is put together: in its slice and in the whole, and before that as it is stored.
-double bytesWhileRead(const DicomSeries& series, const std::vector<DicomSliceRef>& slices) {
+/// Bytes a voxel takes while a volume is put together: in its slice and in the whole.
+double bytesOfVoxel(const DicomSeries& series, const std::vector<DicomSliceRef>& slices) {
   const DicomPixels& pixels = series.files[slices[0].file].pixels;
   const int stored = bytesOfPixel(series.files[slices[0].file]);
   const bool whole = std::all_of(slices.begin(), slices.end(), [&](const DicomSliceRef& r) {
@@ -190,7 +189,16 @@ double bytesWhileRead(const DicomSeries& series, const std::vector<DicomSliceRef
     return f.slope == std::rint(f.slope) && f.intercept == std::rint(f.intercept);
   });
   const int read = whole && pixels.kind == DicomPixels::kWhole ? stored : std::max(stored, 4);
-  return 2 * read + (pixels.decode ? stored : 0);
+  return 2 * read;
+}
+
+/// Bytes taken while `voxels` voxels are read, at most.
+double bytesWhileRead(const DicomSeries& series, const std::vector<DicomSliceRef>& slices, double voxels) {
+  std::set<size_t> files;
+  for (const DicomSliceRef& r : slices) files.insert(r.file);
+  double unpacked = 0;
+  for (size_t f : files) unpacked += bytesUnpacked(series.files[f]);
+  return std::max(2 * unpacked, unpacked + voxels * bytesOfVoxel(series, slices));
 }
 
 ImageFile readSlices(const std::string& path, const DicomSeries& series, const DicomVolume& volume,
@@ -200,7 +208,7 @@ ImageFile readSlices(const std::string& path, const DicomSeries& series, const D
   const SlicePlaces places = placesOf(path, series, order, spacing, file.notes);
   const DicomFile& first = series.files[order[0].file];
   check({first.columns, first.rows, int(order.size())},
-        double(first.columns) * first.rows * double(order.size()) * bytesWhileRead(series, order));
+        bytesWhileRead(series, order, double(first.columns) * first.rows * double(order.size())));
   DicomValues values = readDicomValues(series, order);
   noteOnValues(values, file.notes);
   if (volume.byOrderOnly)
@@ -220,7 +228,7 @@ ImageFile readSlices(const std::string& path, const DicomSeries& series, const D
     stack.names.push_back(slice.name);
     stack.values.push_back(std::move(slice.values));
   }
-  straighten(std::move(stack), file);
+  straighten(std::move(stack), check, file);
   if (slices.size() == 1) {
     file.image.lattice.step[2] = places.normal * places.thickness;
     file.notes.emplace_back("image.one-slice", Severity::kWarning, "", "it holds one slice");
@@ -232,7 +240,6 @@ ImageFile readSlices(const std::string& path, const DicomSeries& series, const D
 
 ImageFile readDicomVolume(const std::string& path, const DicomChoice& choice, const Vec3d& spacing,
                           const SizeCheck& check) {
-  gdcm::Trace::WarningOff(), gdcm::Trace::ErrorOff(), gdcm::Trace::DebugOff();
   const DicomSeries& series = choice.series;
   const bool segmentation = series.isSegmentation();
   ImageFile file = segmentation ? readDicomSegmentation(series, int(choice.volume), check)

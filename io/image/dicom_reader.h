@@ -11,7 +11,7 @@ namespace slicemorph {
 struct DicomFolder {
   std::vector<DicomSeries> series;
   Notes notes;
-  /// Damaged files by the UID of their series.
+  /// Damaged files by the UID of their series, files that could not be opened by none.
   std::vector<std::pair<std::string, Note>> damaged;
 };
 /// `path`: a folder; or a file, which stands for itself where it holds several slices, else for its folder.

@@ -13,8 +13,9 @@
 namespace slicemorph {
 namespace {
 
-constexpr double kRounding = 1e-3;    // millimetres; positions in files are rounded to about this
-constexpr double kOffLattice = 0.02;  // of a gap: frames farther from a plane of the lattice are refused
+constexpr double kRounding = 1e-3;       // millimetres; positions in files are rounded to about this
+constexpr double kMostPlanes = 1 << 20;  // damaged positions are farther apart
+constexpr double kOffLattice = 0.02;     // of a gap: frames farther from a plane of the lattice are refused
 
 std::string lengthText(double value) {
   char digits[32];
@@ -104,6 +105,10 @@ Planes planesOf(const DicomFile& file, Notes& notes) {
   planes.lattice.origin = *first.position + lowest * normal;
   planes.lattice.step[0] = x * (*first.pixel)[0], planes.lattice.step[1] = y * (*first.pixel)[1];
   planes.lattice.step[2] = gap * normal;
+  const double span = (*std::max_element(along.begin(), along.end()) - lowest) / gap;
+  if (!(span < kMostPlanes))
+    throw InputError(file.path, "is a segmentation whose frames lie " + lengthText(span) +
+                                    " planes apart: their positions are damaged");
   int most = 0;
   for (size_t k = 0; k < along.size(); ++k) {
     const int plane = int(std::lround((along[k] - lowest) / gap));
@@ -166,6 +171,17 @@ void checkSegments(const DicomFile& file, int segment) {
     throw InputError(file.path, "has no segment " + std::to_string(segment));
 }
 
+/// Throws InputError where pixels that are numbers of segments may be none of these (PS3.3 C.8.20.2).
+void checkLabelPixels(const DicomFile& file) {
+  const DicomPixels& p = file.pixels;
+  if (!file.labelPixels || (p.bits <= 16 && !p.isSigned && p.kind == DicomPixels::kWhole)) return;
+  throw InputError(file.path, "is a label map of " + std::to_string(p.bits) + " bits a pixel" +
+                                  (p.kind != DicomPixels::kWhole ? ", floating point"
+                                   : p.isSigned                  ? ", signed"
+                                                                 : "") +
+                                  "; only unsigned ones of 8 and 16 bits are read");
+}
+
 }  // namespace
 
 std::string segmentsOf(const DicomSeries& series) {
@@ -178,6 +194,7 @@ std::string segmentsOf(const DicomSeries& series) {
 ImageFile readDicomSegmentation(const DicomSeries& series, int segment, const SizeCheck& check) {
   const DicomFile& source = series.files[0];
   checkSegments(source, segment);
+  checkLabelPixels(source);
   ImageFile file;
   file.notes.emplace_back(kLabelsStated, Severity::kDetail, "",
                           "it is a segmentation: its values are labels");
@@ -185,8 +202,10 @@ ImageFile readDicomSegmentation(const DicomSeries& series, int segment, const Si
   int most = 0;
   for (const DicomFrame& frame : source.frames) most = std::max(most, frame.segment);
   if (source.labelPixels && source.pixels.bits > 8) most = 65535;
-  check(planes.lattice.size, double(planes.lattice.count()) * (most > 255 ? 2 : 1) +
-                                 double(source.frames.size()) * source.columns * source.rows);
+  const double drawn = double(source.frames.size()) * source.columns * source.rows * bytesOfPixel(source),
+               unpacked = bytesUnpacked(source);
+  check(planes.lattice.size,
+        std::max(2 * unpacked, double(planes.lattice.count()) * (most > 255 ? 2 : 1) + drawn + unpacked));
   file.image.lattice = planes.lattice;
   const std::vector<ImageValues> stored = readStoredFrames(source);
   std::map<std::pair<int, int>, size_t> overlaps;

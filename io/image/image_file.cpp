@@ -10,10 +10,12 @@
 #include "slicemorph/errors.h"
 #include "slicemorph/io/placing.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <string_view>
+#include <utility>
 
 namespace slicemorph {
 namespace {

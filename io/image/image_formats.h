@@ -12,7 +12,7 @@
 /// Functions of image formats, for the table of formats (io/formats.cpp).
 namespace slicemorph {
 
-/// A .dcm file, or a folder.
+/// A folder, a .dcm or .ima file, or one of any name that begins as DICOM files do.
 bool isDicomImage(const std::string& path);
 /// A .tif, or a numbered sequence of .png or .exr.
 bool isImageStack(const std::string& path);

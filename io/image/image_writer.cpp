@@ -17,6 +17,7 @@
 #include <cstring>
 #include <limits>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
 namespace slicemorph {
@@ -327,13 +328,23 @@ ImageSliceWriter::ImageSliceWriter(const std::string& path, const ImageLattice& 
   Voxels voxels = voxelsOf(lattice, like, volumes);
   voxels.seconds = seconds;
   file_ = std::make_unique<VoxelFile>(path, headerOf(path)(path, voxels));
+  type_ = like.index(), left_ = lattice.count() * size_t(volumes);
 }
 
 ImageSliceWriter::~ImageSliceWriter() = default;
 
-void ImageSliceWriter::add(const ImageValues& slices) { file_->add(bytesOf(slices)); }
+void ImageSliceWriter::add(const ImageValues& slices) {
+  const size_t count = std::visit([](const auto& values) { return values.size(); }, slices);
+  if (slices.index() != type_ || count > left_)
+    throw std::logic_error("slices of another type, or more than the image has");
+  left_ -= count;
+  file_->add(bytesOf(slices));
+}
 
-void ImageSliceWriter::commit() { file_->commit(); }
+void ImageSliceWriter::commit() {
+  if (left_ > 0) throw std::logic_error("fewer slices than the image has");
+  file_->commit();
+}
 
 void writeImage(const std::string& path, const Image& image) {
   ImageSliceWriter writer(path, image.lattice, image.values);

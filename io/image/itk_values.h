@@ -5,6 +5,8 @@
 
 #include <itkImageIOBase.h>
 
+#include <string>
+
 namespace slicemorph {
 
 /// From ITK's name of a number type. Throws IoError where it is none.
@@ -37,17 +39,6 @@ inline RawType rawTypeOf(const std::string& path, itk::ImageIOBase::IOComponentE
       break;
   }
   throw IoError(path, "its voxels are no plain numbers");
-}
-
-/// ITK's description of an error, without the line of ITK's source.
-inline std::string reasonOf(const itk::ExceptionObject& error) {
-  std::string text = error.GetDescription();
-  const size_t mark = text.find("ITK ERROR: ");
-  if (mark != std::string::npos) text = text.substr(mark + 11);
-  for (char& c : text)
-    if (c == '\n') c = ' ';
-  while (!text.empty() && text.back() == ' ') text.pop_back();
-  return text;
 }
 
 }  // namespace slicemorph

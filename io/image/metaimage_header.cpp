@@ -15,6 +15,9 @@ namespace {
 constexpr const char *kSlope = "ElementToIntensityFunctionSlope",
                      *kOffset = "ElementToIntensityFunctionOffset";
 
+/// Of sizes and channels, as ITK keeps them.
+constexpr std::int64_t kMostOfASize = (1LL << 31) - 1;
+
 std::string withoutSpaceAtTheEnds(std::string text) {
   text.erase(0, std::min(text.find_first_not_of(" \t"), text.size()));
   text.erase(text.find_last_not_of(" \t\r") + 1);
@@ -27,18 +30,35 @@ void MetaHeader::check(const std::string& path) const {
   for (const char* key : {"NDims", "DimSize", "ElementType"})
     if (!has(key)) throw IoError(path, std::string("its MetaImage header has no ") + key);
   // The library does not end with less than one dimension.
-  char* end = nullptr;
-  const std::string given = text("NDims");
-  const long dimensions = std::strtol(given.c_str(), &end, 10);
-  if (*end || dimensions < 1 || dimensions > 10)
-    throw IoError(path, "its NDims is '" + given + "'; there are 1 to 10 dimensions");
+  const std::int64_t dimensions = whole(path, "NDims", 0, 1, 10);
   std::istringstream sizes(text("DimSize"));
-  for (long d = 0; d < dimensions; ++d) {
-    long long size = 0;
-    if (!(sizes >> size) || size < 1 || size > (1LL << 31) - 1)
-      throw IoError(path, "its DimSize '" + text("DimSize") + "' is not " + given + " sizes");
+  for (std::int64_t d = 0; d < dimensions; ++d) {
+    std::int64_t size = 0;
+    if (!(sizes >> size) || size < 1 || size > kMostOfASize)
+      throw IoError(path, "its DimSize '" + text("DimSize") + "' is not " + text("NDims") + " sizes");
   }
+  whole(path, "ElementNumberOfChannels", 1, 1, kMostOfASize);
+  skipped(path);
   scale(path);
+}
+
+std::int64_t MetaHeader::whole(const std::string& path, const char* key, std::int64_t otherwise,
+                               std::int64_t least, std::int64_t most) const {
+  if (!has(key)) return otherwise;
+  const std::string given = text(key);
+  char* end = nullptr;
+  const std::int64_t number = std::strtoll(given.c_str(), &end, 10);
+  if (given.empty() || *end || number < least || number > most)
+    throw IoError(path, std::string("its ") + key + " '" + given + "' is no whole number from " +
+                            std::to_string(least) + " to " + std::to_string(most));
+  return number;
+}
+
+std::int64_t MetaHeader::skipped(const std::string& path) const {
+  const std::int64_t bytes = whole(path, "HeaderSize", 0, -1, std::int64_t(1) << 62);
+  if (bytes < 0 && (is("CompressedData") || !is("BinaryData")))
+    throw IoError(path, "its HeaderSize -1 needs data that are neither compressed nor text");
+  return bytes;
 }
 
 bool MetaHeader::is(const char* key) const {

@@ -19,6 +19,12 @@ struct MetaHeader {
   std::string text(const char* key) const { return has(key) ? value.at(key) : std::string(); }
   /// Throws IoError, naming it, where what an image needs is missing.
   void check(const std::string& path) const;
+  /// The whole number of a key from `least` to `most`, or `otherwise` where the header has none. Throws IoError, naming
+  /// them, for others.
+  std::int64_t whole(const std::string& path, const char* key, std::int64_t otherwise, std::int64_t least,
+                     std::int64_t most) const;
+  /// Bytes that are passed over before the data of each file; -1: the data are its last bytes.
+  std::int64_t skipped(const std::string& path) const;
   /// Whether a key says True.
   bool is(const char* key) const;
   bool bigEndian() const { return is("BinaryDataByteOrderMSB") || is("ElementByteOrderMSB"); }

@@ -11,7 +11,6 @@
 #include <itkMetaImageIO.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -44,13 +43,15 @@ class QuietErrors {
   std::streambuf* before_;
 };
 
-/// Sets size, axes and number of volumes of an image of 1 to 4 dimensions.
+/// Sets size, axes and number of volumes of an image of 1 to 10 dimensions.
 void describeMeta(const std::string& path, OpenMeta& open) {
   const MetaIo& io = *open.io;
   const unsigned dimensions = io.GetNumberOfDimensions();
   const std::int64_t most = std::int64_t(1) << 40;
   const auto components = std::int64_t(io.GetNumberOfComponents());
   std::int64_t all = components, volumes = components;
+  // ITK takes some headers that are not of the form that was checked.
+  if (components < 1) throw IoError(path, "its ElementNumberOfChannels is 0; a voxel has 1 or more");
   ImageLattice& lattice = open.file.image.lattice;
   open.axes.push_back({size_t(components), false});
   for (unsigned d = 0; d < dimensions; ++d) {
@@ -65,7 +66,6 @@ void describeMeta(const std::string& path, OpenMeta& open) {
     else
       volumes *= n;
   }
-  for (unsigned d = dimensions; d < 3; ++d) lattice.size[int(d)] = 1;
   open.file.volumes = int(std::min<std::int64_t>(volumes, 1 << 30));
   for (unsigned d = 0; d < std::min(dimensions, 3u); ++d) {
     lattice.origin[int(d)] = io.GetOrigin(d);
@@ -73,11 +73,8 @@ void describeMeta(const std::string& path, OpenMeta& open) {
     for (unsigned r = 0; r < 3; ++r)
       lattice.step[d][int(r)] = (r < direction.size() ? direction[r] : r == d) * io.GetSpacing(d);
   }
-  if (dimensions < 3) lattice.step[2] = lattice.step[0].cross(lattice.step[1]).unit();
-  const double flat = lattice.step[0].dot(lattice.step[1].cross(lattice.step[2]));
-  const Vec3d spacing = lattice.spacing();
-  if (!std::isfinite(flat) || std::abs(flat) <= 1e-6 * spacing[0] * spacing[1] * spacing[2])
-    throw IoError(path, "its axes and spacing flatten space; they must be independent and not 0");
+  addFlatAxes(lattice, dimensions);
+  checkPlace(path, lattice);
 }
 
 /// Units of length, and what the header leaves open.
@@ -136,7 +133,7 @@ DataFiles dataOfMeta(const std::string& path, const MetaHeader& header) {
   if (header.isLocal()) data.from = header.bytes;
   data.encoding = header.is("BinaryData") ? DataFiles::kRaw : DataFiles::kText;
   data.bigEndian = header.bigEndian();
-  if (header.has("HeaderSize")) data.byteSkip = std::strtol(header.text("HeaderSize").c_str(), nullptr, 10);
+  data.byteSkip = header.skipped(path);
   return data;
 }
 
@@ -146,7 +143,8 @@ std::shared_ptr<PackedBytes> packedMeta(const std::string& path, const DataFiles
   if (!std::filesystem::exists(data.files[0]))
     throw IoError(path, "its data file " + data.files[0] + " does not exist");
   sizeOfInput(data.files[0]);
-  return std::make_shared<PackedBytes>(data.files[0], data.from, PackedAs::kDeflate);
+  return std::make_shared<PackedBytes>(data.files[0], data.from + std::uint64_t(data.byteSkip),
+                                       PackedAs::kDeflate);
 }
 
 /// `packed`: the stream of compressed data; null for others.
@@ -182,16 +180,19 @@ ImageFile readMetaImage(const std::string& path, int volume, const SizeCheck& ch
   OpenMeta open = openedMeta(path, volume);
   const size_t count = open.file.image.lattice.count();
   ImageValues& values = open.file.image.values;
-  check(open.file.image.lattice.size, double(count) * open.type.bytes);
+  const auto [slope, offset] = open.header.scale(path);
+  const bool scaled = slope != 1 || offset != 0;
+  const TypeBy by = typeByOf(open.file);
+  check(open.file.image.lattice.size, double(count) * double(bytesWhileRead(open.type, scaled)));
   const DataFiles data = dataOfMeta(path, open.header);
   const auto packed = open.header.is("CompressedData") ? packedMeta(path, data) : nullptr;
   VolumeReader reader = volumeOfMeta(path, open, volume, data, packed);
-  values = readValues(open.type, count, [&](void* to) { readOrRefuse(path, reader, to, count, open.type); });
+  values = readValues(
+      open.type, count, [&](void* to) { readOrRefuse(path, reader, to, count, open.type); }, by);
   if (packed) checkEndOfMeta(path, open, *packed);
   noteRounded(open.type, open.file);
-  const auto [slope, offset] = open.header.scale(path);
-  if (slope != 1 || offset != 0) {
-    values = rescaled(std::move(values), slope, offset);
+  if (scaled) {
+    values = rescaled(std::move(values), slope, offset, by);
     open.file.notes.push_back(open.header.scaleNote());
   }
   return std::move(open.file);

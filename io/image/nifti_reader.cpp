@@ -74,6 +74,7 @@ struct OpenNifti {
   double slope = 1, intercept = 0;
 
   bool colours() const { return voxel.components > 2; }
+  bool scaled() const { return slope != 1 || intercept != 0; }
   bool packed() const { return nifti_is_gzfile(header->iname); }
 };
 
@@ -188,6 +189,7 @@ OpenNifti openedNifti(const std::string& path, int volume) {
   open.voxel = voxelTypeOf(path, header.datatype);
   describeNifti(path, open);
   placeNifti(path, header, open.file);
+  checkPlace(path, open.file.image.lattice);
   checkVolume(path, volume, open.file.volumes);
   setScale(path, open);
   if (header.nifti_type == NIFTI_FTYPE_ANALYZE && open.slope != 1)
@@ -243,13 +245,14 @@ NiftiStream streamOf(const std::string& path, const OpenNifti& open, size_t volu
 ImageValues valuesOfNifti(const std::string& path, const OpenNifti& open, size_t volume) {
   NiftiStream stream = streamOf(path, open, volume);
   const size_t count = open.file.image.lattice.count();
-  ImageValues values = readValues(open.voxel.type, count, [&](void* to) {
-    readOrRefuse(path, stream.reader, to, count, open.voxel.type);
-  });
+  const TypeBy by = typeByOf(open.file);
+  ImageValues values = readValues(
+      open.voxel.type, count,
+      [&](void* to) { readOrRefuse(path, stream.reader, to, count, open.voxel.type); }, by);
   // The checksum stands at the end.
   if (open.packed() && volume + 1 == size_t(open.file.volumes) && !stream.bytes->endsWell())
     throw IoError(path, "is truncated or damaged: its compressed data do not end as they should");
-  return rescaled(std::move(values), open.slope, open.intercept);
+  return rescaled(std::move(values), open.slope, open.intercept, by);
 }
 
 }  // namespace
@@ -258,22 +261,22 @@ ImageFile readNifti(const std::string& path, int volume, const SizeCheck& check)
   OpenNifti open = openedNifti(path, volume);
   const ImageLattice& lattice = open.file.image.lattice;
   const bool luminance = volume == kNoVolume && open.colours();
-  check(lattice.size,
-        double(lattice.count()) * (open.voxel.type.bytes + (luminance ? int(sizeof(double)) : 0)));
+  check(lattice.size, double(lattice.count()) * double(bytesWhileRead(open.voxel.type, open.scaled()) +
+                                                       (luminance ? sizeof(double) : 0)));
   if (luminance) {
     open.file.image.values =
         luminanceOf([&](int colour) { return valuesOfNifti(path, open, size_t(colour)); });
     noteLuminance(path, open.file);
   } else {
     open.file.image.values = valuesOfNifti(path, open, size_t(std::max(volume, 0)));
-    if (open.slope == 1 && open.intercept == 0) noteRounded(open.voxel.type, open.file);
+    if (!open.scaled()) noteRounded(open.voxel.type, open.file);
   }
   return std::move(open.file);
 }
 
 std::optional<ImageSlices> openNifti(const std::string& path, int volume) {
   OpenNifti open = openedNifti(path, volume);
-  if (open.slope != 1 || open.intercept != 0 || (volume == kNoVolume && open.colours())) return std::nullopt;
+  if (open.scaled() || (volume == kNoVolume && open.colours())) return std::nullopt;
   NiftiStream stream = streamOf(path, open, size_t(std::max(volume, 0)));
   return slicesOf(path, std::move(open.file), open.voxel.type, std::move(stream.reader));
 }

@@ -1,5 +1,6 @@
 #include "io/image/nrrd_header.h"
 
+#include "io/image/chosen_volume.h"
 #include "io/image/length_unit.h"
 #include "io/image/nrrd_text.h"
 #include "io/paths.h"
@@ -142,19 +143,6 @@ Vec3d unitsOf(NrrdHeader& header, const Nrrd& nrrd, unsigned spatial) {
   return factor;
 }
 
-void setFlatAxes(ImageLattice& lattice, size_t given) {
-  for (size_t d = given; d < 3; ++d) lattice.size[int(d)] = 1;
-  if (given == 1) {
-    const Vec3d& x = lattice.step[0];
-    const int least = std::abs(x[0]) <= std::abs(x[1]) ? (std::abs(x[0]) <= std::abs(x[2]) ? 0 : 2)
-                                                       : (std::abs(x[1]) <= std::abs(x[2]) ? 1 : 2);
-    Vec3d other(0.0);
-    other[least] = 1;
-    lattice.step[1] = (other - x * (x[least] / x.lengthSqr())).unit();
-  }
-  if (given < 3) lattice.step[2] = lattice.step[0].cross(lattice.step[1]).unit();
-}
-
 /// Sets lattice and axes of an image whose axes have directions.
 void placeByDirections(const std::string& path, const NrrdText& text, const Nrrd& nrrd, NrrdHeader& header) {
   const SpaceMeaning space = meaningOf(nrrd);
@@ -184,7 +172,7 @@ void placeByDirections(const std::string& path, const NrrdText& text, const Nrrd
   if (!placed)
     tell(header, "image.place-unknown", Severity::kWarning,
          "it does not say where it lies (no 'space origin'): its first voxel is placed at 0, 0, 0");
-  setFlatAxes(lattice, found);
+  addFlatAxes(lattice, found);
 }
 
 bool isDomainKind(int kind) {
@@ -209,7 +197,14 @@ AxisPlace placeOfAxis(const NrrdAxisInfo& axis) {
   return place;
 }
 
-/// The same of an image that has spacings, or not even these.
+/// The unit of a space's coordinate; empty: not told.
+std::string unitOfSpace(const Nrrd& nrrd, unsigned coordinate) {
+  const bool told = coordinate < nrrd.spaceDim && nrrd.spaceUnits[coordinate];
+  return told ? nrrd.spaceUnits[coordinate] : "";
+}
+
+/// The same of an image that has spacings, or not even these. Units of its axes count for its origin, and those of its
+/// space for the axes, where only one of them is told.
 void placeBySpacings(const std::string& path, const NrrdText& text, const Nrrd& nrrd, NrrdHeader& header) {
   ImageLattice& lattice = header.file.image.lattice;
   size_t found = 0;
@@ -220,7 +215,9 @@ void placeBySpacings(const std::string& path, const NrrdText& text, const Nrrd& 
     header.axes.push_back({axis.size, isDomainKind(axis.kind) && found < 3});
     if (!header.axes.back().domain) continue;
     const AxisPlace place = placeOfAxis(axis);
-    units.emplace_back(axis.units ? axis.units : "");
+    units.push_back(axis.units && *axis.units ? axis.units
+                    : place.told              ? unitOfSpace(nrrd, unsigned(found))
+                                              : "");
     const double unit = millimetresOf(units.back()).value_or(1);
     told &= place.told;
     lattice.step[found] = Vec3d(0.0);
@@ -229,15 +226,19 @@ void placeBySpacings(const std::string& path, const NrrdText& text, const Nrrd& 
     ++found;
   }
   if (found == 0) throw IoError(path, "has no axis in space");
-  noteUnits(units, header.file.notes);
   const std::string space = text.field("space");
   const bool leftHanded = nrrd.space == nrrdSpace3DLeftHanded || nrrd.space == nrrdSpace3DLeftHandedTime;
-  setFlatAxes(lattice, found);
+  addFlatAxes(lattice, found);
   if (nrrd.spaceDim > 0 && !std::isnan(nrrd.spaceOrigin[0])) {
     const SpaceMeaning meaning = meaningOf(nrrd);
-    for (unsigned c = 0; c < std::min(nrrd.spaceDim, 3u); ++c)
-      lattice.origin[int(c)] = nrrd.spaceOrigin[c] * meaning.sign[int(c)];
+    for (unsigned c = 0; c < std::min(nrrd.spaceDim, 3u); ++c) {
+      const std::string own = unitOfSpace(nrrd, c),
+                        unit = own.empty() ? units[std::min<size_t>(c, found - 1)] : own;
+      lattice.origin[int(c)] = nrrd.spaceOrigin[c] * millimetresOf(unit).value_or(1) * meaning.sign[int(c)];
+      units.push_back(unit);
+    }
   }
+  noteUnits(units, header.file.notes);
   if (leftHanded) lattice.step[2] = -lattice.step[2];
   if (nrrd.space != nrrdSpaceUnknown) {
     tell(header, "image.space-without-directions", Severity::kWarning,
@@ -331,6 +332,7 @@ NrrdHeader readNrrdHeader(const std::string& path) {
     tell(header, "image.header-repaired", Severity::kNote,
          "its header has " + text.dropped + " beside 'space directions', which the format forbids: not used");
   describeVolumes(path, *nrrd, header);
+  checkPlace(path, header.file.image.lattice);
   header.data = dataOfNrrd(path, text);
   return header;
 }

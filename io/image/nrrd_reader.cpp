@@ -5,6 +5,7 @@
 #include "io/image/nrrd_header.h"
 #include "slicemorph/errors.h"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -21,8 +22,9 @@ VolumeReader volumeOfNrrd(const std::string& path, const NrrdHeader& header, siz
 ImageValues valuesOfNrrd(const std::string& path, const NrrdHeader& header, size_t volume) {
   VolumeReader reader = volumeOfNrrd(path, header, volume);
   const size_t count = header.file.image.lattice.count();
-  return readValues(header.type, count,
-                    [&](void* to) { readOrRefuse(path, reader, to, count, header.type); });
+  return readValues(
+      header.type, count, [&](void* to) { readOrRefuse(path, reader, to, count, header.type); },
+      typeByOf(header.file));
 }
 
 /// Volumes between those of two colours of the same voxel.
@@ -48,7 +50,8 @@ ImageFile readNrrd(const std::string& path, int volume, const SizeCheck& check) 
   NrrdHeader header = headerFor(path, volume);
   const bool colours = volume == kNoVolume && header.colours >= 0;
   const ImageLattice& lattice = header.file.image.lattice;
-  check(lattice.size, double(lattice.count()) * (header.type.bytes + (colours ? int(sizeof(double)) : 0)));
+  check(lattice.size,
+        double(lattice.count()) * double(bytesWhileRead(header.type) + (colours ? sizeof(double) : 0)));
   if (colours) {
     const size_t stride = colourStride(header);
     header.file.image.values =

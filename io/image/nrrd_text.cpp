@@ -4,8 +4,8 @@
 #include "slicemorph/errors.h"
 
 #include <algorithm>
-#include <cctype>
 #include <fstream>
+#include <utility>
 #include <vector>
 
 namespace slicemorph {
@@ -22,8 +22,7 @@ std::string trimmedField(std::string text) {
 
 /// Names of fields have several spellings.
 std::string fieldName(std::string name) {
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return char(std::tolower(c)); });
+  name = lowered(std::move(name));
   const std::pair<const char*, const char*> spellings[] = {
       {"datafile", "data file"}, {"lineskip", "line skip"}, {"byteskip", "byte skip"},
       {"axismins", "axis mins"}, {"axismaxs", "axis maxs"}, {"centerings", "centers"}};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <map>
@@ -15,13 +16,25 @@ namespace {
 
 void copyText(const std::string& text, char (&to)[32]) { std::strncpy(to, text.c_str(), sizeof to - 1); }
 
+/// Of a file, and so of slices, channels and times alike; a TIFF file has far fewer.
+constexpr int kMostPages = 10000000;
+
 int countOf(const std::map<std::string, std::string>& values, const char* key) {
   const auto at = values.find(key);
   if (at == values.end()) return 0;
   const long n = std::strtol(at->second.c_str(), nullptr, 10);
-  if (n < 1 || n > 10000000)
+  if (n < 1 || n > kMostPages)
     throw std::runtime_error(std::string("its ") + key + " '" + at->second + "' makes no sense");
   return int(n);
+}
+
+/// Throws where pages are too many to be numbered.
+void checkCount(const SlicemorphPages& pages) {
+  const double all = double(pages.slices) * pages.channels * pages.times;
+  if (all > kMostPages)
+    throw std::runtime_error("its description (" + std::string(pages.program) + ") tells of " +
+                             std::to_string(pages.slices) + " slices x " + std::to_string(pages.channels) +
+                             " channels x " + std::to_string(pages.times) + " times, which makes no sense");
 }
 
 double numberOf(const std::map<std::string, std::string>& values, const char* key) {
@@ -45,7 +58,8 @@ SlicemorphPages pagesOfImageJ(const std::string& description, const double resol
   pages.channels = std::max(1, countOf(values, "channels")),
   pages.times = std::max(1, countOf(values, "frames"));
   pages.slices = countOf(values, "slices");
-  if (pages.slices == 0) pages.slices = std::max(1, images / (pages.channels * pages.times));
+  if (pages.slices == 0)
+    pages.slices = int(std::max<std::int64_t>(1, images / (std::int64_t(pages.channels) * pages.times)));
   if (double(pages.slices) * pages.channels * pages.times != images)
     throw std::runtime_error("its ImageJ description has " + std::to_string(images) + " images, but " +
                              std::to_string(pages.channels) + " channels x " + std::to_string(pages.slices) +
@@ -78,9 +92,13 @@ SlicemorphPages pagesOfOme(const std::string& description) {
   copyText("OME", pages.program);
   pages.slices = std::max(1, countOf(values, "SizeZ"));
   pages.channels = std::max(1, countOf(values, "SizeC")), pages.times = std::max(1, countOf(values, "SizeT"));
+  checkCount(pages);
   int stride = 1;
-  const std::string order = values.count("DimensionOrder") ? values["DimensionOrder"] : "XYZCT";
-  for (const char axis : order.substr(std::min<size_t>(2, order.size()))) {
+  const std::string order = values.count("DimensionOrder") ? values["DimensionOrder"] : "XYZCT",
+                    axes = order.substr(std::min<size_t>(2, order.size())), all = "ZCT";
+  if (!std::is_permutation(axes.begin(), axes.end(), all.begin(), all.end()))
+    throw std::runtime_error("its DimensionOrder '" + order + "' is none of OME, as XYZCT");
+  for (const char axis : axes) {
     if (axis == 'Z') pages.sliceStride = stride, stride *= pages.slices;
     if (axis == 'C') pages.channelStride = stride, stride *= pages.channels;
     if (axis == 'T') pages.timeStride = stride, stride *= pages.times;
@@ -109,7 +127,7 @@ SlicemorphPages pagesOfShape(const std::string& description) {
   for (std::string n; std::getline(numbers, n, ',');) shape.push_back(std::atoi(n.c_str()));
   double planes = 1;
   for (size_t i = 0; i + 2 < shape.size(); ++i) planes *= shape[i];
-  if (!(planes >= 1 && planes <= 1e7)) throw std::runtime_error("its shape makes no sense");
+  if (!(planes >= 1 && planes <= kMostPages)) throw std::runtime_error("its shape makes no sense");
   pages.slices = int(planes), pages.channels = pages.times = 1;
   pages.sliceStride = 1, pages.channelStride = pages.timeStride = int(planes);
   return pages;

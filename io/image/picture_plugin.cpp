@@ -6,6 +6,7 @@
 #include <tiffio.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
@@ -42,7 +43,8 @@ HiddenPages hiddenPagesOf(const char* path, const ImageSpec& spec, int pages) {
     throw std::runtime_error(told + "whose values do not lie in one piece");
   HiddenPages hidden{offsets[0], spec.image_bytes(true), bool(TIFFIsByteSwapped(file.get()))};
   std::ifstream bytes(path, std::ios::binary | std::ios::ate);
-  if (std::uint64_t(bytes.tellg()) < hidden.from + hidden.bytes * std::uint64_t(pages))
+  const auto there = std::uint64_t(bytes.tellg());
+  if (hidden.bytes == 0 || there < hidden.from || (there - hidden.from) / hidden.bytes < std::uint64_t(pages))
     throw std::runtime_error(told + "and the file is too short for more");
   return hidden;
 }
@@ -123,6 +125,15 @@ int bitsOf(const char* path, const char* format, const ImageSpec& spec, const Ty
   return type.is_floating_point() || palette || stored < 1 || stored > all ? all : stored;
 }
 
+int pagesToldBy(const SlicemorphPages& layout) { return layout.slices * layout.channels * layout.times; }
+
+/// Colours of one page count as channels in OME: takes them off the channels that lie in pages of their own.
+void leaveOutColours(int colours, SlicemorphPages& layout) {
+  for (int* stride : {&layout.sliceStride, &layout.timeStride})
+    if (*stride > layout.channelStride) *stride /= colours;
+  layout.channels /= colours;
+}
+
 void describe(const char* path, ImageInput& input, int page, SlicemorphPicture& picture) {
   int pages = 1;
   while (input.seek_subimage(pages, 0)) ++pages;
@@ -134,13 +145,15 @@ void describe(const char* path, ImageInput& input, int page, SlicemorphPicture& 
     const double resolution[] = {first.get_float_attribute("XResolution"),
                                  first.get_float_attribute("YResolution")};
     picture.layout = pagesFromDescription(first.get_string_attribute("ImageDescription"), resolution);
-    const int told = picture.layout.slices * picture.layout.channels * picture.layout.times;
+    const std::int64_t values = std::int64_t(pages) * std::max(1, first.nchannels);
+    if (first.nchannels > 1 && pagesToldBy(picture.layout) == values &&
+        picture.layout.channels % first.nchannels == 0)
+      leaveOutColours(first.nchannels, picture.layout);
+    const int told = pagesToldBy(picture.layout);
     if (told > 1 && pages == 1) hiddenPagesOf(path, first, told), pages = told;
-    // Colours of one page count as channels in OME.
-    if (told > 0 && told != pages && told != pages * first.nchannels)
+    if (told > 0 && told != pages)
       throw std::runtime_error("its description (" + std::string(picture.layout.program) + ") tells of " +
                                std::to_string(told) + " pictures, and it has " + std::to_string(pages));
-    if (told != pages) picture.layout.slices = 0;
   }
   picture.pages = pages;
   if (page >= pages) throw std::runtime_error("it has " + std::to_string(pages) + " pages");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace slicemorph {
 namespace {
@@ -21,20 +22,36 @@ std::vector<To> converted(const std::vector<From>& from) {
   return to;
 }
 
-template <typename From>
-ImageValues whole(size_t count, const std::function<void(void*)>& read) {
-  std::vector<From> values(count);
-  read(values.data());
+using Range = std::pair<double, double>;
+
+/// The least and the largest of all values, or of all that their type can hold.
+template <typename T>
+Range rangeOf(const std::vector<T>& values, TypeBy by) {
+  if (by == TypeBy::kRange)
+    return {double(std::numeric_limits<T>::min()), double(std::numeric_limits<T>::max())};
+  if (values.empty()) return {0, 0};
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  const bool fits = count == 0 || (double(*low) >= double(std::numeric_limits<std::int32_t>::min()) &&
-                                   double(*high) <= double(std::numeric_limits<std::int32_t>::max()));
-  if (fits) return converted<std::int32_t>(values);
-  return converted<double>(values);
+  return {double(*low), double(*high)};
 }
 
 template <typename T>
-bool fitsIn(double low, double high) {
-  return low >= double(std::numeric_limits<T>::min()) && high <= double(std::numeric_limits<T>::max());
+bool fitsIn(const Range& range) {
+  return range.first >= double(std::numeric_limits<T>::min()) &&
+         range.second <= double(std::numeric_limits<T>::max());
+}
+
+ImageValues signedBytes(size_t count, const std::function<void(void*)>& read) {
+  std::vector<std::int8_t> values(count);
+  read(values.data());
+  return converted<std::int16_t>(values);
+}
+
+template <typename From>
+ImageValues whole(size_t count, const std::function<void(void*)>& read, TypeBy by) {
+  std::vector<From> values(count);
+  read(values.data());
+  if (fitsIn<std::int32_t>(rangeOf(values, by))) return converted<std::int32_t>(values);
+  return converted<double>(values);
 }
 
 template <typename To, typename From>
@@ -47,47 +64,48 @@ std::vector<To> scaled(const std::vector<From>& from, double slope, double inter
 
 }  // namespace
 
-ImageValues readValues(RawType type, size_t count, const std::function<void(void*)>& read) {
+ImageValues readValues(RawType type, size_t count, const std::function<void(void*)>& read, TypeBy by) {
   if (type.kind == RawType::kFloat)
     return type.bytes == 8 ? direct<double>(count, read) : direct<float>(count, read);
   const bool negative = type.kind == RawType::kSigned;
   switch (type.bytes) {
     case 1:
-      if (!negative) return direct<std::uint8_t>(count, read);
-      return converted<std::int16_t>(std::get<std::vector<std::int32_t>>(whole<std::int8_t>(count, read)));
+      return negative ? signedBytes(count, read) : direct<std::uint8_t>(count, read);
     case 2:
       return negative ? direct<std::int16_t>(count, read) : direct<std::uint16_t>(count, read);
     case 4:
-      return negative ? direct<std::int32_t>(count, read) : whole<std::uint32_t>(count, read);
+      return negative ? direct<std::int32_t>(count, read) : whole<std::uint32_t>(count, read, by);
     default:
-      return negative ? whole<std::int64_t>(count, read) : whole<std::uint64_t>(count, read);
+      return negative ? whole<std::int64_t>(count, read, by) : whole<std::uint64_t>(count, read, by);
   }
 }
 
-ImageValues noValues(RawType type) {
-  return readValues(type, 0, [](void*) {});
+ImageValues noValues(RawType type, TypeBy by) {
+  return readValues(
+      type, 0, [](void*) {}, by);
 }
 
-size_t bytesWhileRead(RawType type) {
-  const RawType as = rawTypeOf(noValues(type));
+size_t bytesWhileRead(RawType type, bool scaled) {
+  const RawType as = rawTypeOf(noValues(type, TypeBy::kRange));
   const bool same = as.bytes == type.bytes && as.kind == type.kind;
-  return size_t(type.bytes + (same ? 0 : as.bytes));
+  const int reading = type.bytes + (same ? 0 : as.bytes);
+  const bool wide = as.bytes == 8 || (as.bytes == 4 && as.kind != RawType::kFloat);
+  return size_t(scaled ? std::max(reading, as.bytes + (wide ? 8 : 4)) : reading);
 }
 
-ImageValues rescaled(ImageValues values, double slope, double intercept) {
+ImageValues rescaled(ImageValues values, double slope, double intercept, TypeBy by) {
   if (slope == 1 && intercept == 0) return values;
   return std::visit(
       [&](auto& from) -> ImageValues {
         using T = typename std::decay_t<decltype(from)>::value_type;
         if constexpr (std::is_same_v<T, double>) return scaled<double>(from, slope, intercept);
         if constexpr (std::is_integral_v<T>) {
-          if (slope == std::rint(slope) && intercept == std::rint(intercept) && !from.empty()) {
-            const auto [least, most] = std::minmax_element(from.begin(), from.end());
-            const double a = double(*least) * slope + intercept, b = double(*most) * slope + intercept;
-            const double low = std::min(a, b), high = std::max(a, b);
-            if (fitsIn<std::int16_t>(low, high)) return scaled<std::int16_t>(from, slope, intercept);
-            if (fitsIn<std::uint16_t>(low, high)) return scaled<std::uint16_t>(from, slope, intercept);
-            if (fitsIn<std::int32_t>(low, high)) return scaled<std::int32_t>(from, slope, intercept);
+          if (slope == std::rint(slope) && intercept == std::rint(intercept)) {
+            const auto [least, most] = rangeOf(from, by);
+            const Range range = std::minmax({least * slope + intercept, most * slope + intercept});
+            if (fitsIn<std::int16_t>(range)) return scaled<std::int16_t>(from, slope, intercept);
+            if (fitsIn<std::uint16_t>(range)) return scaled<std::uint16_t>(from, slope, intercept);
+            if (fitsIn<std::int32_t>(range)) return scaled<std::int32_t>(from, slope, intercept);
           }
           if constexpr (sizeof(T) == 4) return scaled<double>(from, slope, intercept);
         }

@@ -12,6 +12,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <memory>
@@ -147,8 +148,9 @@ void noteStack(OpenStack& stack, const char* code, const std::string& text,
 /// The pages of a file of several, of one volume where its description tells of channels and times.
 void choosePages(const InputSpec& input, int volume, OpenStack& stack) {
   const SlicemorphPages& layout = stack.first.layout;
-  const int slices = layout.slices > 0 ? layout.slices : stack.first.pages;
-  const int channels = layout.slices > 0 ? layout.channels : 1, times = layout.slices > 0 ? layout.times : 1;
+  const bool told = layout.slices > 0;  // and no more pages than can be numbered
+  const int slices = told ? layout.slices : stack.first.pages;
+  const int channels = told ? layout.channels : 1, times = told ? layout.times : 1;
   stack.file.volumes = channels * times;
   checkVolume(input.path, volume, stack.file.volumes);
   if (volume == kNoVolume)
@@ -157,9 +159,9 @@ void choosePages(const InputSpec& input, int volume, OpenStack& stack) {
                         (times > 1 ? "time" : ""),
                     stack.file);
   const int chosen = std::max(volume, 0), channel = chosen % channels, time = chosen / channels;
-  for (int z = 0; z < slices; ++z)
-    stack.pages.push_back({input.path, z * std::max(1, layout.sliceStride) + channel * layout.channelStride +
-                                           time * layout.timeStride});
+  const int stride = told ? std::max(1, layout.sliceStride) : 1,
+            from = told ? channel * layout.channelStride + time * layout.timeStride : 0;
+  for (int z = 0; z < slices; ++z) stack.pages.push_back({input.path, from + z * stride});
 }
 
 /// Sets spacing and origin: those that are given, else those that a file of several pages tells.
@@ -220,6 +222,7 @@ OpenStack openedStack(const InputSpec& input, const ImageOptions& options, Slice
   stack.file.image.lattice.size =
       openvdb::Coord(stack.first.width, stack.first.height, int(stack.pages.size()));
   placeStack(input, options, stack);
+  checkPlace(input.path, stack.file.image.lattice);
   noteWhatPagesAre(stack);
   return stack;
 }

@@ -1,5 +1,7 @@
 #include "io/image/straighten.h"
 
+#include "slicemorph/errors.h"
+
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -15,6 +17,8 @@ constexpr double kStraight = 2e-3;
 /// Share of the usual gap by which gaps may differ from it and still count as even; positions are
 /// stored in decimals.
 constexpr double kEven = 0.01;
+/// Voxels along an axis: far more than any scanner makes; damaged positions are farther apart.
+constexpr double kMostAlong = 1 << 20;
 
 std::string written(double value) {
   char digits[32];
@@ -164,9 +168,25 @@ std::vector<T> joined(SliceStackInput& stack) {
   return result;
 }
 
+/// Throws InputError where slices lie farther apart along an axis, in their plane or across it, than voxels are counted.
+void checkAlong(const SliceStackInput& stack, double voxels) {
+  if (voxels <= kMostAlong) return;
+  throw InputError(stack.names[0],
+                   "lies so far from " + stack.names.back() + " that a volume of both has " +
+                       written(voxels) +
+                       " voxels along an axis: their positions are damaged, or these are several stacks");
+}
+
+/// Bytes of the slices and of a lattice of the same type of values.
+double bytesWith(const SliceStackInput& stack, const ImageLattice& lattice) {
+  const double slices = double(stack.size[0]) * stack.size[1] * double(stack.values.size());
+  const double each = std::visit([](const auto& v) { return double(sizeof(v[0])); }, stack.values[0]);
+  return (slices + double(lattice.size[0]) * lattice.size[1] * lattice.size[2]) * each;
+}
+
 }  // namespace
 
-void straighten(SliceStackInput stack, ImageFile& file) {
+void straighten(SliceStackInput stack, const SizeCheck& check, ImageFile& file) {
   const SlicePositions positions = slicePositionsOf(stack);
   const size_t count = stack.position.size();
   ImageLattice& lattice = file.image.lattice;
@@ -197,6 +217,7 @@ void straighten(SliceStackInput stack, ImageFile& file) {
   openvdb::Vec2i first(0, 0);
   if (!straight) {
     for (int d = 0; d < 2; ++d) {
+      checkAlong(stack, stack.size[d] + (high[d] - low[d]));
       first[d] = int(std::floor(low[d] + kStraight));
       lattice.size[d] += int(std::ceil(high[d] - kStraight)) - first[d];
     }
@@ -208,8 +229,10 @@ void straighten(SliceStackInput stack, ImageFile& file) {
         "image.tilt-straightened", Severity::kNote, "",
         "its slices lean by " + written(tilt * 180 / M_PI) + " degrees (gantry tilt): straightened");
   }
-  lattice.size[2] =
-      even ? int(count) : int(std::lround(std::floor(positions.along.back() / gap + kEven))) + 1;
+  const double planes = positions.along.back() / gap;
+  checkAlong(stack, planes);
+  lattice.size[2] = even ? int(count) : int(std::lround(std::floor(planes + kEven))) + 1;
+  check(lattice.size, bytesWith(stack, lattice));
   std::visit(
       [&](const auto& v) {
         using T = typename std::decay_t<decltype(v)>::value_type;

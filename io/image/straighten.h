@@ -1,5 +1,6 @@
 #pragma once
 
+#include "io/image/raw_values.h"
 #include "slicemorph/io/image_file.h"
 
 namespace slicemorph {
@@ -16,7 +17,8 @@ struct SliceStackInput {
 /// Puts a stack of slices on a lattice whose third axis is normal to them. Slices with even gaps and without
 /// a shift in their plane are copied; else (tilted gantry, uneven gaps, missing slices) every voxel is
 /// interpolated linearly between the slices at their stored positions, the outside gets the smallest value,
-/// and `file.notes` says so.
-void straighten(SliceStackInput stack, ImageFile& file);
+/// and `file.notes` says so. Throws InputError where the slices lie so far from each other that no lattice holds them, and
+/// what `check` throws, which is asked where the lattice is another than that of the slices.
+void straighten(SliceStackInput stack, const SizeCheck& check, ImageFile& file);
 
 }  // namespace slicemorph

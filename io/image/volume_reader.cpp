@@ -21,10 +21,9 @@ VolumeReader::VolumeReader(std::vector<StoredAxis> axes, size_t volume, size_t b
 }
 
 bool VolumeReader::fill() {
-  const size_t row = axes_[0].size * bytes_;
-  buffer_.resize(row * std::max<size_t>(1, kBuffer / row));
+  buffer_.resize(kBuffer - kBuffer % bytes_);
   there_ = next_(buffer_.data(), buffer_.size());
-  there_ -= there_ % row;
+  there_ -= there_ % bytes_;
   taken_ += there_;
   from_ = 0;
   return there_ > 0;
@@ -37,23 +36,24 @@ size_t VolumeReader::read(void* to, size_t count) {
     return got / bytes_;
   }
   auto* out = static_cast<char*>(to);
-  const size_t row = axes_[0].size * bytes_;
   size_t got = 0;
   while (got < count) {
     if (from_ == there_ && !fill()) break;
     bool mine = true;
     for (size_t a = 1; a < axes_.size(); ++a) mine &= axes_[a].domain || at_[a] == wanted_[a];
+    // What of the row along the fastest axis is in the buffer.
+    size_t part = std::min(axes_[0].size - at_[0], (there_ - from_) / bytes_);
     if (mine && axes_[0].domain) {
-      const size_t part = std::min(count - got, axes_[0].size - inRow_);
-      std::copy_n(&buffer_[from_ + inRow_ * bytes_], part * bytes_, out + got * bytes_);
-      got += part, inRow_ += part;
-      if (inRow_ < axes_[0].size) break;
-    } else if (mine) {
-      std::copy_n(&buffer_[from_ + wanted_[0] * bytes_], bytes_, out + got * bytes_);
+      part = std::min(part, count - got);
+      std::copy_n(&buffer_[from_], part * bytes_, out + got * bytes_);
+      got += part;
+    } else if (mine && at_[0] <= wanted_[0] && wanted_[0] - at_[0] < part) {
+      std::copy_n(&buffer_[from_ + (wanted_[0] - at_[0]) * bytes_], bytes_, out + got * bytes_);
       ++got;
     }
-    inRow_ = 0;
-    from_ += row;
+    from_ += part * bytes_, at_[0] += part;
+    if (at_[0] < axes_[0].size) continue;
+    at_[0] = 0;
     for (size_t a = 1; a < axes_.size() && ++at_[a] == axes_[a].size; ++a) at_[a] = 0;
   }
   return got;

@@ -32,13 +32,12 @@ class VolumeReader {
 
   std::vector<StoredAxis> axes_;
   std::vector<size_t> wanted_;  ///< the index along each axis that is not of space
-  std::vector<size_t> at_;      ///< of the next row of buffer_
+  std::vector<size_t> at_;      ///< of the next number of buffer_
   size_t bytes_;
   ByteReader next_;
   bool plain_;                ///< the file has no other volume
-  std::vector<char> buffer_;  ///< whole rows along the fastest axis
+  std::vector<char> buffer_;  ///< whole numbers
   size_t from_ = 0, there_ = 0, taken_ = 0;
-  size_t inRow_ = 0;  ///< numbers of the row that were given out
 };
 
 }  // namespace slicemorph

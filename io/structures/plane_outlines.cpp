@@ -54,7 +54,7 @@ Bridge nearestPair(const Points& from, const Points& to) {
   return best;
 }
 
-/// The outline with its holes, the nearest first, so that no cut crosses another hole. A hole's nearest point to what is
+/// The outline with its holes, the nearest first. A hole's nearest point to what is
 /// joined already is kept from round to round.
 Points withHoles(Points outline, std::vector<Points> holes) {
   std::vector<Bridge> bridges;

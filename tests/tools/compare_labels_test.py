@@ -146,6 +146,21 @@ def case_other_voxels():
             near(row["dice"], expected(a, cut, row["label"], SPACING)[0], 1e-12)
 
 
+def case_lost_label():
+    """A label that the coarser voxels of the first map pass over is still in the list."""
+    a = np.zeros((8, 8, 8), np.uint8)
+    a[2:6, 2:6, 2:6] = 1
+    fine = np.repeat(np.repeat(np.repeat(a, 3, 0), 3, 1), 3, 2)
+    fine[0, 0, 0], fine[23, 12, 3] = 5, 1
+    coarse, small = np.diag([3.0, 3, 3, 1]), np.eye(4)
+    small[:3, 3] = -1
+    save("a.nii", a, coarse), save("b.nii", fine, small)
+    rows = {row["label"]: row for row in json.loads(run("compare", "a.nii", "b.nii", "--json").stdout)["labels"]}
+    assert sorted(rows) == [1, 5], rows
+    near(rows[5]["volumeMlB"], 1e-3), near(rows[5]["volumeMlA"], 0)
+    assert rows[5]["dice"] == 0
+
+
 def case_shapes():
     """Of shapes the table has one line with the figures of --json."""
     a, _ = two_maps()

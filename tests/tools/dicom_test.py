@@ -302,6 +302,125 @@ def case_mosaics():
         refused("convert", name + ".dcm", "-o", "x.nii", says=[name + ".dcm", "mosaic of Siemens", says])
 
 
+def case_mosaics_of_one_tile():
+    """One tile is a picture, whatever the private header lacks; pictures that are cut short are refused."""
+    grid = Grid(size=(8, 6))
+    dcm.mosaic("one.dcm", grid, 1, across=1, SpacingBetweenSlices=None)
+    values, affine, said = read("one.dcm")
+    has_planes(values, affine, grid, range(1))
+    assert "one slice" in said, said
+    dcm.mosaic("short.dcm", grid, 7, normal=grid.normal, PhotometricInterpretation="YBR_FULL_422", PixelData=bytes(20))
+    refused("convert", "short.dcm", "-o", "x.nii", says=["short.dcm", "20 bytes of pixels"])
+
+
+def case_nuclear():
+    """Frames of gated scans are volumes by the vectors that FrameIncrementPointer names; what they leave open is refused."""
+    grid = Grid()
+    detector = item(ImagePositionPatient=dcm.decimals(grid.origin), ImageOrientationPatient=grid.orientation)
+
+    def scan(path, frames, kind="RECON GATED TOMO", **elements):
+        """frames: (plane, volume)"""
+        dcm.save(dcm.data_set(path, "1.2.840.10008.5.1.4.1.1.20", np.array([grid.values(k, v) for k, v in frames]), modality="NM",
+                              ImageType=["ORIGINAL", "PRIMARY", kind, "EMISSION"], PixelSpacing=grid.pixel_spacing, SpacingBetweenSlices="2",
+                              DetectorInformationSequence=[detector], **elements))
+
+    intervals, slots, slices, views = 0x00540060, 0x00540070, 0x00540080, 0x00540090
+    # Volumes by R-R interval and time slot; slices against their order, so that only their numbers tell the places.
+    frames = [(k, v) for v in range(4) for k in (2, 1, 0)]
+    numbers = {"RRIntervalVector": [v // 2 + 1 for _, v in frames], "TimeSlotVector": [v % 2 + 1 for _, v in frames],
+               "SliceVector": [k + 1 for k, _ in frames]}
+    scan("both.dcm", frames, FrameIncrementPointer=[intervals, slots, slices], **numbers)
+    volumes_are("both.dcm", grid, range(3), ["R-R interval %d, time %d" % (r, t) for r in (1, 2) for t in (1, 2)], grid.values)
+    frames = frames[:6]
+    numbers = {name: vector[:6] for name, vector in numbers.items()}
+    scan("slots.dcm", frames, FrameIncrementPointer=[intervals, slots, slices], **numbers)
+    volumes_are("slots.dcm", grid, range(3), ["time 1", "time 2"], grid.values)
+    energies = {"EnergyWindowVector": [v + 1 for _, v in frames], "SliceVector": numbers["SliceVector"]}
+    scan("energies.dcm", frames, "RECON TOMO", FrameIncrementPointer=[0x00540010, slices], **energies)
+    volumes_are("energies.dcm", grid, range(3), ["energy window 1", "energy window 2"], grid.values)
+    scan("unnamed.dcm", frames, **numbers)
+    scan("unplaced.dcm", frames, FrameIncrementPointer=[intervals, slots], **numbers)
+    scan("few.dcm", frames, FrameIncrementPointer=[slots, slices], **{**numbers, "TimeSlotVector": [1, 1, 2]})
+    scan("views.dcm", frames, "RECON TOMO", FrameIncrementPointer=[slices, views], **numbers)
+    scan("counted.dcm", frames, "RECON TOMO", NumberOfSlices=3)
+    for name, says in (("unnamed", "names no time slots"), ("few", "numbers 3 of its 6 frames"), ("views", "(0054,0090)"),
+                       ("counted", "states 3 slices, and has 6 frames")):
+        refused("convert", name + ".dcm", "-o", "x.nii", says=[name + ".dcm", says, "--spacing"])
+    refused("convert", "unplaced.dcm:@1", "-o", "x.nii", says=["unplaced.dcm", "no SliceVector", "--spacing"])
+
+
+def case_offsets():
+    """Offsets of frames are taken where the standard fixes them: from 0, or as z of transverse planes from the position's."""
+    grid, flat = Grid(), Grid(turn=0.0)
+
+    def dose(path, g, offsets, sop=dcm.DOSE, **elements):
+        dcm.save(dcm.data_set(path, sop, np.array([g.values(k) for k in range(4)]), modality="RTDOSE", ImagePositionPatient=dcm.decimals(g.origin),
+                              ImageOrientationPatient=g.orientation, PixelSpacing=g.pixel_spacing, SliceThickness="2",
+                              **({"GridFrameOffsetVector": dcm.decimals(offsets), "FrameIncrementPointer": 0x3004000C} if len(offsets) else {}), **elements))
+
+    steps = 2.0 * np.arange(4)
+    dose("down.dcm", grid, -steps)
+    has_planes(*read("down.dcm")[:2], Grid(gap=-2.0), range(4), grid.values)
+    dose("flat.dcm", flat, flat.origin[2] + steps)
+    values, affine, said = read("flat.dcm")
+    has_planes(values, affine, flat, range(4))
+    assert not said, said
+    dose("begun.dcm", flat, 5 + steps)
+    dose("oblique.dcm", grid, grid.origin[2] + steps)
+    dose("three.dcm", grid, steps[:3])
+    dose("locations.dcm", grid, [], SliceLocationVector=dcm.decimals(steps), FrameIncrementPointer=0x00182005)
+    for name, says in (("begun", "begins with 5"), ("oblique", "begins with 30.125"), ("three", "3 offsets"), ("locations", "SliceLocationVector")):
+        refused("convert", name + ".dcm", "-o", "x.nii", says=[name + ".dcm", says, "--spacing"])
+    has_planes(*read("locations.dcm", "--spacing", "9,9,2")[:2], grid, range(4))
+
+
+def case_damaged():
+    """Numbers of a damaged file that no image has are refused before memory is taken for them."""
+    grid = Grid()
+    classic("size/a.dcm", grid, 0, x00280010UL=1 << 30, x00280011UL=1 << 30)
+    refused("convert", "size", "-o", "x.nii", says=["a.dcm", "1073741824 x 1073741824"])
+    classic("short/a.dcm", grid, 0, PhotometricInterpretation="YBR_FULL_422", PixelData=bytes(20))
+    refused("convert", "short", "-o", "x.nii", says=["a.dcm", "20 bytes of pixels, 70 are needed"])
+    classic("plain.dcm", grid, 0)
+    subprocess.run(["dcmcrle", "plain.dcm", "packed.dcm"], check=True)
+    d = pydicom.dcmread("packed.dcm")
+    d.NumberOfFrames = str(1 << 20)
+    d.save_as("packed.dcm")
+    refused("convert", "packed.dcm", "-o", "x.nii", says=["packed.dcm", "1048576 frames"])
+    for name, far in (("far", 1e8), ("wide", 3e5)):  # the first is out of reach, the second takes 3 * 10^11 bytes
+        classic(name + "/0.dcm", grid, 0)
+        place = grid.position(1) + far * (grid.x + grid.y)
+        classic(name + "/1.dcm", grid, 1, ImagePositionPatient=dcm.decimals(place))
+        refused("convert", name, "-o", "x.nii", says=["voxels"])
+
+
+def case_unreadable():
+    """Files that may not be read are left out by name, and links to nowhere; where one is asked for, or all are such, it is refused."""
+    drop = []
+    if os.geteuid() == 0:  # root reads all but without these capabilities
+        if not shutil.which("setpriv"):
+            raise Skip("root reads every file, and setpriv is not there")
+        drop = ["setpriv", "--bounding-set=-dac_override,-dac_read_search"]
+    grid = Grid()
+    for k in range(3):
+        classic("some/%d.dcm" % k, grid, k)
+    for name in ("some/closed.dcm", "all/closed.dcm"):
+        classic(name, grid, 3)
+        os.chmod(name, 0)
+    os.symlink("nowhere", "some/link.dcm")
+
+    def attempt(name):
+        return subprocess.run([*drop, PROGRAM, "convert", name, "-o", "out.nii"], capture_output=True, text=True, timeout=600)
+
+    result = attempt("some")
+    assert result.returncode == 0 and "closed.dcm" in result.stderr and "left out" in result.stderr, result.stderr
+    image = nib.load("out.nii")
+    has_planes(np.asanyarray(image.dataobj), LPS @ image.affine, grid, range(3))
+    for name in ("some/closed.dcm", "all"):
+        result = attempt(name)
+        assert result.returncode in (1, 2) and "closed.dcm" in result.stderr and "Permission denied" in result.stderr, result.stderr
+
+
 def case_segmentations():
     """Segments are labels on their own planes, with names; overlaps are told, a segment alone is chosen."""
     grid = Grid(size=(9, 7))
@@ -351,6 +470,10 @@ def case_segmentations():
     values, affine, _ = read("numbers.dcm")
     has_planes(values, affine, grid, range(4), lambda k: labels[k // 3] if k in (0, 3) else 0 * labels[0])
     has_planes(*read("numbers.dcm:@7")[:2], grid, range(4), lambda k: 7 * (labels[0] == 7) if k == 0 else 0 * labels[0])
+    d.BitsAllocated, d.BitsStored, d.HighBit, d.PixelData = 32, 32, 31, (labels.astype("<u4") + 70000).tobytes()
+    d.filename = "wide.dcm"
+    dcm.save(d)
+    refused("convert", "wide.dcm", "-o", "x.nii", says=["wide.dcm", "label map of 32 bits"])
     # Planes at no even distance, and a frame beside the others'.
     grid.position = lambda k: grid.origin + [0, 2, 5][k] * grid.normal
     dcm.segmentation("uneven.dcm", grid, [(k, 1, masks[1]) for k in range(3)], names)

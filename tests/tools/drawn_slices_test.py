@@ -436,6 +436,21 @@ def case_grey():
     refused("reconstruct", "dense.nii", "-o", "x.nii", says=["dense.nii", "grey", "--given"])
 
 
+def case_grey_marks():
+    """What is no number, or a huge mark of "no measurement", leaves the motion elsewhere and the rest of the values alone."""
+    shape, step = (64, 60, 25), 6
+    full = waves(shape, (0.5, 0.3)).astype(np.float32)
+    for mark in (np.nan, 1e20, -3.4e38):
+        marked = full.copy()
+        marked[:6, :6, :] = mark
+        save("in.nii", marked[:, :, ::step], (1, 1, 2))
+        run("reconstruct", "in.nii", "-o", "out.nii", "--between", step - 1, "--axis", "k", "--image", "grey")
+        found, between = load("out.nii"), [k for k in range(25) if k % step]
+        assert np.array_equal(found[:, :, ::step], marked[:, :, ::step], equal_nan=True)
+        rest = (found - full)[12:, 12:, between]  # beyond what moves in from the mark
+        assert np.isfinite(rest).all() and np.sqrt((rest ** 2).mean()) < 0.1 * full.std(), (mark, np.sqrt((rest ** 2).mean()), full.std())
+
+
 def case_grey_head():
     """Of a real head, every fourth slice: moved values are nearer to the true slices than values blended where they are."""
     path = "/usr/share/mricron/templates/ch2bet.nii.gz"

@@ -139,6 +139,12 @@ def case_nrrd_units():
         assert ("became millimetres" in said) == (factor != 1), said
         nrrd("in.nrrd", values, "spacings: 1 2 3", "units: " + " ".join(['"%s"' % unit] * 3))
         check("in.nrrd", values, np.diag([factor, 2 * factor, 3 * factor, 1]), says=["taken from its spacings"])
+        # An origin beside spacings is in the space's units, or in those of the axes; spacings without units are in the space's.
+        expected = np.diag([factor, 2 * factor, 3 * factor, 1.0])
+        expected[:3, 3] = np.array([10, -20, 30]) * factor
+        for key in ("units", "space units"):
+            nrrd("in.nrrd", values, "space: LPS", "spacings: 1 2 3", "space origin: (10,-20,30)", key + ": " + " ".join(['"%s"' % unit] * 3))
+            check("in.nrrd", values, expected, says=["spacings alone"])
     nrrd("in.nrrd", values, "space: LPS", directions(OBLIQUE), origin(OBLIQUE), 'space units: "furlong" "mm" "mm"')
     check("in.nrrd", values, OBLIQUE, says=["furlong"])
     nrrd("in.nrrd", values, "space: LPS", directions(OBLIQUE), origin(OBLIQUE), "spacings: 1 1 1")
@@ -246,6 +252,15 @@ def case_metaimage():
     for skip in (7, -1):
         write("HeaderSize = %d\n" % skip, "skip.raw")
         check("in.mhd", values, OBLIQUE)
+    open("skip.zraw", "wb").write(b"abcdefg" + zlib.compress(raw))
+    for skip in (7, -1, "seven"):
+        write("HeaderSize = %s\n" % skip, "skip.zraw")
+        text = open("in.mhd", "rb").read()
+        open("in.mhd", "wb").write(text.replace(b"CompressedData = False", b"CompressedData = True"))
+        if skip == 7:
+            check("in.mhd", values, OBLIQUE)
+        else:
+            refused("convert", "in.mhd", "-o", "x.nii", says=["HeaderSize", str(skip)])
     for k in range(3):
         open("s%02d.raw" % k, "wb").write(raw[40 * k:40 * k + 40])
     write(data="s%02d.raw 0 2 1")
@@ -264,8 +279,70 @@ def case_metaimage():
     check("in.mhd:1", vectors[1], OBLIQUE)
     write(body=raw[:-1])
     refused("convert", "in.mhd", "-o", "x.nii", says=["truncated"])
+    for channels in (0, -1, "two"):
+        write("ElementNumberOfChannels = %s\n" % channels)
+        refused("convert", "in.mhd", "-o", "x.nii", says=["ElementNumberOfChannels '%s'" % channels])
+    text = open("in.mhd", "rb").read()
+    open("in.mhd", "wb").write(text.replace(b"ElementNumberOfChannels = two", b"ElementNumberOfChannels : 0"))
+    refused("convert", "in.mhd", "-o", "x.nii")
     write("ElementToIntensityFunctionSlope = two\n")
     refused("convert", "in.mhd", "-o", "x.nii", says=["ElementToIntensityFunctionSlope", "two"])
+
+
+def case_flat_axes():
+    """Axes that are 0, that run along others or lie in one plane place nothing."""
+    values = numbers()
+    for steps in ("(1,0,0) (0,1,0) (0,0,0)", "(1,0,0) (1,0,0) (0,0,1)", "(1,0,0) (0,1,0) (1,1,0)"):
+        nrrd("in.nrrd", values, "space: LPS", "space directions: " + steps)
+        refused("convert", "in.nrrd", "-o", "x.nii", says=["flatten space"])
+        refused("info", "in.nrrd", says=["flatten space"])
+    nrrd("in.nrrd", values, "space dimension: 2", "space directions: (1,0) (0,1) (1,1)")
+    refused("convert", "in.nrrd", "-o", "x.nii", says=["flatten space"])
+    for steps in ("(1,0,0) (2,0,0)", "(0,0,0) (0,1,0)"):
+        nrrd("in.nrrd", values[..., 0], "space: LPS", "space directions: " + steps)
+        refused("convert", "in.nrrd", "-o", "x.nii", says=["flatten space"])
+    nrrd("in.nrrd", values[:, 0, 0], "space: LPS", "space directions: (0,0,0)")
+    refused("convert", "in.nrrd", "-o", "x.nii", says=["flatten space"])
+    head = "ObjectType = Image\nNDims = %d\nBinaryData = True\nTransformMatrix = %s\nElementSpacing = %s\nDimSize = %s\n" \
+           "ElementType = MET_UCHAR\nElementDataFile = LOCAL\n"
+    for fields in ((3, "1 0 0 1 0 0 0 0 1", "1 1 1", "2 2 2"), (3, "1 0 0 0 1 0 0 0 1", "1 0 1", "2 2 2"), (2, "1 0 1 0", "1 1", "2 2")):
+        open("in.mha", "wb").write((head % fields).encode() + b"12345678")
+        refused("convert", "in.mha", "-o", "x.nii")
+
+
+def case_missing_data():
+    """Also of a large image, whose values nobody reads, `info` sees that its data are missing or cut."""
+    head = "NRRD0004\ntype: short\ndimension: 3\nsizes: 512 512 512\nendian: little\nspace: LPS\n%s\nencoding: raw\n" % directions(np.eye(4))
+    meta = "ObjectType = Image\nNDims = 3\nBinaryData = True\nDimSize = 512 512 512\nElementType = MET_SHORT\nElementDataFile = "
+    for name, text, data in (("in.nrrd", head + "\n", b"ab"), ("in.nhdr", head + "data file: cut.raw\n", b""), ("in.mha", meta + "LOCAL\n", b"ab"),
+                             ("in.mhd", meta + "cut.raw\n", b"")):
+        open("cut.raw", "wb").write(b"ab")
+        open(name, "wb").write(text.encode() + data)
+        refused("info", name, says=["truncated", "2 bytes", str(2 * 512 ** 3)])
+        if not data:
+            os.remove("cut.raw")
+            refused("info", name, says=["cut.raw does not exist"])
+
+
+def case_long_first_axis():
+    """A first axis that tells volumes apart is passed over in parts, however long it is said to be."""
+    nrrd("in.nrrd", numbers((1, 1, 1, 1), np.float64), "kinds: list domain domain domain", encoding="gzip")
+    text = open("in.nrrd", "rb").read()
+    open("in.nrrd", "wb").write(text.replace(b"sizes: 1 1 1 1", b"sizes: %d 1 1 1" % 2 ** 30))
+    with open("told.txt", "w") as told:
+        process = subprocess.Popen([PROGRAM, "convert", "in.nrrd:5", "-o", "x.nii"], stderr=told)
+        _, status, used = os.wait4(process.pid, 0)
+    assert os.WEXITSTATUS(status) == 1 and "truncated" in open("told.txt").read(), (status, open("told.txt").read())
+    assert used.ru_maxrss < 1 << 20, used.ru_maxrss
+    # The parts that are read at once, of 2^20 bytes, end within its rows.
+    values = numbers((200003, 2, 3, 1), np.uint16)
+    nrrd("in.nrrd", values, "kinds: list domain domain domain")
+    for volume in (0, 131071, 131072, 200002):
+        check("in.nrrd:%d" % volume, values[volume], np.eye(4))
+    values = numbers((200003, 2, 3, 2), np.float32)
+    nrrd("in.nrrd", values, "kinds: domain domain list domain")
+    for volume in range(3):
+        check("in.nrrd:%d" % volume, values[:, :, volume], np.eye(4))
 
 
 def case_nifti():
@@ -484,6 +561,21 @@ def case_tiff_ome():
          metadata={"axes": "TCZYX", "PhysicalSizeX": 250.0, "PhysicalSizeY": 500.0, "PhysicalSizeZ": 2000.0})
     check("in.ome.tif", values[0, 0].T, np.diag([0.25, 0.5, 2, 1]), says=["volume 0 of 6"])
     check("in.ome.tif:5", values[1, 2].T, np.diag([0.25, 0.5, 2, 1]))
+    # Colours of a page count as its channels.
+    rgb = numbers((2, 4, 5, 6, 3), np.uint8)
+    grey = np.rint(rgb.astype(float) @ [0.2126, 0.7152, 0.0722]).astype(np.uint8)
+    for axes, pages, expected in (("TZYXS", rgb, grey[0]), ("ZYXS", rgb[0], grey[0]), ("YXS", rgb[0, 0], grey[0, :1])):
+        tiff("in.ome.tif", pages, photometric="rgb", metadata={"axes": axes, "PhysicalSizeX": 250.0, "PhysicalSizeY": 500.0, "PhysicalSizeZ": 2000.0})
+        check("in.ome.tif", expected.T, np.diag([0.25, 0.5, 2, 1]), says=["luminance"])
+        if axes[0] == "T":
+            check("in.ome.tif:1", grey[1].T, np.diag([0.25, 0.5, 2, 1]))
+    sizes = '<OME><Image><Pixels DimensionOrder="%s" SizeZ="%d" SizeC="%d" SizeT="%d"/></Image></OME>'
+    most = 10 ** 7
+    for fields in (("XYZCT", most, most, most), ("XYZCT", 1 << 16, 1 << 16, 1), ("XYZZZ", 6, 1, 1), ("XY", 6, 1, 1)):
+        one_page("in.tif", numbers((6, 4, 5), np.uint8), sizes % fields)
+        refused("convert", "in.tif", "-o", "x.nii", "--spacing", "1,2,3", says=["makes no sense" if fields[1] > 6 else "DimensionOrder"])
+    one_page("in.tif", numbers((6, 4, 5), np.uint8), "ImageJ=1.53t\nimages=6\nchannels=%d\nframes=%d\n" % (1 << 16, 1 << 16))
+    refused("convert", "in.tif", "-o", "x.nii", "--spacing", "1,2,3", says=["6 images"])
 
 
 def exr(name, picture, x, y, width, height):
@@ -528,7 +620,7 @@ def case_not_finite():
 
 
 def case_float_labels():
-    """Labels stored as floats within 1e-3 of whole numbers are labels; others are refused."""
+    """Labels stored as floats within 1e-3 of whole numbers are labels; others are refused as such, and told to be taken as grey."""
     labels = np.zeros((20, 20, 20), np.float32)
     labels[5:15, 5:15, [4, 8, 12]] = 2.9995
     labels[7:12, 7:12, [4, 8, 12]] = 5.0004
@@ -541,7 +633,8 @@ def case_float_labels():
     assert told["images"][0]["labels"] == 2, told
     labels[labels > 4] = 5.01
     nib.save(nib.Nifti1Image(labels, LPS), "in.nii")
-    refused("reconstruct", "in.nii", "-o", "x.nii", says=["whole numbers"])
+    refused("reconstruct", "in.nii", "-o", "x.nii", "--image", "labels", says=["whole numbers"])
+    assert "taken as grey" in run("reconstruct", "in.nii", "-o", "x.nii")
 
 
 def case_info():
@@ -601,12 +694,38 @@ def case_times():
         check(name + "@2", values[..., 5], OBLIQUE)
     check("in.nii@4", values[..., 4], OBLIQUE)
     refused("convert", "in.nii@4-6", "-o", "x.nii", says=["no volume 6"])
+    refused("convert", "in.nii@0-3:2", "-o", "x.nii", says=["'@0-3'", "':2'", "@0-8x2"])
     refused("convert", "in.nii@0-1", "-o", "x.ply", says=["2 volumes"])
     long = numbers((40000, 2, 1), np.uint8)
     nrrd("long.nrrd", long, "space: LPS", directions(np.eye(4)), origin(np.eye(4)))
     run("convert", "long.nrrd", "-o", "long.nii")
     image = nib.load("long.nii")
     assert type(image) is nib.Nifti2Image and np.array_equal(np.asanyarray(image.dataobj), long) and np.allclose(image.affine, LPS)
+
+
+def case_times_of_one_type():
+    """All volumes of a file become one type, whatever the values of each, as they are rescaled or too large for 32 bits."""
+    values = numbers((5, 4, 3, 3), np.int16)
+    values[..., 1] += 20000
+    values[..., 2] -= 20000
+    nib.save(nib.Nifti1Image(values, LPS), "in.nii")
+    raw = bytearray(open("in.nii", "rb").read())
+    for slope, intercept in ((3, 0), (1, -1024), (0.5, 1)):
+        raw[112:120] = struct.pack("<ff", slope, intercept)
+        open("in.nii", "wb").write(raw)
+        expected = np.asanyarray(nib.load("in.nii").dataobj)
+        run("convert", "in.nii@0-2", "-o", "out.nii")
+        assert np.array_equal(np.asanyarray(nib.load("out.nii").dataobj), expected), (slope, intercept)
+        for volume in range(3):
+            check("in.nii:%d" % volume, expected[..., volume], np.eye(4))
+    for dtype, large in ((np.uint32, 4 * 10 ** 9), (np.int64, -2 ** 40), (np.uint64, 2 ** 40)):
+        values = numbers((5, 4, 3, 3), dtype)
+        values[0, 0, 0, 1] = large
+        nib.save(nib.Nifti1Image(values, LPS), "in.nii")
+        nrrd("in.nrrd", values, "space: LPS", directions(np.eye(4), none_last=1), origin(np.eye(4)), "kinds: domain domain domain time")
+        for name in ("in.nii", "in.nrrd"):
+            run("convert", name + "@0-2", "-o", "out.nii")
+            assert np.array_equal(np.asanyarray(nib.load("out.nii").dataobj), values.astype(float)), (name, dtype)
 
 
 def case_times_morph():

@@ -491,6 +491,27 @@ def case_volumes_in_time():
     assert np.array_equal(np.asanyarray(nib.load("last.nii").dataobj), np.asanyarray(image.dataobj)[..., 2])
 
 
+def case_volumes_of_one_type():
+    """Frames of one file have the type of the inputs, also where labels would fit a smaller one; other types and voxels in one
+    file are refused."""
+    labels, affine = write_study()
+    wide = np.where(labels == 250, 9, labels).astype(np.int16)
+    nib.save(nib.Nifti1Image(wide, LPS @ affine), "wide.nii"), nib.save(nib.Nifti1Image(np.roll(wide, 2, 1), LPS @ affine), "later.nii")
+    run("morph", "wide.nii", "later.nii", "--align", "none", "--like", "wide.nii", "--frames", 3, "-o", "one.nii")
+    image = nib.load("one.nii")
+    assert image.get_data_dtype() == np.int16 and image.shape == (*labels.shape, 3)
+    found = np.asanyarray(image.dataobj)
+    assert np.array_equal(found[..., 0], wide) and set(np.unique(found)) <= set(np.unique(wide))
+    # Float labels are as many structures as whole ones.
+    nib.save(nib.Nifti1Image((labels * 0.99999).astype(np.float32), LPS @ affine), "float.nii")
+    run("convert", "float.nii", "-o", "float.seg.dcm"), run("convert", "labels.nii.gz", "-o", "whole.seg.dcm")
+    one, other = segment_masks("float.seg.dcm")[0], segment_masks("whole.seg.dcm")[0]
+    assert len(one) == 3 and one.keys() == other.keys()
+    for name in one:
+        assert all(np.array_equal(a, b) for (_, a), (_, b) in zip(one[name], other[name])) and len(one[name]) == len(other[name])
+    refused("convert", "labels.nii.gz", "-o", "x.nii", "--names", "3=Heart", says=["--names", ".seg.dcm"])
+
+
 def case_info_of_structures():
     """`info` tells structures' names, numbers, planes and volumes, as slabs between the planes."""
     labels, affine = write_study()

@@ -107,7 +107,7 @@ void printLabels(const std::vector<LabelComparison>& labels) {
       std::printf("%-10.5g %-10.5g %-10.5g %.5g\n", l.distance->mean, l.distance->p95, l.distance->max,
                   (l.centroid[1] - l.centroid[0]).length());
     else
-      std::printf("only in %s\n", l.voxels[0] ? "A" : "B");
+      std::printf("%s\n", !l.voxels[1] ? "only in A" : !l.voxels[0] ? "only in B" : "lost on A's voxels");
   }
 }
 

@@ -4,6 +4,7 @@
 #include "engine/volume/image_shape.h"
 #include "engine/volume/level_set.h"
 #include "engine/volume/resample_image.h"
+#include "engine/volume/same_image.h"
 #include "io/image/image_formats.h"
 #include "io/paths.h"
 #include "io/vdb/grid_choice.h"
@@ -99,12 +100,14 @@ Image maskOf(const FloatGrid& levelSet) {
 /// Several volumes of an image become one file.
 void convertVolumes(const ConvertSettings& s, const std::vector<InputFrame>& volumes) {
   std::optional<ImageSliceWriter> writer;
-  Image first;
+  Image first;  // without its values
   for (const InputFrame& volume : volumes) {
     ImageFile file = imageToConvert(volume.input, s);
     printNotes(volume.input.text + ": ", file.notes, s.quiet, s.verbose);
-    const Image image = onAskedLattice(std::move(file.image), s);
+    const ConvertSettings own = settingsFor(file, s);
+    const Image image = onAskedLattice(std::move(file.image), own);
     if (!writer) {
+      first.lattice = image.lattice;
       writer.emplace(s.output, image.lattice, image.values, int(volumes.size()));
       first.values =
           std::visit([](const auto& v) { return ImageValues(std::decay_t<decltype(v)>()); }, image.values);
@@ -113,6 +116,11 @@ void convertVolumes(const ConvertSettings& s, const std::vector<InputFrame>& vol
       throw InputError(volume.input.text, "its values have another type than those of " +
                                               volumes[0].input.text +
                                               ", and one file holds one type; convert each volume by itself");
+    if (!sameLattice(image.lattice, first.lattice))
+      throw InputError(volume.input.text,
+                       "has other voxels than " + volumes[0].input.text +
+                           ", and one file holds one lattice; convert each volume by itself, or "
+                           "give --like IMAGE");
     writer->add(image.values);
   }
   writer->commit();
@@ -145,9 +153,11 @@ void convertToStructures(const ConvertSettings& s) {
   const StructuresJob job{s.input, s.output, s.source, s.like, s.names, s.load.image};
   if (isImageInput(s.input)) {
     ImageFile file = readImage(s.input, s.load.image);
-    if (isLabelMap(file.image, s.load.imageKind)) {
+    takeLabels(file, s.load.imageKind);
+    const ConvertSettings own = settingsFor(file, s);
+    if (isLabelMap(file.image, own.load.imageKind)) {
       printNotes(s.input + ": ", file.notes, s.quiet, s.verbose);
-      const auto labels = std::make_shared<const Image>(onAskedLattice(std::move(file.image), s));
+      const auto labels = std::make_shared<const Image>(onAskedLattice(std::move(file.image), own));
       printNotes(s.output + ": ", writeLabelStructures(job, labels), s.quiet, s.verbose);
       return;
     }
@@ -178,7 +188,7 @@ void runConvert(const OptionSet& options) {
                              given.quiet,  given.verbose, meshSpace(options, given.output, usual)};
   if (OutputName(s.output).isSequence())
     throw InputError("-o " + s.output + ": convert writes one file; leave out the ####");
-  checkStudyOutput(s.output);
+  checkStudyOutput(s.output, s.source, s.names);
   checkInputExists(s.input);
   const auto limit = limitThreads(given.threads);
   s.load.memory.enforce();

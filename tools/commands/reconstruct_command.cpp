@@ -39,12 +39,12 @@ ReconstructJob reconstructJob(const OptionSet& options) {
   job.given = sliceNumbers(given.givenSlices);
   job.every = given.every, job.between = given.between, job.voxelSize = given.load.voxelSize;
   job.space = meshSpace(options, job.output, MeshSpace::kLps);
-  job.like = given.like, job.source = given.source, job.names = given.names, job.reports = given.reports,
+  job.like = given.like, job.source = given.source, job.names = given.names, job.reports = given.reports;
   job.image = loadSettings(options).image;
   job.imageKind = loadSettings(options).imageKind;
   job.memory = memorySettings(options);
   if (options.given("grids")) job.grids = parseNames("--grids", given.grids);
-  checkStudyOutput(job.output);
+  checkStudyOutput(job.output, job.source, job.names);
   for (const std::string& report : job.reports) {
     checkExtension(report, {".json", ".csv"});
     checkOutputPath(report);

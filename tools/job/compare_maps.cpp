@@ -4,6 +4,7 @@
 #include "engine/volume/image_grid.h"
 #include "engine/volume/image_shape.h"
 #include "engine/volume/resample_image.h"
+#include "engine/volume/same_image.h"
 #include "tools/job/memory_need.h"
 
 #include <algorithm>
@@ -15,17 +16,6 @@ namespace {
 /// Voxels that lie nearer to each other than this part of one are the same: more than floats of 32 bits leave of an
 /// affine transform over a thousand voxels.
 constexpr double kSameVoxel = 0.01;
-
-bool isSameLattice(const ImageLattice& a, const ImageLattice& b) {
-  if (a.size != b.size) return false;
-  const WorldToVoxel voxel(a);
-  for (int c = 0; c < 8; ++c) {
-    Vec3d corner;
-    for (int d = 0; d < 3; ++d) corner[d] = c >> d & 1 ? a.size[d] - 1 : 0;
-    if ((voxel(b.toWorld(corner)) - corner).length() > kSameVoxel) return false;
-  }
-  return true;
-}
 
 /// The lattice with as many more voxels as the other one's box needs.
 ImageLattice extended(const ImageLattice& lattice, const ImageLattice& other) {
@@ -51,18 +41,24 @@ ImageLattice extended(const ImageLattice& lattice, const ImageLattice& other) {
 MapComparison compareMaps(const Image& a, const Image& b, const MemoryLimit& memory,
                           const std::string& name) {
   labelsOf(a), labelsOf(b);  // says what is no label
-  constexpr double kBytes = 8,
-                   kBytesOfBoth = 12;  // two masks, outer voxels and a field of floats; both maps again
-  if (isSameLattice(a.lattice, b.lattice)) {
+  // Two masks, outer voxels and a field of floats, both maps as labels; and both again on other voxels.
+  constexpr double kBytes = 16, kBytesOfBoth = 12;
+  if (sameLattice(a.lattice, b.lattice, kSameVoxel)) {
     require(memory, name, needOfImage(a.lattice, kBytes));
     return {compareLabels(a, b), {}};
   }
   const ImageLattice on = extended(a.lattice, b.lattice);
   require(memory, name, needOfImage(on, kBytes + kBytesOfBoth));
   MapComparison result{compareLabels(nearestTo(a, on), nearestTo(b, on)), {}};
-  for (const LabelMeasures& m : measureLabels(b))
-    for (LabelComparison& c : result.labels)
-      if (c.label == m.label) c.voxels[1] = m.voxels, c.volume[1] = m.volume, c.centroid[1] = m.centroid;
+  for (const LabelMeasures& m : measureLabels(b)) {
+    auto at = std::find_if(result.labels.begin(), result.labels.end(),
+                           [&](const LabelComparison& c) { return c.label >= m.label; });
+    if (at == result.labels.end() || at->label != m.label) {  // too small for A's voxels
+      at = result.labels.insert(at, LabelComparison());
+      at->label = m.label;
+    }
+    at->voxels[1] = m.voxels, at->volume[1] = m.volume, at->centroid[1] = m.centroid;
+  }
   result.notes.emplace_back(
       "compare.other-voxels", Severity::kNote, "",
       "B has other voxels than A: it was put on A's, the nearest voxel's label each; overlaps and "

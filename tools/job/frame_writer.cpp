@@ -1,5 +1,7 @@
 #include "tools/job/frame_writer.h"
 
+#include "engine/rebuild/common_values.h"
+#include "engine/volume/same_image.h"
 #include "engine/volume/surface_colors.h"
 #include "engine/volume/voxelise.h"
 #include "io/mesh/glb_writer.h"
@@ -71,7 +73,7 @@ void FrameWriter::write(const FrameTask& task, const MorphFrame& frame) {
   if (images_) {
     events_.notes(writeFrameImage(task, *images_, frame, events_));
   } else if (frame.image && settings_.oneImage()) {
-    addVolume(*frame.image);
+    addVolume(task, *frame.image);
   } else if (frame.image) {
     writeImage(task.job.path, *frame.image);
   } else if (settings_.oneGlb()) {
@@ -89,18 +91,22 @@ void FrameWriter::write(const FrameTask& task, const MorphFrame& frame) {
   }
 }
 
-void FrameWriter::addVolume(const Image& image) {
+void FrameWriter::addVolume(const FrameTask& task, const Image& image) {
+  // In-betweens have a type of their own, where those of the inputs differ or are larger than labels need.
+  std::vector<const Image*> inputs;
+  for (const LoadedObject& object : task.inputs) inputs.push_back(object.image.get());
+  const ImageValues type = commonValues(inputs, 0);
   if (!volumes_) {
     const int volumes = int(settings_.wantedFrames().size());
-    volumes_ = std::make_unique<ImageSliceWriter>(settings_.output, image.lattice, image.values, volumes,
+    volumes_ = std::make_unique<ImageSliceWriter>(settings_.output, image.lattice, type, volumes,
                                                   1 / settings_.framesPerSecond);
     lattice_ = image.lattice;
   }
-  if (image.lattice.size != lattice_->size || image.lattice.origin != lattice_->origin)
+  if (!sameLattice(image.lattice, *lattice_))
     throw InputError(settings_.output,
                      "its frames do not have the same voxels, so that one file cannot hold them; put "
                      "#### into the name, or give --like IMAGE");
-  volumes_->add(image.values);
+  volumes_->add(valuesAs(image.values, type));
 }
 
 void FrameWriter::finish(const MorphPlan* plan, double from) {

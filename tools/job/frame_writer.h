@@ -27,7 +27,7 @@ class FrameWriter {
   void finish(const MorphPlan* plan, double from);
 
  private:
-  void addVolume(const Image& image);
+  void addVolume(const FrameTask& task, const Image& image);
 
   const MorphSettings& settings_;
   JobEvents& events_;

@@ -225,7 +225,8 @@ Rows outputRows() {
           "Images: name.####.exr, one a slice from 1, or name.exr, one file of several parts")
           .required(),
       Row(kReconstruct, "output", at<&J::output>, "OUTPUT",
-          "Result: " + writableList(Contents::kImage) + " (a dense label map); " +
+          "Result: " + writableList(Contents::kImage) +
+              " (a dense label map or grey image; with #### a mask of each label); " +
               writableList(Contents::kMesh) +
               " (surfaces, #### stands for the label); .vdb (a level set per label; of EXR slices all their "
               "grids); " +
@@ -389,7 +390,7 @@ Rows imageRows() {
           .fallback("the image's at that time, else WHAT's own; of a field those of 96 along the objects' "
                     "longest side"),
       Row(kConvert, "like", at<&J::like>, "IMAGE", "Put an image on the voxels of another one"),
-      Row(kReconstruct, "like", at<&J::like>, "IMAGE", "Put the dense label map on the voxels of this image"),
+      Row(kReconstruct, "like", at<&J::like>, "IMAGE", "Put the dense image on the voxels of this one"),
       Row(kReconstruct | kConvert, "source", at<&J::source>, "SERIES",
           "DICOM series (a folder, folder:2, a file) that structures are of: " + structureList() +
               " belong to its patient and name its images; surfaces and outlines are put on its slices")

@@ -30,8 +30,8 @@ struct ReconstructJob {
   MemoryLimit memory;
 };
 
-/// Makes a dense label map or closed surfaces from a label map with empty slices, a stack of slices or
-/// contours; grids from EXR slices. Throws InputError, IoError, GeometryError, Cancelled.
+/// Makes a dense label map, masks, structures or closed surfaces from a label map with empty slices, a stack of slices
+/// or contours; a dense image from grey slices; grids from EXR slices. Throws InputError, IoError, GeometryError, Cancelled.
 void reconstruct(const ReconstructJob& job, JobEvents& events);
 
 }  // namespace slicemorph

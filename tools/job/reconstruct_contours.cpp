@@ -123,9 +123,10 @@ std::vector<StructureRow> ownRows(const Structures& made, const ImageLattice& on
 
 /// What a map of one label a voxel does not show of structures that overlap.
 Notes hiddenIn(const ContourMap& map, const std::vector<ContourSet>& sets) {
-  const Vec3d spacing = map.image.lattice.spacing();
+  const ImageLattice& on = map.image.lattice;
+  const double voxel = std::abs(on.step[0].cross(on.step[1]).dot(on.step[2]));
   const auto millilitres = [&](size_t voxels) {
-    return formatNumber(double(voxels) * spacing[0] * spacing[1] * spacing[2] / 1000, 4) + " ml";
+    return formatNumber(double(voxels) * voxel / 1000, 4) + " ml";
   };
   Notes notes;
   for (size_t i = 0; i < sets.size(); ++i)

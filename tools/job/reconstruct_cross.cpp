@@ -58,7 +58,8 @@ bool reconstructCross(const ReconstructJob& job, const Image& labels, const Note
     const std::string name = "label " + std::to_string(cross[n].label);
     ContourSet set = outlinesOf(labels, cross[n]);
     ContourSurfaceOptions options;
-    options.voxelSize = voxelSizeOf(set, labels.lattice), options.bridgedGaps = kEveryGap;
+    options.voxelSize = job.voxelSize > 0 ? job.voxelSize : voxelSizeOf(set, labels.lattice);
+    options.bridgedGaps = kEveryGap;
     try {
       surfaces.push_back(contourSurface(set, options, &events));
     } catch (const GeometryError&) {

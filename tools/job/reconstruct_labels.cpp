@@ -9,6 +9,7 @@
 #include "engine/volume/manifold.h"
 #include "engine/volume/resample_image.h"
 #include "engine/volume/voxelise.h"
+#include "io/image/image_formats.h"
 #include "io/image/label_values.h"
 #include "io/paths.h"
 #include "slicemorph/io/image_writer.h"
@@ -36,7 +37,8 @@ struct SparseLabels {
 
 SparseLabels sparseLabels(const ReconstructJob& job, Image image, const LabelledSlices& labelled,
                           Notes notes) {
-  SparseLabels sparse{std::move(image), givenSlices(job, labelled, image.lattice), std::move(notes)};
+  const GivenSlices given = givenSlices(job, labelled, image.lattice);
+  SparseLabels sparse{std::move(image), given, std::move(notes)};
   const int axis = sparse.given.axis;
   const std::vector<char>& found = labelled.along(axis);
   if (areFound(job)) {
@@ -125,8 +127,8 @@ void reconstructImage(const ReconstructJob& job, JobEvents& events) {
   if (job.imageKind != ImageKind::kGrey) takeLabels(file.image, /*asked=*/true, file.notes);
   ValuesSeen seen;
   if (job.imageKind == ImageKind::kAuto) seen.add(file.image.values, file.image.lattice.size);
-  const bool labels =
-      job.imageKind == ImageKind::kLabels || (job.imageKind == ImageKind::kAuto && seen.looksDrawn());
+  const bool labels = job.imageKind == ImageKind::kLabels ||
+                      (job.imageKind == ImageKind::kAuto && (isStatedLabels(file) || seen.looksDrawn()));
   if (!labels) {
     if (file.notes.size() > notes) file = readImage(job.input, job.image);  // as it is, without rounding
     return reconstructGrey(job, std::move(file), events);

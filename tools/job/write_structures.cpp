@@ -254,8 +254,14 @@ Notes writeSet(const StructuresJob& job, StructureSet set) {
 
 }  // namespace
 
-void checkStudyOutput(const std::string& path) {
-  if (!isStructureOutput(path)) return checkOutput(OutputName(path).path(1));
+void checkStudyOutput(const std::string& path, const std::string& source, const std::string& names) {
+  if (!isStructureOutput(path)) {
+    const char* option = !source.empty() ? "--source" : !names.empty() ? "--names" : nullptr;
+    if (option)
+      throw InputError(std::string(option) + " " + (source.empty() ? names : source) +
+                       " is for structures (.seg.dcm, .rt.dcm, .seg.nrrd); " + path + " is none");
+    return checkOutput(OutputName(path).path(1));
+  }
   if (OutputName(path).isSequence())
     throw InputError("-o " + path + ": one file holds all structures; leave out the ####");
   checkOutputPath(path);

@@ -18,8 +18,9 @@ struct StructuresJob {
   ImageOptions image;
 };
 
-/// As checkOutput, of commands that also write structures. Throws InputError for a name of several files, as one holds all.
-void checkStudyOutput(const std::string& path);
+/// As checkOutput, of commands that also write structures. Throws InputError for a name of several files, as one holds all,
+/// and where `source` or `names` (see StructuresJob) are given for another output.
+void checkStudyOutput(const std::string& path, const std::string& source, const std::string& names);
 
 struct NamedSurface {
   int number = 1;

@@ -27,13 +27,15 @@ class ImageSliceWriter {
   ImageSliceWriter(const std::string& path, const ImageLattice& lattice, const ImageValues& like,
                    int volumes = 1, double seconds = 0);
   ~ImageSliceWriter();
-  /// The next slices along k. Throws IoError.
+  /// The next slices along k. Throws IoError, and std::logic_error for another type or too many.
   void add(const ImageValues& slices);
-  /// After the last one; without it there is no file. Throws IoError.
+  /// After the last one; without it there is no file. Throws IoError, and std::logic_error if slices are missing.
   void commit();
 
  private:
   std::unique_ptr<VoxelFile> file_;
+  size_t type_ = 0;  ///< of the values: index in ImageValues
+  size_t left_ = 0;  ///< voxels that are missing
 };
 
 /// A vector at every voxel, as of a displacement field.

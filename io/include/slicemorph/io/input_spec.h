@@ -25,7 +25,8 @@ struct InputPlacing {
 ///                       its UID), of contours a structure (its name or number)
 ///     name.####.vdb     a numbered sequence: one file a frame, or one a slice of an image stack
 ///     name.####.vdb@10-40x2   of a sequence only these numbers, each second from 10 to 40
-///     file.nii@0-24x2   of an image of several volumes these, one a frame
+///     folder:2@3        of a DICOM series one volume (a time, an echo), or of a segmentation one segment
+///     file.nii@0-24x2, folder:2@1-12   of an image of several volumes these, one a frame
 ///     file.obj{scale=0.001,upright=z}   brought to another size and upright axis as it is read
 struct InputSpec {
   std::string text;       ///< as it was typed
@@ -54,8 +55,8 @@ struct InputFrame {
   InputSpec input;
 };
 
-/// The files, or volumes, of a moving input by number, each with the same selection and placing. Throws IoError where there is none,
-/// naming those of a range that are missing.
+/// The files, or volumes, of a moving input by number, each with the same selection and placing. Throws IoError where there
+/// is no file, naming those of a range that are missing; volumes are only looked for when they are read.
 std::vector<InputFrame> framesOf(const InputSpec& input);
 
 /// An input for what takes one file: of a moving input with one file (name.####.vdb@12) that file, else the input

@@ -74,8 +74,8 @@ bool isStructureOutput(const std::string& path);
 /// Writes structures whole or not at all: as DICOM segmentation (binary, one frame for each slice of a segment), as
 /// DICOM RT structure set (outlines on the planes, holes joined to them by a cut of no width), or as a NRRD segmentation
 /// of 3D Slicer. DICOM objects belong to the source's patient, study and frame of reference and name its images, else
-/// they have their own. Their date is today, or that of SOURCE_DATE_EPOCH; the same content of the same date is the same
-/// bytes. Returns what the format could not hold. Throws InputError where no plane holds anything of any structure, or
+/// they have their own. Their date and time are now, or those of SOURCE_DATE_EPOCH, with which the same content is the
+/// same bytes. Returns what the format could not hold. Throws InputError where no plane holds anything of any structure, or
 /// the format cannot hold the planes; IoError.
 Notes writeStructures(const std::string& path, const StructureSet& set);
 
