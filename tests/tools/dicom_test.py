@@ -148,6 +148,20 @@ def volumes_are(name, grid, planes, words, value):
         has_planes(*read(image["name"])[:2], grid, planes, lambda k: value(k, v))
 
 
+def case_volumes_as_sequence():
+    """Volumes of a series are a sequence: one file of four dimensions, in the order of their numbers."""
+    grid = Grid()
+    frames = [(k, {"pixels": grid.values(k, v), "FrameContentSequence": [item(TemporalPositionIndex=v + 1)]})
+              for v in range(3) for k in range(4)]
+    enhanced("times.dcm", grid, frames)
+    for chosen, volumes in (("@1-3", (0, 1, 2)), ("1@1,3", (0, 2)), ("@1-3x2", (0, 2))):
+        run("convert", "times.dcm:" + chosen, "-o", "o.nii")
+        found = np.asanyarray(nib.load("o.nii").dataobj)
+        expected = np.stack([np.stack([grid.values(k, v).T for k in range(4)], -1) for v in volumes], -1)
+        assert np.array_equal(found, expected), chosen
+    assert "one is needed" in refused("info", "times.dcm:@1-2")
+
+
 def case_volumes_of_frames():
     """Enhanced files of several volumes: each attribute that tells them apart does."""
     grid = Grid()

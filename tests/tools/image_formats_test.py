@@ -721,7 +721,7 @@ def case_times_of_one_type():
     for dtype, large in ((np.uint32, 4 * 10 ** 9), (np.int64, -2 ** 40), (np.uint64, 2 ** 40)):
         values = numbers((5, 4, 3, 3), dtype)
         values[0, 0, 0, 1] = large
-        nib.save(nib.Nifti1Image(values, LPS), "in.nii")
+        nib.save(nib.Nifti1Image(values, LPS, dtype=dtype), "in.nii")
         nrrd("in.nrrd", values, "space: LPS", directions(np.eye(4), none_last=1), origin(np.eye(4)), "kinds: domain domain domain time")
         for name in ("in.nii", "in.nrrd"):
             run("convert", name + "@0-2", "-o", "out.nii")

@@ -134,7 +134,11 @@ void reconstructImage(const ReconstructJob& job, JobEvents& events) {
     return reconstructGrey(job, std::move(file), events);
   }
   LabelledSlices labelled(file.image.lattice.size);
-  labelled.add(file.image.values);
+  try {
+    labelled.add(file.image.values);
+  } catch (const InputError& error) {
+    throw InputError(job.input, error.what());
+  }
   if (areFound(job) && job.axis < 0 && !inSteps(labelled) &&
       reconstructCross(job, file.image, file.notes, events))
     return;
