@@ -80,6 +80,8 @@ struct DicomFile {
   std::string damage;        ///< why it cannot be read; what was read before the damage is above
   std::string unreadable;    ///< of a file of a folder: why it could not be opened
   bool isDicom = true;
+
+  void assume(const std::string& what) { assumed += (assumed.empty() ? "" : "; ") + what; }
 };
 
 /// Reads what stands before the pixels, and checks that these are all there. Throws IoError where the file cannot be

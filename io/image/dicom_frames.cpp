@@ -1,4 +1,4 @@
-#include "io/image/dicom_file.h"
+#include "io/image/dicom_geometry.h"
 
 #include <algorithm>
 #include <cctype>
@@ -33,32 +33,11 @@ constexpr DicomTag kEchoTime = 0x00180081, kEchoNumber = 0x00180086, kTemporalId
                    kAcquisitionTime = 0x00080032, kContentTime = 0x00080033, kFrameReferenceTime = 0x00541300,
                    kSiemensB = 0x0019100c, kSiemensDirection = 0x0019100e, kGeB = 0x00431039,
                    kGePart = 0x0043102f, kPhilipsB = 0x20011003;
-// Of files of several frames without functional groups.
-constexpr DicomTag kIncrement = 0x00280009, kGridOffsets = 0x3004000c, kDoseScaling = 0x3004000e,
-                   kSliceLocations = 0x00182005, kDetectors = 0x00540022, kImagerSpacing = 0x00181164,
-                   kFrameTimes = 0x00181065, kFrameTimeStep = 0x00181063;
-// Of nuclear medicine (PS3.3 C.8.4.8).
-constexpr DicomTag kSliceVector = 0x00540080, kSliceCount = 0x00540081, kTimeSlots = 0x00540070,
-                   kTimeSlotCount = 0x00540071, kRrIntervals = 0x00540060, kRrIntervalCount = 0x00540061;
-// What may stand in FrameIncrementPointer of frames that are slices, and tells no volumes apart: positions, locations,
-// distances, and numbers or names of pages.
-constexpr DicomTag kOfSlices[] = {kGridOffsets, kSliceLocations, kSliceVector, kPosition,  0x00201041,
-                                  kBetween,     kThickness,      0x00200013,   0x00182001, 0x00182002};
-/// A vector of nuclear medicine that has a number for every frame, and the mark that it becomes.
-struct FrameVector {
-  DicomTag tag;
-  const char* name;
-  DicomMark mark;
-};
-constexpr FrameVector kVolumeVectors[] = {
-    {0x00540010, "energy window", kImageType}, {0x00540020, "detector", kImageType},
-    {0x00540030, "phase", kImageType},         {kRrIntervals, "R-R interval", kImageType},
-    {kTimeSlots, "time slot", kTemporal},      {0x00540100, "time slice", kTemporal}};
+// Outside of functional groups.
+constexpr DicomTag kDoseScaling = 0x3004000e, kImagerSpacing = 0x00181164;
 
 constexpr const char* kBadAxes =
     "its directions (ImageOrientationPatient) are no unit vectors at right angles";
-constexpr double kSkewed = 5e-3;   // directions in files have three decimals or more
-constexpr double kFarthest = 1e9;  // millimetres; what damaged positions and sizes of pixels are beyond
 
 /// A functional groups item, whose groups are parsed once.
 class GroupItem {
@@ -99,47 +78,19 @@ class Groups {
   const DicomElements& data_;
 };
 
-std::string written(double value) {
-  char digits[32];
-  std::snprintf(digits, sizeof digits, "%.6g", value);
-  return digits;
-}
-
 std::string written(const std::vector<double>& values) {
   std::string text;
-  for (double v : values) text += (text.empty() ? "" : " ") + written(v);
+  for (double v : values) text += (text.empty() ? "" : " ") + shortText(v);
   return text;
-}
-
-std::optional<std::array<Vec3d, 2>> axesOf(const std::vector<double>& v) {
-  if (v.size() != 6) return std::nullopt;
-  const Vec3d x(v[0], v[1], v[2]), y(v[3], v[4], v[5]);
-  const bool right = std::abs(x.length() - 1) < kSkewed && std::abs(y.length() - 1) < kSkewed &&
-                     std::abs(x.dot(y)) < kSkewed;
-  if (!right) return std::nullopt;
-  return std::array<Vec3d, 2>{x, y};
-}
-
-std::optional<Vec3d> placeOf(const std::vector<double>& v) {
-  const bool inReach =
-      std::all_of(v.begin(), v.end(), [](double along) { return std::abs(along) < kFarthest; });
-  if (v.size() != 3 || !inReach) return std::nullopt;
-  return Vec3d(v[0], v[1], v[2]);
-}
-
-std::optional<std::array<double, 2>> pixelOf(const std::vector<double>& v) {
-  const auto isSize = [](double pixel) { return pixel > 1 / kFarthest && pixel < kFarthest; };
-  if (v.size() != 2 || !isSize(v[0]) || !isSize(v[1])) return std::nullopt;
-  return std::array<double, 2>{v[1], v[0]};  // the file has the distance between rows first
 }
 
 void readGeometry(const Groups& groups, DicomFrame& frame) {
   const std::vector<double> at = groups.numbers(kPlanePosition, kPosition);
-  frame.position = placeOf(at);
+  frame.position = dicomPlace(at);
   const std::vector<double> axes = groups.numbers(kPlaneOrientation, kOrientation);
-  frame.axes = axesOf(axes);
+  frame.axes = dicomAxes(axes);
   frame.badAxes = !axes.empty() && !frame.axes;
-  frame.pixel = pixelOf(groups.numbers(kPixelMeasures, kPixelSpacing));
+  frame.pixel = dicomPixel(groups.numbers(kPixelMeasures, kPixelSpacing));
   const auto length = [&](DicomTag tag) {
     const std::vector<double> v = groups.numbers(kPixelMeasures, tag);
     return v.empty() ? 0.0 : v[0];
@@ -179,7 +130,7 @@ void readDiffusion(const Groups& groups, const DicomElements& data, const std::s
     if (!b.empty()) b[0] = std::fmod(b[0], 1e9);  // GE adds 1e9 to b values of several directions
   }
   if (b.empty() && maker.find("PHILIPS") != std::string::npos) b = data.numbers(kPhilipsB, "FL");
-  if (!b.empty()) frame.marks[kBValue] = written(b[0]);
+  if (!b.empty()) frame.marks[kBValue] = shortText(b[0]);
   const DicomElements& group = groups.holding(kDiffusion, kDirectionality);
   std::vector<double> gradient = group.item(kGradient).numbers(kGradientVector, "FD");
   if (gradient.empty()) gradient = data.numbers(kGradientVector, "FD");
@@ -214,10 +165,10 @@ void readMarks(const Groups& groups, const DicomElements& data, const std::vecto
                                  groups.numbers(kFrameContent, kAcquisitionNumber, "IS")});
   for (DicomTag tag : {kFrameReference, kFrameTime, kAcquisitionTime, kContentTime})
     if (marks[kTime].empty()) marks[kTime] = groups.text(kFrameContent, tag);
-  if (data.has(kFrameReferenceTime)) marks[kTime] = written(data.first(kFrameReferenceTime));
+  if (data.has(kFrameReferenceTime)) marks[kTime] = shortText(data.first(kFrameReferenceTime));
   const std::vector<double> index = groups.numbers(kFrameContent, kDimensionValues, "UL");
   for (size_t d : dimensions)
-    if (d < index.size()) marks[kDimension] += (marks[kDimension].empty() ? "" : " ") + written(index[d]);
+    if (d < index.size()) marks[kDimension] += (marks[kDimension].empty() ? "" : " ") + shortText(index[d]);
 }
 
 /// Indices of the file's dimensions but for those of space and of segments.
@@ -234,175 +185,12 @@ std::vector<size_t> otherDimensions(const DicomElements& data) {
   return others;
 }
 
-void assume(const std::string& what, DicomFile& file) {
-  file.assumed += (file.assumed.empty() ? "" : "; ") + what;
-}
-
 /// Where an image has the distance of its pixels only at the detector, that, with a note.
 void takeImagerSpacing(const DicomElements& data, DicomFile& file) {
-  const std::optional<std::array<double, 2>> pixel = pixelOf(data.numbers(kImagerSpacing));
+  const std::optional<std::array<double, 2>> pixel = dicomPixel(data.numbers(kImagerSpacing));
   if (!pixel || file.frames[0].pixel) return;
   for (DicomFrame& frame : file.frames) frame.pixel = pixel;
-  assume("its pixels' size is that at the detector (ImagerPixelSpacing), larger than in the body", file);
-}
-
-std::string tagText(DicomTag tag) {
-  char text[16];
-  std::snprintf(text, sizeof text, "(%04x,%04x)", unsigned(tag >> 16), unsigned(tag & 0xffff));
-  return text;
-}
-
-/// The elements that the frames of a file follow.
-std::vector<DicomTag> incrementsOf(const DicomElements& data) {
-  std::vector<DicomTag> tags;
-  for (double tag : data.numbers(kIncrement, "AT"))
-    if (tag >= 0 && tag <= double(0xffffffff)) tags.push_back(DicomTag(tag));
-  return tags;
-}
-
-bool holds(const std::vector<DicomTag>& tags, DicomTag tag) {
-  return std::find(tags.begin(), tags.end(), tag) != tags.end();
-}
-
-/// Marks frames by a vector that has a number for each; returns whether these differ.
-bool markBy(const FrameVector& vector, const std::vector<double>& numbers, DicomFile& file) {
-  if (std::count(numbers.begin(), numbers.end(), numbers[0]) == std::ptrdiff_t(numbers.size())) return false;
-  for (size_t k = 0; k < numbers.size(); ++k) {
-    std::string& mark = file.frames[k].marks[vector.mark];
-    if (vector.mark == kTemporal)
-      mark = written(numbers[k]);
-    else
-      mark += std::string(mark.empty() ? "" : ", ") + vector.name + " " + written(numbers[k]);
-  }
-  return true;
-}
-
-/// Marks the volumes that the elements tell apart which a file's frames follow. Returns why that is not certain; empty
-/// where it is.
-std::string markVolumes(const DicomElements& data, const std::vector<DicomTag>& increments, DicomFile& file) {
-  bool several = false;
-  for (DicomTag tag : increments) {
-    if (tag == kFrameTimes || tag == kFrameTimeStep)
-      return "its frames follow each other in time, not in space";
-    const auto vector = std::find_if(std::begin(kVolumeVectors), std::end(kVolumeVectors),
-                                     [&](const FrameVector& v) { return v.tag == tag; });
-    const bool tellsVolumes = vector != std::end(kVolumeVectors);
-    if (!tellsVolumes && std::find(std::begin(kOfSlices), std::end(kOfSlices), tag) == std::end(kOfSlices))
-      return "its frames follow an element that is not known to number slices (FrameIncrementPointer " +
-             tagText(tag) + ")";
-    if (!tellsVolumes && tag != kSliceVector) continue;
-    const std::vector<double> numbers = data.numbers(tag, "US");
-    if (numbers.size() != file.frames.size())
-      return "it numbers " + std::to_string(numbers.size()) + " of its " +
-             std::to_string(file.frames.size()) + " frames (" + (tellsVolumes ? vector->name : "slice") +
-             ", " + tagText(tag) + ")";
-    if (tellsVolumes && markBy(*vector, numbers, file)) several = true;
-  }
-  if (several && !holds(increments, kSliceVector))
-    return "its frames are several volumes, and no SliceVector says which slice each is";
-  return "";
-}
-
-/// Why frames of nuclear medicine are not certain to be slices of the volumes that they are marked as; empty: they are.
-std::string doubtOfNuclear(const DicomElements& data, const std::vector<DicomTag>& increments,
-                           const DicomFile& file) {
-  const std::string type = data.text(kImageTypeTag);
-  if (type.find("RECON") == std::string::npos)
-    return "its frames are views of nuclear medicine ('" + type + "'), no slices";
-  const bool gated = type.find("GATED") != std::string::npos || data.first(kTimeSlotCount, "US") > 1;
-  if (gated && !holds(increments, kTimeSlots))
-    return "it is gated, and FrameIncrementPointer names no time slots of its frames (TimeSlotVector)";
-  if (data.first(kRrIntervalCount, "US") > 1 && !holds(increments, kRrIntervals))
-    return "it has several R-R intervals, and FrameIncrementPointer does not name them (RRIntervalVector)";
-  const double slices = data.first(kSliceCount, "US");
-  if (slices > 0 && slices != double(file.frames.size()) && !holds(increments, kSliceVector))
-    return "it states " + written(slices) + " slices, and has " + std::to_string(file.frames.size()) +
-           " frames";
-  return "";
-}
-
-/// Where frames lie along the normal of the first, from that; or why it is not certain.
-struct FrameOffsets {
-  std::vector<double> along;  ///< millimetres
-  std::string uncertain, assumed;
-};
-
-/// GridFrameOffsetVector is relative where it begins with 0. Else it holds the z of transverse planes, if it begins with
-/// that of the position (PS3.3 C.8.8.3.2).
-FrameOffsets gridOffsetsOf(const DicomElements& data, const Vec3d& position, const Vec3d& normal,
-                           size_t count) {
-  constexpr double kSameZ = 1e-3;  // millimetres; positions are rounded to about this
-  constexpr double kTransverse =
-      1 - 1e-6;  // cosine of 0.08 degrees: directions may be rounded to three decimals
-  FrameOffsets out;
-  out.along = data.numbers(kGridOffsets);
-  if (out.along.size() != count) {
-    out.uncertain = "it has " + std::to_string(out.along.size()) + " offsets (GridFrameOffsetVector) for " +
-                    std::to_string(count) + " frames";
-    return out;
-  }
-  const double first = out.along[0];
-  if (first != 0 && !(std::abs(first - position[2]) < kSameZ && normal[2] > kTransverse))
-    out.uncertain = "its GridFrameOffsetVector begins with " + written(first) +
-                    ", and only from 0, or on transverse planes from the z of its position (" +
-                    written(position[2]) + "), it says where they lie";
-  for (double& v : out.along) v -= first;
-  return out;
-}
-
-/// `first`: a frame with position and directions.
-FrameOffsets offsetsOfFrames(const DicomElements& data, const DicomFrame& first,
-                             const std::vector<DicomTag>& increments, const DicomFile& file) {
-  const size_t count = file.frames.size();
-  const Vec3d normal = (*first.axes)[0].cross((*first.axes)[1]).unit();
-  if (data.size(kGridOffsets) > 0) return gridOffsetsOf(data, *first.position, normal, count);
-  FrameOffsets out;
-  if (data.size(kSliceLocations) > 0) {
-    out.uncertain =
-        "SliceLocationVector says how far apart its frames are, but not in which direction they follow";
-    return out;
-  }
-  // Negative distances mean the other direction in nuclear medicine (PS3.3 C.8.4.15).
-  const double between = file.modality == "NM" ? first.between : std::abs(first.between);
-  const double gap = between != 0 ? between : first.thickness;
-  if (gap == 0) {
-    out.uncertain =
-        "it has one position for all its frames, and neither SpacingBetweenSlices nor SliceThickness";
-    return out;
-  }
-  const std::vector<double> slices =
-      holds(increments, kSliceVector) ? data.numbers(kSliceVector, "US") : std::vector<double>();
-  for (size_t k = 0; k < count; ++k) out.along.push_back((slices.empty() ? double(k) : slices[k] - 1) * gap);
-  out.assumed = "it has one position for all its frames: they are taken to follow each other every " +
-                written(std::abs(gap)) + " mm (" +
-                (first.between != 0 ? "SpacingBetweenSlices" : "SliceThickness") +
-                (gap > 0 ? ") along" : ") against") + " the normal of the first";
-  return out;
-}
-
-/// Frames of a file that has one position at most: dose grids, secondary captures, nuclear medicine, films.
-void placeFrames(const DicomElements& data, DicomFile& file) {
-  DicomFrame& first = file.frames[0];
-  const DicomElements detector = data.item(kDetectors);
-  if (!first.axes) first.axes = axesOf(detector.numbers(kOrientation));
-  if (!first.position) first.position = placeOf(detector.numbers(kPosition));
-  for (size_t k = 1; k < file.frames.size(); ++k) {
-    file.frames[k] = first;
-    file.frames[k].number = int(k);
-  }
-  const std::vector<DicomTag> increments = incrementsOf(data);
-  file.uncertain = markVolumes(data, increments, file);
-  if (file.uncertain.empty() && file.modality == "NM")
-    file.uncertain = doubtOfNuclear(data, increments, file);
-  if (file.uncertain.empty() && (!first.position || !first.axes))
-    file.uncertain = "its frames have no positions or directions";
-  if (!file.uncertain.empty()) return;
-  const FrameOffsets offsets = offsetsOfFrames(data, first, increments, file);
-  file.uncertain = offsets.uncertain;
-  if (!file.uncertain.empty()) return;
-  if (!offsets.assumed.empty()) assume(offsets.assumed, file);
-  const Vec3d normal = (*first.axes)[0].cross((*first.axes)[1]).unit(), from = *first.position;
-  for (size_t k = 0; k < file.frames.size(); ++k) file.frames[k].position = from + offsets.along[k] * normal;
+  file.assume("its pixels' size is that at the detector (ImagerPixelSpacing), larger than in the body");
 }
 
 void readFunctionalGroups(const DicomElements& data, const std::vector<DicomElements>& perFrame,
@@ -430,8 +218,8 @@ void readFunctionalGroups(const DicomElements& data, const std::vector<DicomElem
 void readDicomFrames(const DicomElements& data, DicomFile& file) {
   file.frames.assign(size_t(file.pixels.frames), DicomFrame());
   if (data.has(kModalityTable))
-    assume("its values are as stored: the table that gives them a meaning (Modality LUT) is not applied",
-           file);
+    file.assume(
+        "its values are as stored: the table that gives them a meaning (Modality LUT) is not applied");
   const std::vector<DicomElements> perFrame = data.items(kPerFrame);
   if (!perFrame.empty() || data.has(kShared)) {
     if (perFrame.size() != file.frames.size())
@@ -447,7 +235,7 @@ void readDicomFrames(const DicomElements& data, DicomFile& file) {
   if (data.has(kDoseScaling))
     file.frames[0].slope = data.first(kDoseScaling, "DS", 1), file.frames[0].intercept = 0;
   takeImagerSpacing(data, file);
-  if (file.frames.size() > 1) placeFrames(data, file);
+  if (file.frames.size() > 1) placeDicomFrames(data, file);
   if (file.frames[0].badAxes) file.uncertain = kBadAxes;
 }
 
