@@ -12,6 +12,8 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <set>
+#include <set>
 
 namespace slicemorph {
 
@@ -207,8 +209,10 @@ ContourFile contoursOf(const std::string& path, const DicomElements& all) {
     file.notes.emplace_back("contours.maybe-cut-short", Severity::kWarning, "",
                             "has no approval status, as a file has that was cut short");
   file.sets = regionsOf(path, all);
+  std::set<int> listed;  // numbers of regions that have a list of contours
   for (const DicomElements& item : all.items(kRegionContours)) {
     const int number = std::atoi(item.text(kReference).c_str());
+    listed.insert(number);
     const auto set = std::find_if(file.sets.begin(), file.sets.end(),
                                   [&](const ContourSet& s) { return s.label == number; });
     if (set == file.sets.end()) {
@@ -225,12 +229,9 @@ ContourFile contoursOf(const std::string& path, const DicomElements& all) {
     }
   }
   const auto empty = [](const ContourSet& s) { return s.planes.empty(); };
-  for (const ContourSet& set : file.sets) {
-    const auto isRefused = [&](const RefusedSet& r) { return r.label == set.label; };
-    if (empty(set) && std::none_of(file.refused.begin(), file.refused.end(), isRefused))
-      file.notes.emplace_back("contours.left-out", Severity::kNote, set.name,
-                              "has no closed contour: left out");
-  }
+  for (const ContourSet& set : file.sets)
+    if (listed.count(set.label) == 0)
+      file.notes.emplace_back("contours.left-out", Severity::kNote, set.name, "has no contours: left out");
   if (!std::all_of(file.sets.begin(), file.sets.end(), empty)) return file;
   if (!file.refused.empty()) throw IoError(path, file.refused[0].why);
   std::string why = "no region has a closed contour";

@@ -6,6 +6,7 @@ usage: plan_test.py PATH/TO/slicemorph REPOSITORY [NAME...]     (NAME: only the 
 Needs Debian's python3-openvdb.
 """
 import os
+import shutil
 import subprocess
 import sys
 
@@ -33,8 +34,8 @@ def run(o, *words, code=0):
 def case_frames_are_the_same(o):
     """Frames by a plan, in ranges, from another folder, are those of a morph without; inputs may have moved."""
     whole, parts, moved = (folder(o, name) for name in ("whole", "parts", "moved"))
-    os.link(DIE, o + "/a.ply")
-    os.link(OCTAHEDRON, o + "/b.ply")
+    shutil.copy(DIE, o + "/a.ply")
+    shutil.copy(OCTAHEDRON, o + "/b.ply")
     run(whole, "morph", o + "/a.ply", o + "/b.ply", *SMALL, "--frames", 5, "-o", "m.####.vdb")
     run(o, "plan", "a.ply", "b.ply", *SMALL, "-o", "x.plan")
     for part in ("4-5", "1-3"):
