@@ -1,4 +1,5 @@
 """Shared by the Python tests: runs each case in a folder of its own and prints its verdict and time."""
+import os
 import tempfile
 import time
 
@@ -10,6 +11,17 @@ class Skip(Exception):
 def named_cases(names):
     """The functions case_NAME of a module's globals() as pairs (NAME, function), in their order there."""
     return [(name[5:], function) for name, function in names.items() if name.startswith("case_")]
+
+
+def within(case):
+    """A case without arguments as a function of a folder, which is its working directory."""
+    def run_there(folder):
+        os.chdir(folder)
+        try:
+            case()
+        finally:
+            os.chdir("/")
+    return run_there
 
 
 def run_cases(cases, only=()):

@@ -9,7 +9,6 @@ together; lengths are millimetres.
 import csv
 import json
 import os
-import subprocess
 import sys
 
 sys.path.append("/usr/lib/python3/dist-packages")
@@ -18,7 +17,8 @@ import numpy as np
 from scipy import ndimage
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from cases import named_cases, run_cases
+from cases import named_cases, run_cases, within
+from program import Program
 
 if len(sys.argv) < 2:
     sys.exit(__doc__)
@@ -28,10 +28,8 @@ LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
 SPACING = np.array([0.8, 1.1, 2.5])
 
 
-def run(*arguments, code=0):
-    result = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, errors="replace", timeout=600)
-    assert result.returncode == code, "%s: exit %d\n%s" % (" ".join(map(str, arguments)), result.returncode, result.stderr)
-    return result
+program = Program(PROGRAM)
+run = program.run
 
 
 def turned(origin=(3, -4, 5)):
@@ -173,13 +171,4 @@ def case_shapes():
     assert "labels" not in found
 
 
-if __name__ == "__main__":
-    def in_folder(case):
-        def inside(folder):
-            os.chdir(folder)
-            try:
-                case()
-            finally:
-                os.chdir("/")
-        return inside
-    sys.exit(run_cases([(name, in_folder(case)) for name, case in named_cases(globals())], ONLY))
+sys.exit(run_cases([(name, within(case)) for name, case in named_cases(globals())], ONLY))

@@ -21,8 +21,9 @@ import pydicom
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
 import dicom_files as dcm
-from cases import Skip, named_cases, run_cases
+from cases import Skip, named_cases, run_cases, within
 from dicom_files import Grid, classic, enhanced, item, transformation
+from program import Program
 
 if len(sys.argv) < 2:
     sys.exit(__doc__)
@@ -33,10 +34,8 @@ LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
 CLOSE = 1e-4
 
 
-def run(*arguments, code=0):
-    result = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, errors="replace", timeout=600)
-    assert result.returncode == code, "%s: exit %d\n%s" % (" ".join(map(str, arguments)), result.returncode, result.stderr)
-    return result
+program = Program(PROGRAM)
+run = program.run
 
 
 def refused(*arguments, says=()):
@@ -692,16 +691,6 @@ def case_real_series():
         assert np.abs(affine[:3] @ [0, 0, k, 1] - place).max() < CLOSE, place
         assert np.array_equal(values[:, :, k].T, d.pixel_array * float(d.RescaleSlope) + float(d.RescaleIntercept)), place
     refused("convert", home + "77654033/CT2", "-o", "x.nii", says=["more slices are missing than there are", "202.5 mm"])
-
-
-def within(case):
-    def run_there(folder):
-        os.chdir(folder)
-        try:
-            case()
-        finally:
-            os.chdir("/")
-    return run_there
 
 
 FAULTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../shared/data/faults/image")

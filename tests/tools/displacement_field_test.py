@@ -15,7 +15,8 @@ import numpy as np
 from scipy.ndimage import binary_erosion, map_coordinates
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from cases import Skip, named_cases, run_cases
+from cases import Skip, named_cases, run_cases, within
+from program import Program
 
 if len(sys.argv) < 2:
     sys.exit(__doc__)
@@ -25,9 +26,8 @@ LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
 SIZE, SPACING, ORIGIN = (72, 64, 50), np.array([1.0, 1.1, 1.5]), np.array([-36.0, -34.0, -37.0])
 
 
-def run(*arguments):
-    result = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, errors="replace", timeout=600)
-    assert result.returncode == 0, "%s: exit %d\n%s" % (" ".join(map(str, arguments)), result.returncode, result.stderr)
+program = Program(PROGRAM)
+run = program.run
 
 
 def places():
@@ -102,19 +102,10 @@ def case_inverse():
         assert np.linalg.norm((again - points) / SPACING, axis=1).max() < 0.01
 
 
-def case_transformix():
-    """transformix draws an image of B in A's frame as trilinear interpolation along the field does; so does `apply`."""
-    if not shutil.which("transformix"):
-        raise Skip("elastix is not installed")
-    inside, _ = write_shapes()
-    field, _ = write_fields()
-    run("convert", "g.nii.gz", "-o", "g.mha")
+def transformed(transform):
+    """`g.mha` as transformix draws it on the voxels of A with trilinear interpolation. transform: the file's lines on it."""
     with open("t.txt", "w") as file:
-        file.write("""(Transform "DeformationFieldTransform")
-(NumberOfParameters 0)
-(DeformationFieldFileName "f01.mha")
-(DeformationFieldInterpolationOrder 1)
-(InitialTransformParametersFileName "NoInitialTransform")
+        file.write(transform + """(InitialTransformParametersFileName "NoInitialTransform")
 (HowToCombineTransforms "Compose")
 (FixedImageDimension 3)
 (MovingImageDimension 3)
@@ -136,7 +127,21 @@ def case_transformix():
 """ % (*SIZE, *SPACING, *ORIGIN))
     os.mkdir("out")
     subprocess.run(["transformix", "-in", "g.mha", "-tp", "t.txt", "-out", "out"], check=True, capture_output=True, timeout=300)
-    drawn = read_mha("out/result.mha")[0]
+    return read_mha("out/result.mha")[0]
+
+
+def case_transformix():
+    """transformix draws an image of B in A's frame as trilinear interpolation along the field does; so does `apply`."""
+    if not shutil.which("transformix"):
+        raise Skip("elastix is not installed")
+    inside, _ = write_shapes()
+    field, _ = write_fields()
+    run("convert", "g.nii.gz", "-o", "g.mha")
+    drawn = transformed("""(Transform "DeformationFieldTransform")
+(NumberOfParameters 0)
+(DeformationFieldFileName "f01.mha")
+(DeformationFieldInterpolationOrder 1)
+""")
     waves = nib.load("g.nii.gz").get_fdata()
     own = moved(waves, field)
     # Floats of 32 bits: positions of some 50 mm to 4e-6 mm, on a slope of at most 17 a millimetre for each axis.
@@ -153,43 +158,12 @@ def case_metaimage_by_itk():
         raise Skip("elastix is not installed")
     write_shapes()
     run("convert", "g.nii.gz", "-o", "g.mha")
-    with open("t.txt", "w") as file:
-        file.write("""(Transform "TranslationTransform")
+    drawn = transformed("""(Transform "TranslationTransform")
 (NumberOfParameters 3)
 (TransformParameters 0 0 0)
-(InitialTransformParametersFileName "NoInitialTransform")
-(HowToCombineTransforms "Compose")
-(FixedImageDimension 3)
-(MovingImageDimension 3)
-(FixedInternalImagePixelType "float")
-(MovingInternalImagePixelType "float")
-(Size %d %d %d)
-(Index 0 0 0)
-(Spacing %g %g %g)
-(Origin %g %g %g)
-(Direction 1 0 0 0 1 0 0 0 1)
-(UseDirectionCosines "true")
-(ResampleInterpolator "FinalBSplineInterpolator")
-(FinalBSplineInterpolationOrder 1)
-(Resampler "DefaultResampler")
-(DefaultPixelValue 0)
-(ResultImageFormat "mha")
-(ResultImagePixelType "float")
-(CompressResultImage "false")
-""" % (*SIZE, *SPACING, *ORIGIN))
-    os.mkdir("out")
-    subprocess.run(["transformix", "-in", "g.mha", "-tp", "t.txt", "-out", "out"], check=True, capture_output=True, timeout=300)
+""")
     # Positions that are voxels but for rounding, on a slope of at most 17 a millimetre.
-    assert np.abs(read_mha("out/result.mha")[0] - nib.load("g.nii.gz").get_fdata()).max() < 1e-3
+    assert np.abs(drawn - nib.load("g.nii.gz").get_fdata()).max() < 1e-3
 
 
-if __name__ == "__main__":
-    def in_folder(case):
-        def inside(folder):
-            os.chdir(folder)
-            try:
-                case()
-            finally:
-                os.chdir("/")
-        return inside
-    sys.exit(run_cases([(name, in_folder(case)) for name, case in named_cases(globals())], ONLY))
+sys.exit(run_cases([(name, within(case)) for name, case in named_cases(globals())], ONLY))

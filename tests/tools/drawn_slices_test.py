@@ -20,7 +20,8 @@ from pydicom.uid import ExplicitVRLittleEndian, ImplicitVRLittleEndian, generate
 from scipy import ndimage
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from cases import Skip, named_cases, run_cases
+from cases import Skip, named_cases, run_cases, within
+from program import Program
 
 if len(sys.argv) < 2:
     sys.exit(__doc__)
@@ -31,10 +32,8 @@ LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
 STRUCTURES = "1.2.840.10008.5.1.4.1.1.481.3"
 
 
-def run(*arguments, code=0):
-    result = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, errors="replace", timeout=600)
-    assert result.returncode == code, "%s: exit %d\n%s" % (" ".join(map(str, arguments)), result.returncode, result.stderr)
-    return result
+program = Program(PROGRAM)
+run = program.run
 
 
 def refused(*arguments, says=()):
@@ -466,17 +465,6 @@ def case_grey_head():
     error, plain = (np.sqrt(((a - whole[:, :, between]) ** 2).mean()) for a in (found[:, :, between], blend))
     print("      rms %.2f, blended where they are %.2f" % (error, plain))
     assert error < plain
-
-
-def within(case):
-    """The case with its folder as the working directory."""
-    def run_there(folder):
-        os.chdir(folder)
-        try:
-            case()
-        finally:
-            os.chdir("/")
-    return run_there
 
 
 sys.exit(run_cases([(name, within(case)) for name, case in named_cases(globals())], ONLY))

@@ -7,7 +7,6 @@ usage: grey_morph_test.py PATH/TO/slicemorph [NAME...]     (NAME: only the cases
 Needs Debian's python3-nibabel and python3-openvdb.
 """
 import os
-import subprocess
 import sys
 
 sys.path.append("/usr/lib/python3/dist-packages")
@@ -16,7 +15,8 @@ import numpy as np
 import pyopenvdb as vdb
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from cases import Skip, named_cases, run_cases
+from cases import Skip, named_cases, run_cases, within
+from program import Program
 
 if len(sys.argv) < 2:
     sys.exit(__doc__)
@@ -27,9 +27,8 @@ TIMES = (0, 0.001, 0.25, 0.5, 1)
 SPACING = (2.0, 2.5, 4.0)
 
 
-def run(*arguments):
-    result = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, errors="replace", timeout=600)
-    assert result.returncode == 0, "%s: exit %d\n%s" % (" ".join(map(str, arguments)), result.returncode, result.stderr)
+program = Program(PROGRAM)
+run = program.run
 
 
 def values(path):
@@ -134,17 +133,6 @@ def case_asl():
     assert np.array_equal(values("m.nii"), frames[0])
     run("morph", "a.nii", "b.nii", "-o", "m.nii", "--at", 0.001)
     assert rms(values("m.nii"), frames[0]) < 0.01 * rms(*frames)
-
-
-def within(case):
-    """Runs the case in its folder, and leaves that before it is removed."""
-    def run_there(folder):
-        os.chdir(folder)
-        try:
-            case()
-        finally:
-            os.chdir("/")
-    return run_there
 
 
 sys.exit(run_cases([(name, within(case)) for name, case in named_cases(globals())], ONLY))

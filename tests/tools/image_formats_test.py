@@ -22,7 +22,8 @@ import nibabel as nib
 import numpy as np
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from cases import Skip, named_cases, run_cases
+from cases import Skip, named_cases, run_cases, within
+from program import Program
 
 if len(sys.argv) < 2:
     sys.exit(__doc__)
@@ -32,10 +33,11 @@ LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
 OBLIQUE = np.array([[0.4, -0.3, 0.1, 10], [0.3, 0.4, 0.2, -20], [0, 0.1, -2, 30], [0, 0, 0, 1.0]])
 
 
+program = Program(PROGRAM)
+
+
 def run(*arguments, code=0):
-    result = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, errors="replace", timeout=300)
-    assert result.returncode == code, "%s: exit %d\n%s" % (" ".join(map(str, arguments)), result.returncode, result.stderr)
-    return result.stderr
+    return program.run(*arguments, code=code).stderr
 
 
 def refused(*arguments, says=()):
@@ -740,16 +742,4 @@ def case_times_morph():
         assert np.array_equal(np.asanyarray(nib.load("m.%d.nii" % frame).dataobj), expected), (frame, name)
 
 
-if __name__ == "__main__":
-    start = os.getcwd()
-
-    def inside(case):
-        def runner(folder):
-            os.chdir(folder)
-            try:
-                case()
-            finally:
-                os.chdir(start)
-        return runner
-
-    sys.exit(run_cases([(name, inside(case)) for name, case in named_cases(globals())], ONLY))
+sys.exit(run_cases([(name, within(case)) for name, case in named_cases(globals())], ONLY))

@@ -24,7 +24,8 @@ from pydicom.dataset import FileDataset, FileMetaDataset
 from pydicom.uid import CTImageStorage, ExplicitVRLittleEndian, generate_uid
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from cases import Skip, named_cases, run_cases
+from cases import Skip, named_cases, run_cases, within
+from program import Program
 
 if len(sys.argv) < 2:
     sys.exit(__doc__)
@@ -41,10 +42,8 @@ def data(name):
     return path
 
 
-def run(*arguments, code=0):
-    result = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, errors="replace", timeout=600)
-    assert result.returncode == code, "%s: exit %d\n%s" % (" ".join(map(str, arguments)), result.returncode, result.stderr)
-    return result
+program = Program(PROGRAM)
+run = program.run
 
 
 def refused(*arguments, says=()):
@@ -764,17 +763,6 @@ def case_reconstruct_contours():
     refused("reconstruct", "cut.dcm", "-o", "x.stl", says=["cut.dcm"])
     run("reconstruct", data("contours/Horsers.csl"), "-o", "horse.ply", "--report", "h.json")
     assert json.load(open("h.json"))["structures"][0]["genus"] == 0
-
-
-def within(case):
-    """The case with its folder as the working directory."""
-    def run_there(folder):
-        os.chdir(folder)
-        try:
-            case()
-        finally:
-            os.chdir("/")
-    return run_there
 
 
 sys.exit(run_cases([(name, within(case)) for name, case in named_cases(globals())], ONLY))

@@ -19,7 +19,8 @@ import numpy as np
 import pydicom
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from cases import Skip, named_cases, run_cases
+from cases import Skip, named_cases, run_cases, within
+from program import Program
 from study_objects import errors_of, points_inside, segment_masks, steps_of, write_ct
 
 if len(sys.argv) < 2:
@@ -34,11 +35,8 @@ OBLIQUE = (1, 0, 0, 0, np.cos(TILT), np.sin(TILT))
 FIRST, COUNT, GAP, SIZE = np.array([-20.25, 12.5, -100.0]), 12, 2.5, (40, 48)
 
 
-def run(*arguments, code=0, env=None):
-    result = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, errors="replace", timeout=600,
-                            env=dict(os.environ, **(env or {})))
-    assert result.returncode == code, "%s: exit %d\n%s" % (" ".join(map(str, arguments)), result.returncode, result.stderr)
-    return result
+program = Program(PROGRAM)
+run = program.run
 
 
 def refused(*arguments, says=()):
@@ -553,13 +551,4 @@ def case_refused():
     assert not [name for name in os.listdir(".") if name.startswith("x.")]
 
 
-if __name__ == "__main__":
-    def in_folder(case):
-        def inside(folder):
-            os.chdir(folder)
-            try:
-                case()
-            finally:
-                os.chdir("/")
-        return inside
-    sys.exit(run_cases([(name, in_folder(case)) for name, case in named_cases(globals())], ONLY))
+sys.exit(run_cases([(name, within(case)) for name, case in named_cases(globals())], ONLY))
