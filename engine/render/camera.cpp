@@ -22,6 +22,12 @@ ViewBasis basisOf(const Vec3d& direction, const Vec3d& up) {
   return basis;
 }
 
+/// Half the height of the view: in world units of an orthographic camera, else at distance 1.
+double halfHeight(const Camera& camera) {
+  if (camera.orthographicHeight > 0) return camera.orthographicHeight / 2;
+  return std::tan(camera.verticalFov * kPi / 360);
+}
+
 /// Rodrigues' formula; the axis must be a unit vector.
 Vec3d rotate(const Vec3d& v, const Vec3d& axis, double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
@@ -107,11 +113,32 @@ Camera turned(const Camera& camera, double angle) {
   return result;
 }
 
+ViewMatrices viewMatrices(const Camera& camera, double aspect) {
+  const ViewBasis basis = slicemorph::basisOf(camera);
+  ViewMatrices view;
+  view.worldToCamera.setIdentity();
+  const Vec3d axes[3] = {basis.right, basis.up, -basis.back};
+  for (int column = 0; column < 3; ++column) {
+    for (int row = 0; row < 3; ++row) view.worldToCamera(row, column) = axes[column][row];
+    view.worldToCamera(3, column) = -camera.position.dot(axes[column]);
+  }
+  openvdb::Mat4d screen = openvdb::Mat4d::identity();
+  const bool orthographic = camera.orthographicHeight > 0;
+  const double half = halfHeight(camera);
+  screen(0, 0) = 1 / (half * aspect), screen(1, 1) = 1 / half;
+  if (!orthographic) {
+    // Depth is 0 on a near plane, which is there only so that the matrix has an inverse, and 1 far away.
+    const double nearest = 1e-3 * (camera.target - camera.position).length();
+    screen(2, 3) = 1, screen(3, 2) = -nearest, screen(3, 3) = 0;
+  }
+  view.worldToScreen = view.worldToCamera * screen;
+  return view;
+}
+
 CameraRays::CameraRays(const Camera& camera, double aspect, const openvdb::BBoxd& box)
     : basis_(slicemorph::basisOf(camera)), position_(camera.position), eye_(camera.position) {
   orthographic_ = camera.orthographicHeight > 0;
-  const double half =
-      orthographic_ ? camera.orthographicHeight / 2 : std::tan(camera.verticalFov * kPi / 360);
+  const double half = halfHeight(camera);
   across_ = basis_.right * (half * aspect);
   upwards_ = basis_.up * half;
   // An orthographic camera has no near side: rays start in front of everything.

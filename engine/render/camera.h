@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/render/picture.h"
 #include "slicemorph/conventions.h"
 
 #include <openvdb/math/Ray.h>
@@ -44,6 +45,9 @@ struct ViewBasis {
 
 /// Throws InputError if the camera's target is its position, or in the direction of `up` from it.
 ViewBasis basisOf(const Camera& camera);
+
+/// The matrices of a picture. `aspect`: width over height. Throws as basisOf.
+ViewMatrices viewMatrices(const Camera& camera, double aspect);
 
 using ViewRay = openvdb::math::Ray<double>;
 

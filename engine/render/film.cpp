@@ -37,8 +37,9 @@ Vec3d towardsLight(const RenderOptions& options, const ViewBasis& basis) {
   return options.light.lengthSqr() > 0 ? -options.light.unit() : basis.toWorld(Vec3d(-0.8, 0.75, 0.5).unit());
 }
 
-Film::Film(const RenderOptions& options) : options_(options) {
+Film::Film(const Camera& camera, const RenderOptions& options) : options_(options) {
   checkRenderOptions(options);
+  picture_.view = viewMatrices(camera, double(options.width) / options.height);
   const size_t pixels = size_t(options.width) * size_t(options.height);
   picture_.width = options.width, picture_.height = options.height;
   picture_.rgba.resize(4 * pixels);

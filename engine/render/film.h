@@ -39,7 +39,8 @@ struct Pixel {
 /// A picture under construction; pixels may be set from several threads.
 class Film {
  public:
-  explicit Film(const RenderOptions& options);
+  /// Throws as checkRenderOptions and basisOf.
+  Film(const Camera& camera, const RenderOptions& options);
   /// Position in the picture of a pixel's n-th ray, -1 to 1, to the right and up.
   openvdb::Vec2d position(int column, int row, int n) const;
   /// Composites the pixel over the background.

@@ -343,7 +343,7 @@ openvdb::BBoxd surfaceBox(const FloatGrid& levelSet) {
 
 Picture renderSurface(const FloatGrid& levelSet, const Camera& camera, const RenderOptions& options,
                       const openvdb::Vec3SGrid* colors) {
-  Film film(options);
+  Film film(camera, options);
   requireRenderable(levelSet, camera);
   const openvdb::CoordBBox active = levelSet.evalActiveVoxelBoundingBox();
   const openvdb::BBoxd box = levelSet.empty() ? openvdb::BBoxd() : levelSet.transform().indexToWorld(active);

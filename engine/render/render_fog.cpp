@@ -225,7 +225,7 @@ FogLook lookOf(const std::vector<FogMeasure>& measures) {
 }
 
 Picture renderFog(const Fog& fog, const FogLook& look, const Camera& camera, const RenderOptions& options) {
-  Film film(options);
+  Film film(camera, options);
   requireFog(fog);
   const BoolGrid::Ptr occupied = occupiedVoxels(fog);
   if (occupied->empty()) {

@@ -14,7 +14,8 @@
 ///             `sliceNormal` (v3d), `slicePixelSize` (double, world units), `sliceIndex`, `sliceCount` (int),
 ///             `sliceU` (double), `pixelToWorld` (m44d: row vector (i, j, 0, 1) times it = world),
 ///             `sliceUnits` ("mm", "world units"), and the standard `worldToCamera` (m44f: x right, y up, z
-///             along the normal, from the image's centre).
+///             along the normal, from the image's centre) and `worldToNDC` (m44f: -1 to 1 across the display
+///             window, y up).
 /// Time        `sliceT` (double, 0 to 1), `sliceFrame` (int), `framesPerSecond`, where known.
 /// Grids       `sliceGrids` (stringvector: their names), and of each `NAME.class`, `NAME.type` (the tree's),
 ///             `NAME.vectorType` (string), `NAME.halfFloat` (int), `NAME.background`, `NAME.voxelSize` (v3d,

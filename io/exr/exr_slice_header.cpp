@@ -35,6 +35,15 @@ Imath::M44f worldToCamera(const SectionPlane& plane) {
   return matrix;
 }
 
+/// -1 to 1 across the display window, in whose upper left corner the slice lies, y up, as in pictures (see exr_writer.h).
+Imath::M44f worldToNdc(const Imath::Box2i& display, const SectionPlane& plane) {
+  const double across = display.max.x + 1.0, down = display.max.y + 1.0;
+  Imath::M44f screen;
+  screen[0][0] = float(2 / (across * plane.pixelSize)), screen[3][0] = float(plane.width / across - 1);
+  screen[1][1] = float(2 / (down * plane.pixelSize)), screen[3][1] = float(1 - plane.height / down);
+  return worldToCamera(plane) * screen;
+}
+
 /// The background value; a scalar's in all three components.
 Vec3d backgroundOf(const openvdb::GridBase& grid) {
   Vec3d background(0.0);
@@ -61,6 +70,7 @@ void placeSlice(Imf::Header& header, const SectionPlane& plane) {
                 Imf::M44dAttribute(matrixOf(plane.xAxis * plane.pixelSize, plane.yAxis * plane.pixelSize,
                                             plane.normal * plane.pixelSize, plane.origin)));
   Imf::addWorldToCamera(header, worldToCamera(plane));
+  Imf::addWorldToNDC(header, worldToNdc(header.displayWindow(), plane));
 }
 
 void describeGrid(Imf::Header& header, const SliceGrid& slice) {

@@ -7,6 +7,7 @@
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfOutputFile.h>
+#include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
 #include <half.h>
 
@@ -19,6 +20,13 @@ struct Channels {
   const std::vector<float>& values;
   Imf::PixelType type;
 };
+
+Imath::M44f toImath(const openvdb::Mat4d& matrix) {
+  Imath::M44f result;
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) result[row][column] = float(matrix(row, column));
+  return result;
+}
 
 void writeChannels(const std::string& path, Imf::Header header, const std::vector<Channels>& groups) {
   const size_t width = size_t(header.dataWindow().max.x) + 1;
@@ -61,7 +69,12 @@ void writePictureExr(const std::string& path, const Picture& image) {
   if (!image.mask.empty()) groups.push_back({{"mask"}, image.mask, Imf::HALF});
   if (!image.depth.empty()) groups.push_back({{"Z"}, image.depth, Imf::FLOAT});
   if (!image.normal.empty()) groups.push_back({{"N.X", "N.Y", "N.Z"}, image.normal, Imf::HALF});
-  writeChannels(path, Imf::Header(image.width, image.height), groups);
+  Imf::Header header(image.width, image.height);
+  if (image.view) {
+    Imf::addWorldToCamera(header, toImath(image.view->worldToCamera));
+    Imf::addWorldToNDC(header, toImath(image.view->worldToScreen));
+  }
+  writeChannels(path, std::move(header), groups);
 }
 
 }  // namespace slicemorph

@@ -211,6 +211,10 @@ TEST(Exr, SliceHoldsItsValuesAndItsPlace) {
     EXPECT_NEAR(seen.x, (11 - (slice.plane.width - 1) / 2.0) * slice.plane.pixelSize, 1e-4);
     EXPECT_NEAR(seen.y, ((slice.plane.height - 1) / 2.0 - 7) * slice.plane.pixelSize, 1e-4);
     EXPECT_NEAR(seen.z, 0, 1e-4);
+    const Imath::V3f inWindow = Imath::V3f(pixel) * Imf::worldToNDC(header);
+    const Imath::Box2i display = header.displayWindow();
+    EXPECT_NEAR(inWindow.x, 2 * 11.5 / (display.max.x + 1) - 1, 1e-5);
+    EXPECT_NEAR(inWindow.y, 1 - 2 * 7.5 / (display.max.y + 1), 1e-5);
   }
   std::filesystem::remove(path);
 }
