@@ -15,6 +15,7 @@ struct StoredMesh;
 struct ImageFile;
 struct ImageOptions;
 struct ImageSlices;
+struct VdbOutput;
 struct Voxels;
 struct VoxelHead;
 struct ContourFile;
@@ -26,6 +27,9 @@ using Recogniser = bool (*)(const std::string& path);
 using MeshReader = StoredMesh (*)(const std::string& path, std::string_view bytes);
 /// Writes a file whole or not at all. Throws IoError.
 using MeshWriter = void (*)(const std::string& path, const Mesh& mesh, MeshSpace space);
+/// Writes a file whole or not at all. Throws InputError for a grid that the format cannot hold, and IoError.
+using GridWriter = void (*)(const std::string& path, const openvdb::GridCPtrVec& grids,
+                            const VdbOutput& options);
 using ImageReader = ImageFile (*)(const InputSpec& input, const ImageOptions& options);
 /// All images that an input may mean where it selects none.
 using ImageLister = std::vector<ImageFile> (*)(const InputSpec& input, const ImageOptions& options);
@@ -47,6 +51,7 @@ struct Format {
   Recogniser recognise = nullptr;          ///< null: by the extensions in `reads`
   MeshReader readMesh = nullptr;
   MeshWriter writeMesh = nullptr;
+  GridWriter writeGrids = nullptr;
   ImageReader readImage = nullptr;
   ImageLister listImages = nullptr;  ///< null: there is one image, that of readImage
   SliceOpener openSlices = nullptr;

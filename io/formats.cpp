@@ -8,7 +8,9 @@
 #include "io/paths.h"
 #include "io/structures/seg_nrrd.h"
 #include "io/structures/structure_data.h"
+#include "io/vdb/nvdb_writer.h"
 #include "slicemorph/errors.h"
+#include "slicemorph/io/vdb_writer.h"
 
 #include <algorithm>
 
@@ -54,6 +56,11 @@ Format mesh(const char* extension, MeshReader read, MeshWriter write, const char
   return format;
 }
 
+Format grids(Format format, GridWriter write) {
+  format.writeGrids = write;
+  return format;
+}
+
 Format image(Format format, ImageReader read, SliceOpener open, VoxelHeader head) {
   format.readImage = read, format.openSlices = open, format.voxelHead = head;
   return format;
@@ -94,7 +101,10 @@ std::vector<Format> makeFormats() {
   using C = Contents;
   std::vector<Format> rows;
   rows.push_back(
-      row("vdb", C::kGrids, {".vdb"}, {".vdb"}, "OpenVDB: level sets, fog volumes and other grids"));
+      grids(row("vdb", C::kGrids, {".vdb"}, {".vdb"}, "OpenVDB: level sets, fog volumes and other grids"),
+            writeVdb));
+  rows.push_back(
+      grids(row("nvdb", C::kGrids, {}, {".nvdb"}, "NanoVDB: grids for graphics cards"), writeNvdb));
   rows.push_back(mesh(".obj", readObj, writeObj, "Wavefront OBJ, colours of points or materials"));
   rows.push_back(mesh(".ply", readPly, writePly, "PLY, colours of points or faces"));
   rows.push_back(mesh(".stl", readStl, writeStl, "STL, text or binary"));

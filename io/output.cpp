@@ -91,12 +91,21 @@ Mesh meshForFile(const FloatGrid& levelSet, const openvdb::Vec3SGrid* colors) {
   return mesh;
 }
 
+bool isGridOutput(const std::string& path) {
+  const Format* format = formatToWrite(path);
+  return format && format->writeGrids;
+}
+
+void writeGridFile(const std::string& path, const openvdb::GridCPtrVec& grids, const VdbOutput& options) {
+  formatToWrite(path)->writeGrids(path, grids, options);
+}
+
 void writeSurface(const std::string& path, const FloatGrid& levelSet, const SurfaceOutput& options) {
   checkSurfaceOutput(path);
   if (formatToWrite(path)->contents == Contents::kGrids) {
     openvdb::GridCPtrVec grids{surfaceGrid(levelSet, options)};
     if (options.colors) grids.push_back(options.colors);
-    writeVdb(path, grids, options.vdb);
+    writeGridFile(path, grids, options.vdb);
   } else {
     writeMesh(path, meshForFile(levelSet, options.colors.get()), options.space);
   }

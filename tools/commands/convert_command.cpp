@@ -6,7 +6,6 @@
 #include "engine/volume/resample_image.h"
 #include "engine/volume/same_image.h"
 #include "io/image/image_formats.h"
-#include "io/paths.h"
 #include "io/vdb/grid_choice.h"
 #include "slicemorph/errors.h"
 #include "slicemorph/io/image_writer.h"
@@ -67,7 +66,7 @@ void writeGrids(const ConvertSettings& s, const Image& image) {
         std::min({image.lattice.spacing()[0], image.lattice.spacing()[1], image.lattice.spacing()[2]});
     grids.push_back(surfaceGrid(*toLevelSet(shapeAbove(image, s.load.iso), smallest, s.load.iso).grid));
   }
-  writeVdb(s.output, grids, {});
+  writeGridFile(s.output, grids, {});
 }
 
 /// The grid that is named, else the first that was made from an image, else the one that loadObject
@@ -196,7 +195,7 @@ void runConvert(const OptionSet& options) {
     convertToStructures(s);
   } else if (isImageOutput(s.output)) {
     convertToImage(s);
-  } else if (isImageInput(s.input) && extensionOf(s.output) == ".vdb") {
+  } else if (isImageInput(s.input) && isGridOutput(s.output)) {
     ImageFile file = imageToConvert(parseInput(s.input), s);
     printNotes(s.input + ": ", file.notes, s.quiet, s.verbose);
     const ConvertSettings own = settingsFor(file, s);

@@ -45,9 +45,9 @@ void checkApplyOutput(const ApplyJob& job, const OptionSet& options) {
     options.refuse("output", "-o " + job.output + ": apply writes one file; leave out the ####");
   const bool image = isImageOutput(job.output);
   if (job.field()) {
-    if (!image && extensionOf(job.output) != ".vdb")
+    if (!image && !isGridOutput(job.output))
       options.refuse("output", "-o " + job.output + ": a field is written as " +
-                                   writableList(Contents::kImage) + " .vdb");
+                                   writableList(Contents::kImage) + " " + writableList(Contents::kGrids));
   } else if (isImageInput(job.what)) {
     if (!image)
       options.refuse("output",
@@ -204,7 +204,7 @@ void writeFieldGrid(const std::string& path, const VectorImage& field) {
   grid->setName("displacement");
   grid->setVectorType(openvdb::VEC_CONTRAVARIANT_RELATIVE);
   grid->insertMeta("meaning", openvdb::StringMetadata(field.meaning));
-  writeVdb(path, {grid}, {});
+  writeGridFile(path, {grid}, {});
 }
 
 void writeField(const ApplyJob& job, const TimeMap& map, JobEvents& events) {

@@ -33,7 +33,7 @@ void writeGrids(const FrameTask& task, const MorphFrame& frame) {
   VdbOutput options = fileOptionsOf(task.inputs);
   options.framesPerSecond = task.settings.framesPerSecond;
   options.frame = task.job.number;
-  writeVdb(task.job.path, frame.grids, options);
+  writeGridFile(task.job.path, frame.grids, options);
 }
 
 /// The frames of each mesh: "1-4, 5". `numbers`: of all frames.

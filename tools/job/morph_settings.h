@@ -3,6 +3,7 @@
 #include "io/mesh/glb_writer.h"
 #include "slicemorph/io/input.h"
 #include "slicemorph/io/output.h"
+#include "slicemorph/io/vdb_writer.h"
 #include "slicemorph/slicemorph.h"
 #include "tools/job/job_options.h"
 #include "tools/job/key_times.h"
@@ -95,7 +96,7 @@ struct MorphSettings {
   bool toFrameImages() const;
   bool toPictures() const { return toFrameImages() && exrContent == ExrContent::kPicture; }
   /// The output shows all grids of a frame, not only its surface: a .vdb, slices, a picture.
-  bool holdsGrids() const { return OutputName(output).extension() == ".vdb" || toFrameImages(); }
+  bool holdsGrids() const { return isGridOutput(output) || toFrameImages(); }
   /// All frames go into one .glb file.
   bool oneGlb() const;
   /// All frames go into one NIfTI file, as its volumes.

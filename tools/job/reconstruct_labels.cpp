@@ -11,9 +11,9 @@
 #include "engine/volume/voxelise.h"
 #include "io/image/image_formats.h"
 #include "io/image/label_values.h"
-#include "io/paths.h"
 #include "slicemorph/io/image_writer.h"
 #include "slicemorph/io/structure_file.h"
+#include "slicemorph/io/vdb_writer.h"
 #include "tools/job/given_slices.h"
 #include "tools/job/label_output.h"
 #include "tools/job/option_values.h"
@@ -94,7 +94,7 @@ void addSurfaces(const ReconstructJob& job, const Image& labels, const GivenSlic
     structure.number = int(values[rank]);
     structure.name = "label_" + formatNumber(values[rank]);
     structure.mesh = makeManifold(surfaceOf(*field)).mesh;
-    if (extensionOf(job.output) == ".vdb") {
+    if (isGridOutput(job.output)) {
       const Vec3d spacing = labels.lattice.spacing();
       structure.grid = voxelise(
           structure.mesh, job.voxelSize > 0 ? job.voxelSize : std::min({spacing[0], spacing[1], spacing[2]}));

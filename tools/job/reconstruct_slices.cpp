@@ -3,7 +3,6 @@
 #include "engine/volume/image_grid.h"
 #include "engine/volume/voxelise.h"
 #include "io/exr/exr_slice_reader.h"
-#include "io/paths.h"
 #include "slicemorph/errors.h"
 #include "slicemorph/io/image_writer.h"
 #include "slicemorph/io/mesh_writer.h"
@@ -49,7 +48,7 @@ void checkOne(const ExrSlices& slices, const ReconstructJob& job) {
 }
 
 void writeGridsTo(const ReconstructJob& job, const openvdb::GridCPtrVec& grids) {
-  if (extensionOf(job.output) == ".vdb") return writeVdb(job.output, grids, {});
+  if (isGridOutput(job.output)) return writeGridFile(job.output, grids, {});
   if (isImageOutput(job.output)) return writeImage(job.output, imageOf(*grids[0]));
   const auto scalars = openvdb::GridBase::grid<FloatGrid>(grids[0]);
   if (!scalars || scalars->getGridClass() != openvdb::GRID_LEVEL_SET)
@@ -65,7 +64,7 @@ void reconstructSlices(const ReconstructJob& job, JobEvents& events) {
   const ExrSlices slices =
       readSliceExrs(parseInput(job.input), job.grids.value_or(std::vector<std::string>()), job.memory);
   events.notes(about(job.input, slices.notes));
-  if (extensionOf(job.output) != ".vdb") checkOne(slices, job);
+  if (!isGridOutput(job.output)) checkOne(slices, job);
   openvdb::GridCPtrVec grids;
   for (size_t g = 0; g < slices.grids.size(); ++g) {
     events.throwIfCancelled();

@@ -1,6 +1,5 @@
 #include "tools/job/surface_writer.h"
 
-#include "io/paths.h"
 #include "slicemorph/io/mesh_writer.h"
 #include "slicemorph/io/vdb_writer.h"
 
@@ -9,17 +8,17 @@ namespace slicemorph {
 SurfaceWriter::SurfaceWriter(const ReconstructJob& job, size_t count, const std::string& list,
                              JobEvents& events)
     : job_(job), events_(events), name_(job.output) {
-  if (toVdb() || count < 2 || name_.isSequence()) return;
+  if (toGrids() || count < 2 || name_.isSequence()) return;
   throw InputError(
       "-o " + job.output + " is one file for " + std::to_string(count) +
       " surfaces; put #### where their number belongs (name.####.stl), write a .vdb, or choose one: " + list);
 }
 
-bool SurfaceWriter::toVdb() const { return extensionOf(job_.output) == ".vdb"; }
+bool SurfaceWriter::toGrids() const { return isGridOutput(job_.output); }
 
 void SurfaceWriter::add(const Structure& structure) {
-  const std::string path = toVdb() ? job_.output : name_.path(structure.number);
-  if (toVdb()) {
+  const std::string path = toGrids() ? job_.output : name_.path(structure.number);
+  if (toGrids()) {
     structure.grid->setName(structure.name);
     grids_.push_back(structure.grid);
   } else {
@@ -31,7 +30,7 @@ void SurfaceWriter::add(const Structure& structure) {
 
 std::vector<StructureRow> SurfaceWriter::finish() {
   if (!grids_.empty()) {
-    writeVdb(job_.output, grids_, {});
+    writeGridFile(job_.output, grids_, {});
     events_.fileWritten(job_.output, false);
   }
   return rows_;

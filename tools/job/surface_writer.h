@@ -30,7 +30,7 @@ class SurfaceWriter {
   std::vector<StructureRow> finish();
 
  private:
-  bool toVdb() const;
+  bool toGrids() const;
 
   const ReconstructJob& job_;
   JobEvents& events_;

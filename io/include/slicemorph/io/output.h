@@ -54,7 +54,7 @@ openvdb::GridBase::Ptr surfaceGrid(const FloatGrid& levelSet, const SurfaceOutpu
 /// has its origin taken out of the points, which keep their digits so.
 Mesh meshForFile(const FloatGrid& levelSet, const openvdb::Vec3SGrid* colors);
 
-/// Writes a level set by extension: `.vdb` as a grid, followed by its colours; `.obj .ply
+/// Writes a level set by extension: `.vdb .nvdb` as a grid, followed by its colours; `.obj .ply
 /// .stl .glb` as its surface mesh, whose points get the colours at them (STL: none). The file appears whole
 /// or not at all (see AtomicFile). Throws as checkSurfaceOutput does, and IoError.
 void writeSurface(const std::string& path, const FloatGrid& levelSet, const SurfaceOutput& options = {});

@@ -13,4 +13,11 @@ namespace slicemorph {
 /// whole or not at all. Throws IoError.
 void writeVdb(const std::string& path, const openvdb::GridCPtrVec& grids, const VdbOutput& options);
 
+/// Whether a path is of a format that holds grids, by its extension: `.vdb`, `.nvdb`.
+bool isGridOutput(const std::string& path);
+
+/// Writes grids by extension, `.nvdb` without metadata. As writeVdb; throws InputError, too, for a grid that the format
+/// cannot hold.
+void writeGridFile(const std::string& path, const openvdb::GridCPtrVec& grids, const VdbOutput& options);
+
 }  // namespace slicemorph
