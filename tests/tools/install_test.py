@@ -196,6 +196,26 @@ def included_by(header):
     return found
 
 
+def case_debian_packages(folder):
+    """cpack puts every installed file into just one package, and these ask for the libraries that their programs load."""
+    run(CMAKE.replace("cmake", "cpack"), "--config", BUILD + "/CPackConfig.cmake", "-B", folder + "/packages")
+    owners, fields = {}, {}
+    for package in glob.glob(folder + "/packages/*.deb"):
+        name = os.path.basename(package).split("_")[0]
+        fields[name] = dict(re.findall(r"^ ?([A-Z][A-Za-z-]+): (.*)$", run("dpkg-deb", "-f", package).stdout, re.M))
+        for line in run("dpkg-deb", "-c", package).stdout.splitlines():
+            if not line.startswith("d"):
+                owners.setdefault(line.split()[5].removeprefix("./usr/"), []).append(name)
+    installed = {os.path.relpath(os.path.join(where, name), PREFIX) for where, _, names in os.walk(PREFIX) for name in names}
+    assert set(owners) == installed, sorted(set(owners) ^ installed)[:10]
+    assert all(len(names) == 1 for names in owners.values()), [file for file, names in owners.items() if len(names) > 1]
+    assert owners["bin/slicemorph"] == ["slicemorph"] and owners["share/man/man1/slicemorph.1"] == ["slicemorph"]
+    assert owners["include/slicemorph/slicemorph.h"] == ["libslicemorph-dev"]
+    assert "libopenvdb10.0" in fields["slicemorph"]["Depends"] and "libinsighttoolkit5" in fields["slicemorph"]["Depends"]
+    assert "libopenvdb-dev" in fields["libslicemorph-dev"]["Depends"]
+    assert all(value["Version"] == fields["slicemorph"]["Version"] for value in fields.values())
+
+
 def case_public_headers(folder):
     """Each header compiles alone with the package's include folders, and
     includes only OpenVDB and std headers."""

@@ -35,6 +35,8 @@ class GroupedHelp : public CLI::Formatter {
     column_width(kHelpColumn);
   }
 
+  const OptionSet& options() const { return *options_; }
+
   std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
     const bool all = mode != CLI::AppFormatMode::Normal;
     std::string text = make_description(app) + make_usage(app, name);
@@ -92,6 +94,10 @@ std::shared_ptr<OptionSet> addOptions(CLI::App& command, Command which) {
   }
   command.formatter(std::make_shared<GroupedHelp>(options));
   return options;
+}
+
+const OptionSet& optionsOf(const CLI::App& command) {
+  return dynamic_cast<const GroupedHelp&>(*command.get_formatter()).options();
 }
 
 }  // namespace slicemorph

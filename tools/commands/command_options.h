@@ -12,4 +12,7 @@ namespace slicemorph {
 /// shows the basic ones, `--help-all` all. Returns the set that parsing fills.
 std::shared_ptr<OptionSet> addOptions(CLI::App& command, Command which);
 
+/// The options that addOptions added.
+const OptionSet& optionsOf(const CLI::App& command);
+
 }  // namespace slicemorph

@@ -3,6 +3,7 @@
 #include "tools/commands/compare_command.h"
 #include "tools/commands/convert_command.h"
 #include "tools/commands/info_command.h"
+#include "tools/commands/manual.h"
 #include "tools/commands/morph_command.h"
 #include "tools/commands/plan_command.h"
 #include "tools/commands/reconstruct_command.h"
@@ -53,6 +54,15 @@ int run(int argc, char** argv) {
                    "slicemorph");
   program.set_version_flag("--version", "slicemorph " SLICEMORPH_VERSION);
   program.set_help_all_flag("--help-all", "Print every option and exit");
+  const auto writeManual = [&program](const std::string& folder) {
+    slicemorph::writeManual(program, folder);
+    throw CLI::Success();
+  };
+  program
+      .add_option_function<std::string>("--manual", writeManual,
+                                        "Write man pages and the completion for bash into a folder")
+      ->type_name("FOLDER")
+      ->trigger_on_parse();
   program.require_subcommand(1);
   program.get_formatter()->column_width(34);
   slicemorph::addMorphCommand(program);
