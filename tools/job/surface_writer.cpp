@@ -18,6 +18,7 @@ SurfaceWriter::SurfaceWriter(const ReconstructJob& job, size_t count, const std:
 bool SurfaceWriter::toVdb() const { return extensionOf(job_.output) == ".vdb"; }
 
 void SurfaceWriter::add(const Structure& structure) {
+  if (job_.takeSurface) return job_.takeSurface(structure.name, structure.mesh);
   const std::string path = toVdb() ? job_.output : name_.path(structure.number);
   if (toVdb()) {
     structure.grid->setName(structure.name);
