@@ -21,6 +21,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <sstream>
 
@@ -247,7 +248,9 @@ double voxelSizeFor(const Image& image, const FloatGrid& shape, const LoadOption
 }
 
 FloatGrid::Ptr levelSetOf(const FloatGrid::Ptr& shape, double iso, double voxelSize) {
-  return toLevelSet(shape, voxelSize, iso).grid;
+  // 0 would have a value looked for.
+  const double surface = iso == 0 ? double(std::numeric_limits<float>::min()) : iso;
+  return toLevelSet(shape, voxelSize, surface).grid;
 }
 
 LoadedObject loadLabels(LoadedObject loaded, const LoadOptions& options) {

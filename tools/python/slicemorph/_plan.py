@@ -198,7 +198,11 @@ def plan(*inputs: Any, progress: Any = None, **options: Unpack[MorphOptions]) ->
     """
     cores = given_inputs(inputs)
     pairs = _options.texts_of("morph", options, ours=("progress",))
-    if not any(name == "output" for name, _ in pairs):
+    if options.get("output") is not None:
+        # Not the name counts, but the kind; and frames may be many.
+        extension = os.path.basename(os.fspath(options["output"])).partition(".")[2]
+        pairs = [pair for pair in pairs if pair[0] != "output"] + [("output", ["frame.####." + extension])]
+    else:
         images = bool(cores) and all(core.kind == "image" for core in cores) and "grids" not in options
         pairs.append(("output", [_IMAGES if images else _GRIDS]))
     made = Plan(_core.Plan(cores, pairs, reporter(progress)))
