@@ -174,7 +174,7 @@ def case_every_option_has_its_name():
     """The options are those of `morph --help-all`."""
     helped = PROGRAM.run("morph", "--help-all").stdout
     told = set(re.findall(r"^\s+(?:-o,)?--([a-z0-9-]+)", helped, re.M)) - {"help", "help-all"}
-    ours = {row["name"] for row in slicemorph.options("morph").values()}
+    ours = {row["name"] for row in slicemorph.options("morph").values()} - {"feature", "region"}
     assert told == ours, told ^ ours
     assert "voxel_size" in slicemorph.plan.__doc__ and "voxel_size" in slicemorph.options()
     raises(slicemorph.InputError, lambda: slicemorph.plan("a", "b", voxelsize=1), "voxel_size")
@@ -334,6 +334,26 @@ def case_meshes():
     box = trimesh.creation.box((1, 1, 1))
     back = slicemorph.from_mesh(box).to_mesh().to_trimesh()
     assert back.is_watertight and abs(back.volume - 1) < 1e-6
+
+
+def case_tables_of_job_files():
+    """Features, regions and keys are dicts; what is wrong with them is told."""
+    with open("job.toml", "w") as file:
+        file.write('[[feature]]\nname = "side"\npoint = [[0.5, 0, 0], [1.17, 0.471, -0.2]]\n')
+    tables = {"feature": [{"name": "side", "point": [np.array([0.5, 0, 0]), (1.17, 0.471, -0.2)]}]}  # 20 degrees round
+    plan, by_file = slicemorph.plan(*grids(), **tables, **SMALL), slicemorph.plan(*grids(), config="job.toml", **SMALL)
+    assert np.array_equal(plan.frame(0.5).to_mesh().vertices, by_file.frame(0.5).to_mesh().vertices)
+    off = [np.linalg.norm(p.apply([[0.5, 0, 0]], 0, 1)[0] - [1.17, 0.471, -0.2]) / H
+           for p in (plan, slicemorph.plan(*grids(), **SMALL))]
+    assert off[0] < 1 < off[1], off
+    assert not [note for note in plan.notes if note.severity == "warning"], plan.notes
+    keyed = slicemorph.plan(*grids(), keys=[{"at": 0, "input": "2"}, {"at": 1, "weights": [1, 0]}], **SMALL)
+    assert keyed.weights_at(0.25) == [0.25, 0.75]
+    assert slicemorph.plan(*grids(), keys=[(2, 0), (1, 1)], **SMALL).weights_at(0.25) == [0.25, 0.75]
+    raises(slicemorph.InputError, lambda: slicemorph.plan(*grids(), feature=[{"pont": 1}]), "feature")
+    raises(slicemorph.InputError, lambda: slicemorph.plan(*grids(), feature="top"), "list of dicts")
+    raises(slicemorph.InputError, lambda: slicemorph.plan(*grids(), config="job.toml", **tables), "job file")
+    raises(slicemorph.InputError, lambda: plan.save("x.plan"), "in memory")
 
 
 def case_carry_and_velocity():

@@ -7,6 +7,7 @@
 #include "tools/job/slice_options.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,9 +27,10 @@ inline const HeldInput* heldAt(const HeldInputs& held, size_t input) {
 /// given" (an empty text, 0), the table (option_table.h) states the default.
 struct JobOptions {
   // Inputs
-  std::vector<std::string> inputs;  ///< of commands that take any number
-  std::string input, other;         ///< of commands that take one; the second of `compare`
-  HeldInputs held;                  ///< no option of the program
+  std::vector<std::string> inputs;        ///< of commands that take any number
+  std::string input, other;               ///< of commands that take one; the second of `compare`
+  HeldInputs held;                        ///< no option of the program
+  std::optional<std::string> configText;  ///< likewise: the content of `config`, which is then only its name
   std::string iso, imageKind = "auto", spacing, upright = "auto", glbUp = "y", unit = "m", fit = "none";
   LoadOptions load;
 

@@ -28,7 +28,7 @@ std::vector<double> frameTimes(const OptionSet& options, int frames) {
 KeyList keysOf(const OptionSet& options) {
   const JobOptions& given = options.values();
   if (!given.keys.empty()) return {parseKeys("--keys", given.keys, given.inputs), {}};
-  return options.given("keys") ? readKeys(given.config, given.inputs) : KeyList();
+  return options.given("keys") ? readKeys(JobFile(given), given.inputs) : KeyList();
 }
 
 /// Sets the frames of a sequence: their times and the weights at these.
@@ -82,7 +82,7 @@ MorphJob withGuidance(MorphJob job, const OptionSet& options) {
   const JobOptions& given = options.values();
   MorphSettings& s = job.settings;
   if (!given.config.empty()) {
-    const Guidance guidance = readGuidance(given.config, s.inputs);
+    const Guidance guidance = readGuidance(JobFile(given), s.inputs);
     s.plan.features = job.tables.features = guidance.features;
     s.plan.regions = job.tables.regions = guidance.regions;
     job.notes.insert(job.notes.end(), guidance.notes.begin(), guidance.notes.end());

@@ -60,16 +60,19 @@ const char* nameOf(OptionType type) {
   return "text";
 }
 
-/// The table's rows of a command, but for its inputs, and for tables, which only job files have.
+/// The table's rows of a command, but for its inputs.
 py::list optionRows(const std::string& command) {
   const auto found = commandNames().find(command);
   if (found == commandNames().end()) throw InputError("command", "there is none named '" + command + "'");
   py::list rows;
   for (const OptionRow& row : optionTable()) {
-    if (!row.isOf(found->second) || !row.positional.empty() || !row.field) continue;
-    rows.append(py::dict(py::arg("name") = row.name, py::arg("type") = nameOf(row.type),
-                         py::arg("form") = formOf(row), py::arg("choices") = row.choices,
-                         py::arg("help") = helpOf(row), py::arg("group") = titleOf(row.group)));
+    if (!row.isOf(found->second) || !row.positional.empty()) continue;
+    const bool typed = row.field;  // not so tables that only job files have
+    rows.append(py::dict(
+        py::arg("name") = row.name, py::arg("type") = nameOf(row.type),
+        py::arg("form") = typed ? formOf(row) : "", py::arg("choices") = row.choices,
+        py::arg("help") = typed ? helpOf(row) : "Tables [[" + row.name + "]] of job files, a dict each",
+        py::arg("group") = titleOf(row.group)));
   }
   return rows;
 }
@@ -91,7 +94,7 @@ Outcome morph(const std::vector<PyInput>& inputs, const GivenOptions& given, con
                      "inputs in memory cannot be told from those of an earlier run; give paths of files");
   runCall(events, progress, [&] {
     events.notes(applyPlanFile(options));
-    if (!options.values().config.empty()) applyJobFile(options.values().config, options);
+    if (!options.values().config.empty()) applyJobFile(JobFile(options.values()), options);
     const MorphJob job = morphJob(options);
     events.notes(job.notes);
     checkMorphFiles(job.settings, options);

@@ -253,7 +253,8 @@ OptionSet optionsOf(Command command, const std::string& row, const std::vector<P
   for (const PyInput& input : inputs) names.push_back(input.name), held.push_back(input.held);
   options.set(options.row(row), names);
   options.hold(std::move(held));
-  for (const auto& [name, texts] : given) options.set(options.row(name), texts);
+  for (const auto& [name, texts] : given)
+    name == kTablesName ? options.holdJobFile(name, texts.at(0)) : options.set(options.row(name), texts);
   return options;
 }
 

@@ -17,6 +17,9 @@ struct PyInput {
   std::shared_ptr<const HeldInput> held;
 };
 
+/// The name by which tables of a job file are among options; its text is TOML.
+constexpr const char* kTablesName = "options";
+
 /// Options of a command by their names, with their texts.
 using GivenOptions = std::vector<std::pair<std::string, std::vector<std::string>>>;
 

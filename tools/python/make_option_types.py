@@ -14,10 +14,10 @@ NAMES = {"morph": "MorphOptions", "compare": "CompareOptions", "render": "Render
          "reconstruct": "ReconstructOptions", "convert": "ConvertOptions"}
 TYPES = {"flag": "bool", "integer": "int", "number": "float", "text": "Union[str, PathLike, float, Sequence[float]]",
          "texts": "Union[str, PathLike, Sequence[str]]", "numbers": "Union[str, float, Sequence[float]]",
-         "tables": "Union[str, Sequence[Tuple[Union[str, int], float]]]", "landmarks": "Union[str, PathLike, Sequence[Any]]"}
+         "tables": "Union[str, Sequence[Tuple[Union[str, int], float]], Sequence[Dict[str, Any]]]", "landmarks": "Union[str, PathLike, Sequence[Any]]"}
 
 lines = ['"""Options of the functions, for type checkers; made by make_option_types.py."""',
-         "from os import PathLike", "from typing import Any, Literal, Sequence, Tuple, TypedDict, Union"]
+         "from os import PathLike", "from typing import Any, Dict, Literal, Sequence, Tuple, TypedDict, Union"]
 for command, name in NAMES.items():
     lines += ["", "", "class %s(TypedDict, total=False):" % name]
     for option, row in slicemorph.options(command).items():

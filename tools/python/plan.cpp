@@ -56,8 +56,7 @@ PlanPtr makePlan(const std::vector<PyInput>& inputs, const GivenOptions& given, 
   Notes ofFile;
   plan->run(progress, events, [&] {
     ofFile = applyPlanFile(plan->options);
-    if (const std::string config = plan->options.values().config; !config.empty())
-      applyJobFile(config, plan->options);
+    if (!plan->options.values().config.empty()) applyJobFile(JobFile(plan->options.values()), plan->options);
     plan->session = std::make_unique<MorphSession>(plan->options, events);
   });
   plan->notes = std::move(ofFile);
@@ -117,6 +116,9 @@ void savePlan(const PlanPtr& plan, const std::string& path) {
     if (held)
       throw InputError(path, "a plan on disk names its inputs' files, and '" + held->spec.text +
                                  "' is in memory; give the paths of files to plan()");
+  if (plan->options.values().configText)
+    throw InputError(path,
+                     "a plan on disk names its job file; write features and regions into one, for config=");
   if (plan->session->settings().moving())
     throw InputError(path, "plans of sequences are written by `slicemorph plan`");
   plan->run([&](CallEvents&) {

@@ -1,5 +1,6 @@
 """Options of the program's commands as keyword arguments: the table is the program's own."""
 import difflib
+import json
 import os
 
 from . import _core
@@ -26,9 +27,12 @@ def python_name(name):
 
 def texts_of(command, options, ours=()):
     """Keyword arguments as pairs of names and texts; None is an option that is not given. `ours`: names that are no options."""
-    known, pairs = table(command), []
+    known, pairs, tables = table(command), [], []
     for name, value in options.items():
         if value is None:
+            continue
+        if known.get(name, {}).get("type") == "tables" and _are_tables(value):
+            tables += ["%s = %s" % (name, _toml(value))]
             continue
         if name not in known:
             near = difflib.get_close_matches(name, [*known, *ours], 1)
@@ -37,6 +41,10 @@ def texts_of(command, options, ours=()):
         texts = _texts(known[name], value)
         if texts is not None:
             pairs.append((known[name]["name"], texts))
+    if tables:
+        if options.get("config") is not None:
+            raise InputError("tables stand in the job file or are given, not both", "config")
+        pairs.append(("options", ["\n".join(tables) + "\n"]))
     return pairs
 
 
@@ -52,6 +60,21 @@ def describe(command):
     return "\n".join(lines)
 
 
+def _are_tables(value):
+    return isinstance(value, (list, tuple)) and value and all(isinstance(item, dict) for item in value)
+
+
+def _toml(value):
+    """A value as TOML on one line."""
+    if isinstance(value, dict):
+        return "{%s}" % ", ".join("%s = %s" % (json.dumps(str(key)), _toml(item)) for key, item in value.items())
+    if isinstance(value, (str, os.PathLike)):
+        return json.dumps(os.fspath(value))
+    if hasattr(value, "__len__") and getattr(value, "ndim", 1) > 0:
+        return "[%s]" % ", ".join(map(_toml, value))
+    return _one(value)
+
+
 def _texts(row, value):
     kind = row["type"]
     if kind == "flag":
@@ -64,6 +87,8 @@ def _texts(row, value):
         if all(isinstance(item, (str, os.PathLike)) for item in value):
             return [",".join(map(_one, value))]
         return [";".join("=".join(",".join(map(_one, position)) for position in landmark) for landmark in value)]
+    if kind == "tables" and row["form"] == "":
+        raise InputError("expected a list of dicts, one a table, not %r" % (value,), row["name"])
     if kind == "tables" and not isinstance(value, str):
         return [" ".join("%s@%s" % (_one(name), _one(time)) for name, time in value)]
     return [_one(value)]
