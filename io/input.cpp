@@ -8,6 +8,7 @@
 #include "engine/volume/surface_colors.h"
 #include "engine/volume/voxelise.h"
 #include "io/format.h"
+#include "io/held_input.h"
 #include "io/image/image_formats.h"
 #include "io/image/label_values.h"
 #include "io/mesh/mesh_reader.h"
@@ -20,6 +21,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <sstream>
 
@@ -72,8 +74,7 @@ void requireForBand(const SolidMesh& solid, double voxelSize, const MemoryLimit&
   limit.require(bytes, "", what.str(), advice.str());
 }
 
-LoadedObject loadMesh(const InputSpec& input, const LoadOptions& options) {
-  StoredMesh stored = readPolygons(input);
+LoadedObject loadMesh(StoredMesh stored, const InputSpec& input, const LoadOptions& options) {
   if (stored.mesh.points.empty() && stored.mesh.faceCount() == 0)
     throw NothingError(input.path, "holds no points and no faces: it is empty");
   // What lies far away keeps its digits: only its grids are moved to its place.
@@ -226,8 +227,8 @@ LoadedObject loadShape(const std::shared_ptr<const VdbFile>& file, const InputSp
   }
 }
 
-LoadedObject loadVdb(const InputSpec& input, const LoadOptions& options) {
-  const auto file = std::make_shared<const VdbFile>(input.path);
+LoadedObject loadVdb(const std::shared_ptr<const VdbFile>& file, const InputSpec& input,
+                     const LoadOptions& options) {
   LoadedObject loaded = loadShape(file, input, options);
   if (!loaded.object.density) return loaded;
   if (const openvdb::GridBase::Ptr velocity = readVelocity(*file))
@@ -247,7 +248,9 @@ double voxelSizeFor(const Image& image, const FloatGrid& shape, const LoadOption
 }
 
 FloatGrid::Ptr levelSetOf(const FloatGrid::Ptr& shape, double iso, double voxelSize) {
-  return toLevelSet(shape, voxelSize, iso).grid;
+  // 0 would have a value looked for.
+  const double surface = iso == 0 ? double(std::numeric_limits<float>::min()) : iso;
+  return toLevelSet(shape, voxelSize, surface).grid;
 }
 
 LoadedObject loadLabels(LoadedObject loaded, const LoadOptions& options) {
@@ -264,8 +267,7 @@ LoadedObject loadLabels(LoadedObject loaded, const LoadOptions& options) {
   return loaded;
 }
 
-LoadedObject loadImage(const InputSpec& input, const LoadOptions& options) {
-  ImageFile file = readImage(input, options.image);
+LoadedObject loadImage(ImageFile file, const LoadOptions& options) {
   const bool stated = isStatedLabels(file);
   LoadedObject loaded;
   loaded.notes = std::move(file.notes);
@@ -331,20 +333,27 @@ std::vector<std::int64_t> sharedLabels(const std::vector<LoadedObject>& objects)
   return labels;
 }
 
-LoadedObject load(const InputSpec& input, const LoadOptions& options) {
+/// `held`: the input where it is in memory; null: it is read.
+LoadedObject load(const InputSpec& input, const HeldInput* held, const LoadOptions& options) {
   checkOptions(options);
   LoadedObject loaded;
   switch (input.contents) {
     case Contents::kImage:
-      loaded = loadImage(input, options);
+      loaded = loadImage(
+          held ? *std::get<std::shared_ptr<const ImageFile>>(held->content) : readImage(input, options.image),
+          options);
       loaded.object.name = input.text;
       loaded.placing = placingFor(input, options);
       return loaded;
     case Contents::kGrids:
-      loaded = loadVdb(input, options);
+      loaded = loadVdb(held ? std::get<std::shared_ptr<const VdbFile>>(held->content)
+                            : std::make_shared<const VdbFile>(input.path),
+                       input, options);
       break;
     case Contents::kMesh:
-      loaded = loadMesh(input, options);
+      loaded =
+          loadMesh(held ? *std::get<std::shared_ptr<const StoredMesh>>(held->content) : readPolygons(input),
+                   input, options);
       break;
     default:
       refuseAsShape(input);
@@ -362,13 +371,10 @@ template <typename Error>
   throw Error(path, error.note().text);
 }
 
-}  // namespace
-
-LoadedObject loadObject(const InputSpec& given, const LoadOptions& options) {
+LoadedObject loadNamed(const InputSpec& input, const HeldInput* held, const LoadOptions& options) {
   initialiseVdb();
-  const InputSpec input = stillInput(given);
   try {
-    return load(input, options);
+    return load(input, held, options);
   } catch (const NothingError& error) {
     rethrow(input.path, error);
   } catch (const GeometryError& error) {
@@ -380,6 +386,34 @@ LoadedObject loadObject(const InputSpec& given, const LoadOptions& options) {
   } catch (const std::bad_alloc&) {
     throw MemoryError(input.path, "cannot be read: there is not enough memory; use a larger --voxel-size");
   }
+}
+
+}  // namespace
+
+LoadedObject loadObject(const InputSpec& input, const LoadOptions& options) {
+  return loadNamed(stillInput(input), nullptr, options);
+}
+
+LoadedObject loadObject(const HeldInput& input, const LoadOptions& options) {
+  return loadNamed(input.spec, &input, options);
+}
+
+InputSpec heldSpec(const std::string& name, Contents contents) {
+  InputSpec spec;
+  spec.text = spec.path = name;
+  spec.contents = contents;
+  return spec;
+}
+
+HeldInput holdInput(const InputSpec& given, const ImageOptions& options) {
+  initialiseVdb();
+  const InputSpec input = stillInput(given);
+  if (input.contents == Contents::kImage)
+    return {input, std::make_shared<const ImageFile>(readImage(input, options))};
+  if (input.contents == Contents::kGrids) return {input, std::make_shared<const VdbFile>(input.path)};
+  if (input.contents == Contents::kMesh)
+    return {input, std::make_shared<const StoredMesh>(readPolygons(input))};
+  refuseAsShape(input);
 }
 
 LoadedObject loadObject(const std::string& text, const LoadOptions& options) {

@@ -16,9 +16,8 @@ bool isWanted(const std::string& name, const std::vector<std::string>& wanted) {
 
 /// Adds the grids of a VDB that can be sliced and have voxels; where the input names a grid, that one alone.
 /// `surface`: a grid `surface` will be added later, so the name is known.
-void addVdb(const InputSpec& input, const std::vector<std::string>& wanted, bool surface, char up,
-            InputGrids& result) {
-  const VdbFile file(input.path);
+void addVdb(const VdbFile& file, const InputSpec& input, const std::vector<std::string>& wanted, bool surface,
+            char up, InputGrids& result) {
   result.metadata = file.metadata();
   std::string there = surface ? "surface" : "";
   std::vector<std::string> missing = wanted;
@@ -58,20 +57,22 @@ void checkNames(const std::string& input, const std::vector<std::string>& wanted
     }
 }
 
-}  // namespace
-
-InputGrids readInputGrids(const InputSpec& given, const std::vector<std::string>& wanted,
-                          const LoadOptions& options, bool needsShape) {
+/// `held`: the input where it is in memory; null: it is read.
+InputGrids gridsOf(const InputSpec& input, const HeldInput* held, const std::vector<std::string>& wanted,
+                   const LoadOptions& options, bool needsShape) {
   initialiseVdb();
-  const InputSpec input = stillInput(given);
   const bool image = input.isImage(), vdb = input.isGrids();
   const bool surface = (!image && !vdb) || options.isoGiven;
   InputGrids result;
   result.units = image ? "mm" : "world units";
-  if (vdb) addVdb(input, wanted, surface, options.image.up, result);
+  if (vdb) {
+    const auto file = held ? std::get<std::shared_ptr<const VdbFile>>(held->content)
+                           : std::make_shared<const VdbFile>(input.path);
+    addVdb(*file, input, wanted, surface, options.image.up, result);
+  }
   LoadedObject loaded;
   if (image || needsShape || (surface && isWanted("surface", wanted))) {
-    loaded = loadObject(input, options);
+    loaded = held ? loadObject(*held, options) : loadObject(input, options);
     result.shape = loaded.object.levelSet;
     result.notes.insert(result.notes.end(), loaded.notes.begin(), loaded.notes.end());
   }
@@ -89,6 +90,18 @@ InputGrids readInputGrids(const InputSpec& given, const std::vector<std::string>
     throw GeometryError(input.path, "there is nothing to slice" +
                                         (result.notes.empty() ? "" : ": " + result.notes[0].sentence()));
   return result;
+}
+
+}  // namespace
+
+InputGrids readInputGrids(const InputSpec& input, const std::vector<std::string>& wanted,
+                          const LoadOptions& options, bool needsShape) {
+  return gridsOf(stillInput(input), nullptr, wanted, options, needsShape);
+}
+
+InputGrids readInputGrids(const HeldInput& input, const std::vector<std::string>& wanted,
+                          const LoadOptions& options, bool needsShape) {
+  return gridsOf(input.spec, &input, wanted, options, needsShape);
 }
 
 }  // namespace slicemorph

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "io/exr/exr_slice.h"
+#include "io/held_input.h"
 #include "slicemorph/io/input.h"
 #include "slicemorph/note.h"
 
@@ -20,6 +21,9 @@ struct InputGrids {
 /// `wanted`: only these grids; empty: all. `needsShape`: always fill `shape`. The files must not change while
 /// the grids live. Throws as loadObject does; InputError for an unknown grid, listing those of the input.
 InputGrids readInputGrids(const InputSpec& input, const std::vector<std::string>& wanted,
+                          const LoadOptions& options, bool needsShape = false);
+/// The same of an input in memory.
+InputGrids readInputGrids(const HeldInput& input, const std::vector<std::string>& wanted,
                           const LoadOptions& options, bool needsShape = false);
 
 }  // namespace slicemorph

@@ -52,7 +52,10 @@ Fog withDrawn(const FloatGrid::ConstPtr& density, const Find& find) {
 
 std::optional<Fog> readFog(const InputSpec& input) {
   if (!input.isGrids()) return std::nullopt;
-  const VdbFile file(input.path);
+  return readFog(VdbFile(input.path), input);
+}
+
+std::optional<Fog> readFog(const VdbFile& file, const InputSpec& input) {
   const size_t index = input.selection.empty() ? gridsToTry(file, input.path).front() : findGrid(file, input);
   const FloatGrid::ConstPtr stored = readDensity(file, index, input.path);
   if (!stored) return std::nullopt;

@@ -2,6 +2,7 @@
 
 #include "engine/render/render_fog.h"
 #include "slicemorph/io/input_spec.h"
+#include "slicemorph/io/vdb_reader.h"
 
 #include <optional>
 #include <string>
@@ -14,6 +15,8 @@ namespace slicemorph {
 /// inputs that are not fog. Throws IoError and InputError as loadObject does, and GeometryError for a density
 /// with values that are not finite.
 std::optional<Fog> readFog(const InputSpec& input);
+/// The same of a file that is open.
+std::optional<Fog> readFog(const VdbFile& file, const InputSpec& input);
 
 /// The same from grids in memory, of which `density` is the density.
 Fog fogOf(const openvdb::GridBase::ConstPtr& density, const openvdb::GridCPtrVec& grids);

@@ -3,6 +3,7 @@
 #include "io/paths.h"
 #include "io/vdb/vdb_check.h"
 #include "slicemorph/errors.h"
+#include "slicemorph/io/output.h"
 
 #include <log4cplus/logger.h>
 #include <openvdb/io/Compression.h>
@@ -235,8 +236,9 @@ struct VdbFile::Impl {
   std::uint32_t compression = openvdb::io::COMPRESS_NONE;
   std::vector<GridDescriptor> descriptors;
   std::vector<VdbEntry> entries;
+  bool inMemory = false;
   std::vector<GridBase::Ptr>
-      streamed;  // all grids of a file without offsets, which can only be read in order
+      streamed;  // all grids of memory, or of a file without offsets, which is read in order
 
   void readContents() {
     Reader reader(path, size);
@@ -273,6 +275,7 @@ struct VdbFile::Impl {
   }
 
   GridBase::Ptr readOwn(size_t index) const {
+    if (inMemory) return streamed.at(index)->copyGrid();
     return streamed.empty() ? Reader(path, size).readWhole(descriptors.at(index)) : streamed.at(index);
   }
 
@@ -303,8 +306,23 @@ VdbFile::VdbFile(const std::string& path) : impl_(std::make_unique<Impl>()) {
   guarded({path, "cannot be read as a VDB file"}, [&] { impl_->readContents(); });
 }
 
+VdbFile::VdbFile(const std::string& name, const openvdb::GridPtrVec& grids)
+    : impl_(std::make_unique<Impl>()) {
+  initialiseVdb();
+  impl_->path = name, impl_->inMemory = true;
+  impl_->fileVersion = openvdb::OPENVDB_FILE_VERSION;
+  impl_->libraryVersion = std::to_string(openvdb::OPENVDB_LIBRARY_MAJOR_VERSION) + "." +
+                          std::to_string(openvdb::OPENVDB_LIBRARY_MINOR_VERSION);
+  impl_->compression = VdbOutput().compression;
+  impl_->streamed = grids;
+  for (const GridBase::Ptr& grid : grids)
+    impl_->descriptors.emplace_back(grid->getName(), grid->type(), grid->saveFloatAsHalf());
+  impl_->entries = entriesOf(impl_->descriptors);
+}
+
 VdbFile::~VdbFile() = default;
 
+bool VdbFile::inMemory() const { return impl_->inMemory; }
 const std::vector<VdbEntry>& VdbFile::entries() const { return impl_->entries; }
 unsigned VdbFile::fileVersion() const { return impl_->fileVersion; }
 std::string VdbFile::libraryVersion() const { return impl_->libraryVersion; }

@@ -25,7 +25,7 @@ from pydicom.dataset import FileDataset, FileMetaDataset
 from pydicom.uid import CTImageStorage, ExplicitVRLittleEndian, generate_uid
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from cases import named_cases, run_cases
+from cases import Skip, named_cases, run_cases
 
 if len(sys.argv) < 4:
     sys.exit(__doc__)
@@ -245,6 +245,25 @@ def case_public_headers(folder):
 
     with multiprocessing.pool.ThreadPool(2) as pool:
         pool.map(alone, headers)
+
+
+def case_python(folder):
+    """The Python package is imported from where it was installed and moved to, without the program, and finds its plug-ins."""
+    places = glob.glob(PREFIX + "/lib/python3*/dist-packages/slicemorph")
+    if not places:
+        raise Skip("the Python package was not built")
+    write_stack(folder)
+    script = """
+import slicemorph
+image = slicemorph.load("in.#.tif", spacing=(1, 1, 2))
+assert image.to_numpy().shape == (7, 6, 5) and image.to_numpy()[1, 2, 3] == 3 * 42 + 2 * 7 + 1, image.to_numpy()
+image.save("out.nrrd")
+assert (slicemorph.load("out.nrrd").to_numpy() == image.to_numpy()).all()
+print(slicemorph.__file__, slicemorph.__version__)
+"""
+    told = run("/usr/bin/python3", "-c", script, folder=folder, PYTHONPATH=os.path.dirname(places[0]), PATH="").stdout
+    assert told.startswith(places[0]), told
+    assert os.path.exists(places[0] + "/py.typed") and os.path.exists(places[0] + "/_option_types.py")
 
 
 def case_package(folder):

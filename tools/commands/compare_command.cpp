@@ -1,14 +1,12 @@
 #include "tools/commands/compare_command.h"
 
-#include "engine/measure/measure.h"
-#include "engine/volume/voxelise.h"
 #include "io/atomic_file.h"
 #include "slicemorph/io/output.h"
 #include "tools/commands/command_options.h"
 #include "tools/commands/common_options.h"
-#include "tools/job/compare_maps.h"
+#include "tools/commands/terminal_events.h"
+#include "tools/job/compare_shapes.h"
 #include "tools/job/load_settings.h"
-#include "tools/job/memory_need.h"
 #include "tools/job/option_values.h"
 #include "tools/report/comparison_report.h"
 
@@ -19,78 +17,13 @@
 namespace slicemorph {
 namespace {
 
-struct CompareSettings {
-  std::string inputs[2];
-  LoadOptions load;
-  std::vector<std::string> reports;  ///< .json, .csv
-  bool json = false, quiet = false, verbose = false;
-};
-
-struct Comparison {
-  ShapeMeasures shapes[2];
-  double voxelSizes[2] = {0, 0};
-  SurfaceDistance distance;
-  Overlap overlap;
-  std::vector<LabelComparison> labels;  ///< of two label maps
-};
-
-Comparison compare(const CompareSettings& s) {
-  Comparison result;
-  FloatGrid::ConstPtr grids[2];
-  Mesh meshes[2];
-  std::shared_ptr<const Image> maps[2];
-  for (int i = 0; i < 2; ++i) {
-    const LoadedObject loaded = loadObject(s.inputs[i], s.load);
-    printNotes(s.inputs[i] + ": ", loaded.notes, s.quiet, s.verbose);
-    grids[i] = loaded.object.levelSet;
-    if (loaded.labels) maps[i] = loaded.image;
-  }
-  const std::string both = s.inputs[0] + " and " + s.inputs[1];
-  if (maps[0] && maps[1]) {
-    MapComparison compared = compareMaps(*maps[0], *maps[1], s.load.memory, both);
-    printNotes(both + ": ", compared.notes, s.quiet, s.verbose);
-    result.labels = std::move(compared.labels);
-  }
-  require(s.load.memory, both, needOfComparison(*grids[0], *grids[1]));
-  for (int i = 0; i < 2; ++i) {
-    meshes[i] = surfaceOf(*grids[i]);
-    result.shapes[i] = measureMesh(meshes[i]);
-    result.voxelSizes[i] = grids[i]->voxelSize()[0];
-  }
-  result.distance = surfaceDistance(meshes[0], meshes[1]);
-  result.overlap = overlap(*grids[0], *grids[1]);
-  return result;
-}
-
-nlohmann::ordered_json jsonOfComparison(const CompareSettings& s, const Comparison& c) {
-  const auto distance = [&](double unit) {
-    return nlohmann::ordered_json{{"mean", c.distance.mean / unit},
-                                  {"p95", c.distance.p95 / unit},
-                                  {"p99", c.distance.p99 / unit},
-                                  {"max", c.distance.max / unit}};
-  };
-  nlohmann::ordered_json json;
-  for (int i = 0; i < 2; ++i) {
-    const ShapeMeasures& shape = c.shapes[i];
-    json[i ? "b" : "a"] = {{"file", s.inputs[i]}, {"voxelSize", c.voxelSizes[i]}, {"volume", shape.volume},
-                           {"area", shape.area},  {"pieces", shape.pieces},       {"genus", shape.genus}};
-  }
-  json["distance"] = distance(1);
-  json["distanceVoxels"] = distance(c.voxelSizes[0]);
-  json["dice"] = c.overlap.dice;
-  json["intersection"] = c.overlap.intersection;
-  json["symmetricDifference"] = c.overlap.symmetricDifference;
-  if (!c.labels.empty()) json["labels"] = labelsJson(c.labels);
-  return json;
-}
-
 std::string spelled(const nlohmann::ordered_json& json) {
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
-void writeReports(const CompareSettings& s, const Comparison& c) {
-  for (const std::string& path : s.reports) {
-    const nlohmann::ordered_json whole = jsonOfComparison(s, c);
+void writeReports(const std::vector<std::string>& reports, const Comparison& c) {
+  for (const std::string& path : reports) {
+    const nlohmann::ordered_json whole = jsonOf(c);
     writeTextFile(
         path, OutputName(path).extension() == ".json" ? spelled(whole) : comparisonTable(c.labels, whole));
   }
@@ -130,23 +63,21 @@ void printText(const Comparison& c) {
 void runCompare(const OptionSet& options) {
   options.checkExclusions();
   const JobOptions& given = options.values();
-  const CompareSettings s = {{given.input, given.other},
-                             loadSettings(options),
-                             given.reports,
-                             given.json,
-                             given.quiet,
-                             given.verbose};
-  for (const std::string& input : s.inputs) checkInputExists(input);
-  for (const std::string& report : s.reports) {
+  CompareJob job;
+  job.inputs[0] = given.input, job.inputs[1] = given.other;
+  job.load = loadSettings(options);
+  for (const std::string& input : job.inputs) checkInputExists(input);
+  for (const std::string& report : given.reports) {
     checkExtension(report, {".json", ".csv"});
     checkOutputPath(report);
   }
   const auto limit = limitThreads(given.threads);
-  s.load.memory.enforce();
-  const Comparison result = compare(s);
-  writeReports(s, result);
-  if (s.json)
-    std::printf("%s", spelled(jsonOfComparison(s, result)).c_str());
+  job.load.memory.enforce();
+  TerminalEvents events(given.quiet, given.verbose);
+  const Comparison result = compareShapes(job, events);
+  writeReports(given.reports, result);
+  if (given.json)
+    std::printf("%s", spelled(jsonOf(result)).c_str());
   else
     printText(result);
 }

@@ -6,11 +6,8 @@
 #include "tools/commands/command_options.h"
 #include "tools/commands/common_options.h"
 #include "tools/commands/terminal_events.h"
-#include "tools/job/load_settings.h"
 #include "tools/job/option_values.h"
 #include "tools/job/render_pictures.h"
-
-#include <cstdio>
 
 namespace slicemorph {
 namespace {
@@ -28,44 +25,12 @@ void checkRenderOutputs(const RenderJob& job) {
   VideoWriter::checkAvailable(job.output);
 }
 
-/// --resolution means two sizes: WIDTHxHEIGHT that of the picture, one number that of a mesh in voxels.
-RenderJob withResolution(RenderJob job, const std::string& text) {
-  if (text.empty()) return job;
-  int used = 0;
-  if (parseSize(text)) {
-    job.picture.size = text;
-    job.picture.sizeOption = "--resolution";
-  } else if (std::sscanf(text.c_str(), "%d%n", &job.load.resolution, &used) == 1 &&
-             size_t(used) == text.size()) {
-    checkRange("--resolution", job.load.resolution, 8, 4096);
-  } else {
-    throw InputError("--resolution " + text +
-                     ": expected pixels, for example 640x480, or a number of voxels");
-  }
-  return job;
-}
-
-RenderJob renderJob(const OptionSet& options) {
-  options.checkExclusions();
+void runRender(const OptionSet& options) {
   const JobOptions& given = options.values();
   if (given.inputs.empty())
     throw InputError("render needs an input; for example: slicemorph render a.vdb -o a.png");
-  RenderJob job;
-  job.inputs = given.inputs, job.output = given.output, job.sheet = given.contactSheet;
-  job.columns = given.columns, job.turntable = given.turntable;
-  job.framesPerSecond = given.framesPerSecond, job.asSurface = given.fogAsSurface;
-  job.picture = given.picture, job.load = loadSettings(options);
-  job = withResolution(std::move(job), given.pictureResolution);
-  job.picture.framing.allRound = job.turntable > 0;
-  job.picture = checkedPicture(job.picture, options);
-  job.picture.render.channels = OutputName(job.output).extension() == ".exr";
-  checkRenderOutputs(job);
-  return job;
-}
-
-void runRender(const OptionSet& options) {
-  const JobOptions& given = options.values();
   const RenderJob job = renderJob(options);
+  checkRenderOutputs(job);
   const auto limit = limitThreads(given.threads);
   job.load.memory.enforce();
   TerminalEvents events(given.quiet, given.verbose);

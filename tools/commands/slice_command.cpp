@@ -11,22 +11,11 @@
 namespace slicemorph {
 namespace {
 
-CutJob cutJob(const OptionSet& options) {
-  options.checkExclusions();
-  const JobOptions& given = options.values();
-  CutJob job;
-  job.input = given.input, job.output = given.output;
-  job.slices = checkedSlices(options), job.load = loadSettings(options);
-  if (options.given("t")) job.slices.exr.t = given.sliceTime;
-  if (options.given("grids")) job.grids = parseNames("--grids", given.grids);
-  checkExtension(job.output, {".exr"});
-  checkOutputPath(OutputName(job.output).path(1));
-  return job;
-}
-
 void runSlice(const OptionSet& options) {
   const JobOptions& given = options.values();
   const CutJob job = cutJob(options);
+  checkExtension(job.output, {".exr"});
+  checkOutputPath(OutputName(job.output).path(1));
   const auto limit = limitThreads(given.threads);
   job.load.memory.enforce();
   TerminalEvents events(given.quiet, given.verbose);

@@ -5,9 +5,9 @@ packages=(
   libopenvdb-dev libnanovdb-dev libboost-iostreams-dev libboost-system-dev libtbb-dev libopenexr-dev libimath-dev liblog4cplus-dev
   libeigen3-dev libnanoflann-dev libtinygltf-dev libdraco-dev libmeshoptimizer-dev libpng-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev
   libinsighttoolkit5-dev libgdcm-dev libnifti2-dev libniftiio-dev libznz-dev zlib1g-dev libbz2-dev libopenimageio-dev libtiff-dev
-  libjemalloc-dev
+  libjemalloc-dev python3-dev pybind11-dev
 )
-test_packages=(libgtest-dev libbenchmark-dev libopenvdb-tools libnanovdb-tools python3-openvdb python3-numpy
+test_packages=(libgtest-dev libbenchmark-dev libopenvdb-tools libnanovdb-tools python3-openvdb python3-numpy python3-matplotlib
   openimageio-tools python3-openimageio python3-nibabel python3-tifffile teem-apps python3-pydicom python3-scipy mricron-data ffmpeg
   dcm2niix dcmtk dicom3tools plastimatch elastix chromium clang-format slurmctld slurmd slurm-client munge
   man-db groff-base dpkg-dev)

@@ -84,7 +84,7 @@ Notes writeSlicesOf(const FrameTask& task, const ImageSetup& setup, const MorphF
   exr.t = task.job.t;
   exr.frame = task.job.number;
   exr.framesPerSecond = s.framesPerSecond;
-  if (std::all_of(s.inputs.begin(), s.inputs.end(), isImageInput)) exr.units = "mm";
+  if (s.allImages()) exr.units = "mm";
   OnlyCancel progress(cancel);
   Notes notes;
   if (!setup.planes.empty())

@@ -12,7 +12,12 @@ FrameInputs::FrameInputs(const MorphSettings& settings)
       placings_(settings.inputs.size()),
       open_(settings.inputs.size()),
       loaded_(settings.inputs.size()) {
-  for (const std::string& input : settings.inputs) files_.emplace_back(parseInput(input));
+  for (size_t k = 0; k < settings.inputs.size(); ++k) files_.emplace_back(settings.input(k));
+}
+
+LoadedObject FrameInputs::load(size_t input, size_t frame) {
+  const HeldInput* const held = heldAt(settings_.held, input);
+  return held ? loadObject(*held, optionsFor(input)) : files_[input].load(frame, optionsFor(input));
 }
 
 Notes FrameInputs::notes(size_t frames) const {
@@ -31,8 +36,8 @@ LoadOptions FrameInputs::optionsFor(size_t input) const {
   LoadOptions options = optionsOfInput(settings_.load, input);
   options.placing = placings_[input];
   for (size_t k = 0; k < files_.size(); ++k)
-    if (k != input && files_[k].file(0).isGrids() && files_[input].file(0).isGrids() &&
-        files_[k].file(0).path != files_[input].file(0).path)
+    if (k != input && !heldAt(settings_.held, k) && files_[k].file(0).isGrids() &&
+        files_[input].file(0).isGrids() && files_[k].file(0).path != files_[input].file(0).path)
       options.besides.push_back(files_[k].file(0).path);
   return options;
 }
@@ -47,7 +52,7 @@ Notes FrameInputs::fitted(size_t frame) {
   }
   placings_ = fittingPlacings(boxes, fits);
   for (size_t k = 0; k < loaded_.size(); ++k)
-    if (!placings_[k].isIdentity()) loaded_[k] = files_[k].load(frame, optionsFor(k));
+    if (!placings_[k].isIdentity()) loaded_[k] = load(k, frame);
   Notes notes = notesOnSizes(boxes, fits, settings_.inputs);
   for (size_t k = 0; k < loaded_.size(); ++k)
     if (!loaded_[k].placing.isIdentity())
@@ -62,7 +67,7 @@ FrameInputs::Step FrameInputs::moveTo(size_t frame, Progress& progress) {
     if (open_[k] == file.text) continue;
     if (progress.cancelled()) throw Cancelled();
     progress.report("reading", double(k) / double(files_.size()));
-    loaded_[k] = files_[k].load(frame, optionsFor(k));
+    loaded_[k] = load(k, frame);
     open_[k] = file.text;
     step.changed = true;
     for (Note& note : about(file.text, loaded_[k].notes))

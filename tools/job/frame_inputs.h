@@ -32,6 +32,7 @@ class FrameInputs {
  private:
   const MorphSettings& settings_;
   LoadOptions optionsFor(size_t input) const;
+  LoadedObject load(size_t input, size_t frame);
   /// Finds how the inputs of the first frame are to be placed, and loads those anew that are.
   Notes fitted(size_t frame);
 

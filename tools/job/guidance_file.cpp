@@ -173,9 +173,9 @@ WeightKey keyOf(const toml::node& node, const WeightKey* before, const InputText
 
 }  // namespace
 
-Guidance readGuidance(const std::string& path, const InputTexts& inputs) {
-  const toml::table root = parseToml(path);
-  TomlReader read(path);
+Guidance readGuidance(const JobFile& file, const InputTexts& inputs) {
+  const toml::table root = parseToml(file);
+  TomlReader read(file.path);
   Guidance guidance;
   for (const toml::table* table : tablesOf(root, "feature", read))
     guidance.features.push_back(featureOf(*table, guidance.features.size() + 1, inputs, read));
@@ -186,9 +186,9 @@ Guidance readGuidance(const std::string& path, const InputTexts& inputs) {
   return guidance;
 }
 
-KeyList readKeys(const std::string& path, const InputTexts& inputs) {
-  const toml::table root = parseToml(path);
-  TomlReader read(path);
+KeyList readKeys(const JobFile& file, const InputTexts& inputs) {
+  const toml::table root = parseToml(file);
+  TomlReader read(file.path);
   KeyList list;
   const toml::node* node = root.get("keys");
   if (!node) return list;

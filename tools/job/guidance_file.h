@@ -2,6 +2,7 @@
 
 #include "slicemorph/guidance.h"
 #include "slicemorph/note.h"
+#include "tools/job/job_file.h"
 #include "tools/job/key_times.h"
 
 #include <string>
@@ -17,13 +18,13 @@ struct Guidance {
   std::vector<Region> regions;    ///< of tables [[region]]
   Notes notes;
 };
-Guidance readGuidance(const std::string& path, const std::vector<std::string>& inputs);
+Guidance readGuidance(const JobFile& file, const std::vector<std::string>& inputs);
 
 struct KeyList {
   std::vector<WeightKey> keys;  ///< empty: the file has none
   Notes notes;
 };
 /// `keys = "a@0 b@1"` or a list of tables {at = 0, input = "a"} or {at = 0, weights = [...]}.
-KeyList readKeys(const std::string& path, const std::vector<std::string>& inputs);
+KeyList readKeys(const JobFile& file, const std::vector<std::string>& inputs);
 
 }  // namespace slicemorph

@@ -123,8 +123,9 @@ const OptionRow& rowOf(const std::string& path, const toml::key& key, const Opti
 
 }  // namespace
 
-void applyJobFile(const std::string& path, OptionSet& options) {
-  const toml::table table = parseToml(path);
+void applyJobFile(const JobFile& file, OptionSet& options) {
+  const std::string& path = file.path;
+  const toml::table table = parseToml(file);
   for (const auto& [key, node] : table) {
     const OptionRow& row = rowOf(path, key, options);
     const std::string source = positionOf(path, node.source());

@@ -1,22 +1,36 @@
 #pragma once
 
+#include "io/held_input.h"
 #include "slicemorph/io/input.h"
 #include "slicemorph/slicemorph.h"
 #include "tools/job/picture_options.h"
 #include "tools/job/slice_options.h"
 
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace slicemorph {
+
+/// Inputs that hosts have in memory, in the order of a job's inputs, by whose names they are among these; null, or beyond
+/// the end: the input is read from its file.
+using HeldInputs = std::vector<std::shared_ptr<const HeldInput>>;
+
+/// One of them; null: it is read from its file.
+inline const HeldInput* heldAt(const HeldInputs& held, size_t input) {
+  return input < held.size() ? held[input].get() : nullptr;
+}
 
 /// The fields that the options of all commands are bound to, as typed: texts are parsed, and options checked
 /// against each other, later. The initial values are the defaults in the help; where one only means "not
 /// given" (an empty text, 0), the table (option_table.h) states the default.
 struct JobOptions {
   // Inputs
-  std::vector<std::string> inputs;  ///< of commands that take any number
-  std::string input, other;         ///< of commands that take one; the second of `compare`
+  std::vector<std::string> inputs;        ///< of commands that take any number
+  std::string input, other;               ///< of commands that take one; the second of `compare`
+  HeldInputs held;                        ///< no option of the program
+  std::optional<std::string> configText;  ///< likewise: the content of `config`, which is then only its name
   std::string iso, imageKind = "auto", spacing, upright = "auto", glbUp = "y", unit = "m", fit = "none";
   LoadOptions load;
 

@@ -33,6 +33,7 @@ void writeLabelImage(const ReconstructJob& job, Image dense, const Notes& notes,
   const OutputName name(job.output);
   const bool structures = isStructureOutput(job.output);
   if (!job.like.empty()) dense = nearestTo(dense, readImage(job.like, job.image).image.lattice);
+  if (job.takeImage) return job.takeImage(std::move(dense));
   const auto labels = std::make_shared<const Image>(std::move(dense));
   if (structures) {
     events.notes(

@@ -12,8 +12,6 @@
 namespace slicemorph {
 namespace {
 
-bool allImages(const MorphSettings& s) { return std::all_of(s.inputs.begin(), s.inputs.end(), isImageInput); }
-
 bool onlySurface(const MorphSettings& s) {
   return std::all_of(s.grids.begin(), s.grids.end(), [](const std::string& g) { return g == "surface"; });
 }
@@ -57,7 +55,7 @@ void checkFrameImages(const MorphSettings& s, const OptionSet& options) {
     options.refuse("exr-spine",
                    "--exr-spine: --method " + s.method + " makes no shape whose spine slices could follow");
   if (!s.toPictures()) return;
-  if (allImages(s) && !s.can().surface)
+  if (s.allImages() && !s.can().surface)
     options.refuse("method", "--method " + s.method +
                                  " of images makes no surface that could be drawn; the output can be "
                                  "--exr slices or an image");
@@ -68,11 +66,13 @@ void checkFrameImages(const MorphSettings& s, const OptionSet& options) {
 
 /// In-between images need images as inputs.
 void checkImages(const MorphSettings& s, const OptionSet& options) {
-  const bool images = allImages(s), imageOutput = isImageOutput(s.output);
+  const bool images = s.allImages(), imageOutput = isImageOutput(s.output);
   if (imageOutput && !images) {
-    const auto other = std::find_if_not(s.inputs.begin(), s.inputs.end(), isImageInput);
+    size_t other = 0;
+    while (s.input(other).isImage()) ++other;
     options.refuse("output", "-o " + s.output + ": in-between images need images on all sides, and " +
-                                 *other + " is none; the output can be .vdb .obj .ply .stl .glb .exr .png");
+                                 s.inputs[other] +
+                                 " is none; the output can be .vdb .obj .ply .stl .glb .exr .png");
   }
   if (!s.plan.regions.empty() && images && (imageOutput || s.holdsGrids()) &&
       s.grids != std::vector<std::string>{"surface"})
@@ -104,8 +104,9 @@ void checkMethodOutput(const MorphSettings& s, const OptionSet& options) {
 size_t lengthOfInputs(const OptionSet& options) {
   size_t length = 1;
   if (options.values().printConfig) return length;
-  for (const std::string& input : options.values().inputs)
-    if (isMovingInput(input))
+  for (size_t k = 0; k < options.values().inputs.size(); ++k)
+    if (const std::string& input = options.values().inputs[k];
+        !heldAt(options.values().held, k) && isMovingInput(input))
       length = std::max(length, options.about("inputs", [&] { return framesOf(parseInput(input)).size(); }));
   return length;
 }
@@ -179,7 +180,8 @@ void checkMorphFiles(const MorphSettings& s, const OptionSet& options) {
     if (!std::filesystem::is_directory(parent))
       options.about("dump-slices", [&] { checkOutputPath(parent.string()); });
   }
-  for (const std::string& input : s.inputs) options.about("inputs", [&] { checkInputExists(input); });
+  for (size_t k = 0; k < s.inputs.size(); ++k)
+    if (!heldAt(s.held, k)) options.about("inputs", [&] { checkInputExists(s.inputs[k]); });
   if (!s.like.empty()) options.about("like", [&] { checkInputExists(s.like); });
 }
 

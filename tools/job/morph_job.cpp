@@ -16,11 +16,7 @@ namespace {
 
 /// Times of the frames: evenly from 0 to 1, or those of --at.
 std::vector<double> frameTimes(const OptionSet& options, int frames) {
-  if (!options.given("at")) {
-    std::vector<double> times(size_t(frames), 0.0);
-    for (int i = 1; i < frames; ++i) times[size_t(i)] = double(i) / (frames - 1);
-    return times;
-  }
+  if (!options.given("at")) return evenTimes(frames);
   const std::string& at = options.values().at;
   const std::vector<double> times = options.about("at", [&] { return parseNumbers("--at", at); });
   for (double t : times)
@@ -29,24 +25,10 @@ std::vector<double> frameTimes(const OptionSet& options, int frames) {
   return times;
 }
 
-/// Sets the change of the weights per second. Frames are 1 / fps seconds apart, whatever their times.
-std::vector<FrameJob> withRates(std::vector<FrameJob> frames, const WeightCourse& course,
-                                double framesPerSecond) {
-  if (frames.size() < 2) return frames;
-  for (size_t i = 0; i < frames.size(); ++i) {
-    const size_t before = i > 0 ? i - 1 : i, after = i + 1 < frames.size() ? i + 1 : i;
-    const double perSecond =
-        (*frames[after].t - *frames[before].t) / double(after - before) * framesPerSecond;
-    frames[i].rate = slopeAt(course, *frames[i].t);
-    for (double& r : frames[i].rate) r *= perSecond;
-  }
-  return frames;
-}
-
 KeyList keysOf(const OptionSet& options) {
   const JobOptions& given = options.values();
   if (!given.keys.empty()) return {parseKeys("--keys", given.keys, given.inputs), {}};
-  return options.given("keys") ? readKeys(given.config, given.inputs) : KeyList();
+  return options.given("keys") ? readKeys(JobFile(given), given.inputs) : KeyList();
 }
 
 /// Sets the frames of a sequence: their times and the weights at these.
@@ -67,14 +49,9 @@ MorphJob withTimes(MorphJob job, const OptionSet& options) {
   const size_t length = lengthOfInputs(options);
   const bool wholeSequence = length > 1 && !options.given("frames"), atGiven = options.given("at");
   const std::vector<double> times = frameTimes(options, wholeSequence ? int(length) : given.frames);
-  for (size_t i = 0; i < times.size(); ++i)
-    s.frames.push_back({given.start + int(i),
-                        times[i],
-                        weightsAt(s.course, times[i]),
-                        OutputName(s.output).path(given.start + int(i)),
-                        atGiven ? size_t(std::lround(times[i] * double(length - 1))) : i,
-                        {}});
-  s.frames = withRates(std::move(s.frames), s.course, s.framesPerSecond);
+  s.frames = framesAt(s, times, given.start);
+  for (FrameJob& frame : s.frames)
+    if (atGiven) frame.inputFrame = size_t(std::lround(*frame.t * double(length - 1)));
   return job;
 }
 
@@ -105,7 +82,7 @@ MorphJob withGuidance(MorphJob job, const OptionSet& options) {
   const JobOptions& given = options.values();
   MorphSettings& s = job.settings;
   if (!given.config.empty()) {
-    const Guidance guidance = readGuidance(given.config, s.inputs);
+    const Guidance guidance = readGuidance(JobFile(given), s.inputs);
     s.plan.features = job.tables.features = guidance.features;
     s.plan.regions = job.tables.regions = guidance.regions;
     job.notes.insert(job.notes.end(), guidance.notes.begin(), guidance.notes.end());
@@ -139,14 +116,14 @@ MorphSettings plainSettings(const OptionSet& options) {
   const JobOptions& given = options.values();
   MorphSettings s;
   s.options = given;
-  s.inputs = given.inputs, s.output = given.output, s.method = given.method;
+  s.inputs = given.inputs, s.held = given.held, s.output = given.output, s.method = given.method;
   s.framesPerSecond = given.framesPerSecond, s.reports = given.reports, s.sliceFolder = given.sliceFolder;
   s.quiet = given.quiet, s.resume = given.resume, s.planFile = given.planFile;
   s.conserve = given.conserve, s.like = given.like;
   if (options.given("grids"))
     s.grids = options.about("grids", [&] { return parseNames("--grids", given.grids); });
   s.exrContent = given.exrContent == "slices" ? ExrContent::kSlices : ExrContent::kPicture;
-  const bool images = std::all_of(s.inputs.begin(), s.inputs.end(), isImageInput);
+  const bool images = s.allImages();
   s.velocity = velocityOf(options, s, images);
   s.load = loadingOf(s, options);
   s.plan = planSettings(options, images);
@@ -161,6 +138,35 @@ MorphSettings plainSettings(const OptionSet& options) {
 }
 
 }  // namespace
+
+std::vector<double> evenTimes(int frames) {
+  std::vector<double> times(size_t(frames), 0.0);
+  for (int i = 1; i < frames; ++i) times[size_t(i)] = double(i) / (frames - 1);
+  return times;
+}
+
+std::vector<FrameJob> framesAt(const MorphSettings& settings, const std::vector<double>& times, int start) {
+  std::vector<FrameJob> frames;
+  for (size_t i = 0; i < times.size(); ++i) {
+    const int number = start + int(i);
+    frames.push_back({number,
+                      times[i],
+                      weightsAt(settings.course, times[i]),
+                      OutputName(settings.output).path(number),
+                      i,
+                      {}});
+    if (times.size() < 2) continue;
+    const size_t before = i > 0 ? i - 1 : i, after = i + 1 < times.size() ? i + 1 : i;
+    frames[i].rate = rateAt(settings, times[i], (times[after] - times[before]) / double(after - before));
+  }
+  return frames;
+}
+
+Weights rateAt(const MorphSettings& settings, double t, double perFrame) {
+  Weights rate = slopeAt(settings.course, t);
+  for (double& r : rate) r *= perFrame * settings.framesPerSecond;
+  return rate;
+}
 
 MorphJob morphJob(const OptionSet& options) {
   checkEssentials(options);

@@ -19,4 +19,11 @@ struct MorphJob {
 /// --print-config. Throws InputError, IoError.
 MorphJob morphJob(const OptionSet& options);
 
+/// Times of so many frames, evenly from 0 to 1; of one, 0.
+std::vector<double> evenTimes(int frames);
+/// The frames of a sequence at these times, numbered from `start`, 1 / fps seconds apart whatever their times.
+std::vector<FrameJob> framesAt(const MorphSettings& settings, const std::vector<double>& times, int start);
+/// Change of the weights per second at a time of a sequence in which a frame takes `perFrame` of the time.
+Weights rateAt(const MorphSettings& settings, double t, double perFrame);
+
 }  // namespace slicemorph

@@ -14,7 +14,22 @@ std::vector<FrameJob> MorphSettings::wantedFrames() const {
   return wanted;
 }
 
-bool MorphSettings::moving() const { return std::any_of(inputs.begin(), inputs.end(), isMovingInput); }
+InputSpec MorphSettings::input(size_t k) const {
+  const HeldInput* const inMemory = heldAt(held, k);
+  return inMemory ? inMemory->spec : parseInput(inputs[k]);
+}
+
+bool MorphSettings::allImages() const {
+  for (size_t k = 0; k < inputs.size(); ++k)
+    if (!input(k).isImage()) return false;
+  return true;
+}
+
+bool MorphSettings::moving() const {
+  for (size_t k = 0; k < inputs.size(); ++k)
+    if (input(k).isMoving()) return true;
+  return false;
+}
 
 bool MorphSettings::toFrameImages() const {
   const std::string extension = OutputName(output).extension();

@@ -58,6 +58,7 @@ struct VelocitySettings {
 /// What `slicemorph morph` is to do; values are checked.
 struct MorphSettings {
   std::vector<std::string> inputs;
+  HeldInputs held;  ///< those of the inputs that are in memory
   std::string output;
   LoadOptions load;
   MorphOptions plan;
@@ -90,6 +91,9 @@ struct MorphSettings {
   const MethodTraits& can() const { return methodNamed(method).can; }
   /// The frames that are to be made.
   std::vector<FrameJob> wantedFrames() const;
+  /// An input as it is described by its name, or by itself where it is in memory.
+  InputSpec input(size_t k) const;
+  bool allImages() const;
   /// Whether an input is a sequence, so that one plan does not serve all frames.
   bool moving() const;
   /// Every frame is written as a picture or as EXR slices.

@@ -29,6 +29,7 @@ std::optional<std::string> whyOneWorld(const std::vector<LoadedObject>& inputs,
   if (all([](const LoadedObject& input) { return input.fog; })) return "all are fog";
   if (all([](const LoadedObject& input) { return input.fog || isLiquidName(input.gridName); }))
     return "their grids are named as those of liquids are";
+  if (!all([](const LoadedObject& input) { return !input.file->inMemory(); })) return std::nullopt;
   const std::optional<std::string> first = familyOf(names[0]);
   if (first && std::all_of(names.begin(), names.end(),
                            [&](const std::string& name) { return familyOf(name) == first; }))

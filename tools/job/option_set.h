@@ -25,6 +25,12 @@ class OptionSet {
   /// Sets an option's value from one text or, for kTexts, any number of them. Throws InputError for texts
   /// that are no value of the option.
   void set(const OptionRow& row, const std::vector<std::string>& texts);
+  /// Gives the content of inputs that no file holds; their names are set as those of files are.
+  void hold(HeldInputs held) { values_.held = std::move(held); }
+  /// Gives a job file that is in memory, as if --config named it.
+  void holdJobFile(const std::string& name, const std::string& text) {
+    values_.config = name, values_.configText = text;
+  }
   /// Remembers the position of an option in a file: `file:line:column: `. For tables only this is called.
   void setSource(const std::string& name, const std::string& source) { sources_[name] = source; }
 

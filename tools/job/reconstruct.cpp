@@ -2,10 +2,14 @@
 
 #include "io/paths.h"
 #include "slicemorph/io/input.h"
+#include "tools/job/image_lattice.h"
+#include "tools/job/load_settings.h"
 #include "tools/job/option_values.h"
 #include "tools/job/reconstruct_contours.h"
 #include "tools/job/reconstruct_labels.h"
 #include "tools/job/reconstruct_slices.h"
+
+#include <cmath>
 
 namespace slicemorph {
 namespace {
@@ -34,9 +38,47 @@ void refuseForSlices(const ReconstructJob& job) {
       throw InputError(option + " is for label maps and contours; " + job.input + " are slices of grids");
 }
 
+/// Throws InputError for what are not two ascending whole numbers or more.
+std::vector<int> sliceNumbers(const std::string& text) {
+  std::vector<int> slices;
+  if (text.empty()) return slices;
+  for (const double number : parseNumbers("--given", text)) {
+    if (number != std::floor(number) || number < 0 || number > 1e6 ||
+        (!slices.empty() && number <= slices.back()))
+      throw InputError("--given " + text + ": slices are whole numbers from 0, ascending");
+    slices.push_back(int(number));
+  }
+  if (slices.size() < 2)
+    throw InputError("--given " + text + " is one slice; two or more can be filled between");
+  return slices;
+}
+
 }  // namespace
 
+ReconstructJob reconstructJob(const OptionSet& options) {
+  options.checkExclusions();
+  const JobOptions& given = options.values();
+  ReconstructJob job;
+  job.input = given.input, job.output = given.output;
+  if (!given.held.empty()) job.held = given.held[0];
+  if (given.axis != "auto") job.axis = int(std::string("ijk").find(given.axis));
+  job.given = sliceNumbers(given.givenSlices);
+  job.every = given.every, job.between = given.between, job.voxelSize = given.load.voxelSize;
+  job.space = meshSpace(options, job.output, MeshSpace::kLps);
+  job.like = given.like, job.source = given.source, job.names = given.names, job.reports = given.reports;
+  job.image = loadSettings(options).image;
+  job.imageKind = loadSettings(options).imageKind;
+  job.memory = memorySettings(options);
+  if (options.given("grids")) job.grids = parseNames("--grids", given.grids);
+  return job;
+}
+
 void reconstruct(const ReconstructJob& job, JobEvents& events) {
+  if (job.held) {
+    if (!job.held->spec.isImage())
+      throw InputError(job.input, "is no image; of what is in memory only images can be reconstructed");
+    return reconstructImage(job, events);
+  }
   const InputSpec input = parseInput(job.input);
   if (isOfSlices(job, input)) {
     refuseForSlices(job);

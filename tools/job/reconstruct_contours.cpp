@@ -166,6 +166,7 @@ void writeMap(const ReconstructJob& job, const Structures& made, Notes notes, Jo
   for (const ContourSet& set : made.sets) labels.push_back(set.label);
   const ContourMap map =
       contourMap(made.surfaces, labels, on, materials ? SharedVoxel::deepest : SharedVoxel::smallest);
+  if (job.takeImage) return job.takeImage(map.image);
   writeImage(job.output, map.image);
   events.fileWritten(job.output, false);
   if (!materials) {

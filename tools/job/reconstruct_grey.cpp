@@ -75,6 +75,7 @@ void reconstructGrey(const ReconstructJob& job, ImageFile file, JobEvents& event
   Image image = job.between > 0 ? expandedStack(file.image, given.axis, job.between) : std::move(file.image);
   image = interpolateGrey(std::move(image), given);
   if (!job.like.empty()) image = resampledTo(image, readImage(job.like, job.image).image.lattice);
+  if (job.takeImage) return job.takeImage(std::move(image));
   writeImage(job.output, image);
   events.fileWritten(job.output, false);
 }

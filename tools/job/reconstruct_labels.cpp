@@ -35,6 +35,11 @@ struct SparseLabels {
   Notes notes;
 };
 
+ImageFile imageOfJob(const ReconstructJob& job) {
+  return job.held ? *std::get<std::shared_ptr<const ImageFile>>(job.held->content)
+                  : readImage(job.input, job.image);
+}
+
 SparseLabels sparseLabels(const ReconstructJob& job, Image image, const LabelledSlices& labelled,
                           Notes notes) {
   const GivenSlices given = givenSlices(job, labelled, image.lattice);
@@ -121,8 +126,9 @@ void writeLabelSurfaces(const ReconstructJob& job, const SparseLabels& sparse, J
 }  // namespace
 
 void reconstructImage(const ReconstructJob& job, JobEvents& events) {
-  if (job.imageKind != ImageKind::kGrey && reconstructLabelSlabs(job, events)) return;
-  ImageFile file = readImage(job.input, job.image);
+  if (!job.held && !job.takeImage && job.imageKind != ImageKind::kGrey && reconstructLabelSlabs(job, events))
+    return;
+  ImageFile file = imageOfJob(job);
   const size_t notes = file.notes.size();
   if (job.imageKind != ImageKind::kGrey) takeLabels(file.image, /*asked=*/true, file.notes);
   ValuesSeen seen;
@@ -130,7 +136,7 @@ void reconstructImage(const ReconstructJob& job, JobEvents& events) {
   const bool labels = job.imageKind == ImageKind::kLabels ||
                       (job.imageKind == ImageKind::kAuto && (isStatedLabels(file) || seen.looksDrawn()));
   if (!labels) {
-    if (file.notes.size() > notes) file = readImage(job.input, job.image);  // as it is, without rounding
+    if (file.notes.size() > notes) file = imageOfJob(job);  // as it is, without rounding
     return reconstructGrey(job, std::move(file), events);
   }
   LabelledSlices labelled(file.image.lattice.size);

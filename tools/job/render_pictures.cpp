@@ -5,10 +5,12 @@
 #include "io/image/video_writer.h"
 #include "slicemorph/errors.h"
 #include "slicemorph/io/output.h"
+#include "tools/job/load_settings.h"
 #include "tools/job/memory_need.h"
 #include "tools/job/option_values.h"
 #include "tools/job/render_shots.h"
 
+#include <cstdio>
 #include <memory>
 
 namespace slicemorph {
@@ -123,10 +125,42 @@ void checkCount(const RenderJob& job, size_t inputs) {
                      " pictures; put #### where the number belongs (name.####.png)");
 }
 
+/// --resolution means two sizes: WIDTHxHEIGHT that of the picture, one number that of a mesh in voxels.
+RenderJob withResolution(RenderJob job, const std::string& text) {
+  if (text.empty()) return job;
+  int used = 0;
+  if (parseSize(text)) {
+    job.picture.size = text;
+    job.picture.sizeOption = "--resolution";
+  } else if (std::sscanf(text.c_str(), "%d%n", &job.load.resolution, &used) == 1 &&
+             size_t(used) == text.size()) {
+    checkRange("--resolution", job.load.resolution, 8, 4096);
+  } else {
+    throw InputError("--resolution " + text +
+                     ": expected pixels, for example 640x480, or a number of voxels");
+  }
+  return job;
+}
+
 }  // namespace
 
+RenderJob renderJob(const OptionSet& options) {
+  options.checkExclusions();
+  const JobOptions& given = options.values();
+  RenderJob job;
+  job.inputs = given.inputs, job.held = given.held, job.output = given.output, job.sheet = given.contactSheet;
+  job.columns = given.columns, job.turntable = given.turntable;
+  job.framesPerSecond = given.framesPerSecond, job.asSurface = given.fogAsSurface;
+  job.picture = given.picture, job.load = loadSettings(options);
+  job = withResolution(std::move(job), given.pictureResolution);
+  job.picture.framing.allRound = job.turntable > 0;
+  job.picture = checkedPicture(job.picture, options);
+  job.picture.render.channels = OutputName(job.output).extension() == ".exr";
+  return job;
+}
+
 void renderPictures(const RenderJob& job, JobEvents& events) {
-  const std::vector<RenderInput> inputs = listRenderInputs(job.inputs);
+  const std::vector<RenderInput> inputs = listRenderInputs(job.inputs, job.held);
   checkCount(job, inputs.size());
   require(job.load.memory, job.output, needOfPicture(job.picture.render));
   PictureOutput output(job);
@@ -155,6 +189,7 @@ void renderPictures(const RenderJob& job, JobEvents& events) {
       return subject.fog ? renderFog(*subject.fog, look, from, job.picture.render)
                          : renderSurface(*subject.surface, from, job.picture.render, subject.colors.get());
     });
+    if (job.take) job.take(picture, shot.number);
     written(output.add(picture, shot.number));
     if (job.sheet.empty()) continue;
     for (auto* unused : {&picture.mask, &picture.depth, &picture.normal}) *unused = {};

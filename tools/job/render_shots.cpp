@@ -23,10 +23,13 @@ size_t bytesOf(const RenderSubject& subject) {
 
 }  // namespace
 
-std::vector<RenderInput> listRenderInputs(const std::vector<std::string>& inputs) {
+std::vector<RenderInput> listRenderInputs(const std::vector<std::string>& inputs, const HeldInputs& held) {
   std::vector<RenderInput> list;
-  for (const std::string& input : inputs) {
-    if (isMovingInput(input)) {
+  for (size_t k = 0; k < inputs.size(); ++k) {
+    const std::string& input = inputs[k];
+    if (heldAt(held, k)) {
+      list.push_back({input, input, 1, false, held[k]});
+    } else if (isMovingInput(input)) {
       for (const InputFrame& frame : framesOf(parseInput(input)))
         list.push_back({frame.input.text, std::to_string(frame.number), frame.number, true});
     } else {
@@ -56,12 +59,15 @@ RenderSubject RenderSubjects::get(size_t input) {
 }
 
 RenderSubject RenderSubjects::read(size_t input) const {
-  const InputSpec spec = parseInput(inputs_[input].path);
+  const HeldInput* const held = inputs_[input].held.get();
+  const InputSpec spec = held ? held->spec : parseInput(inputs_[input].path);
   RenderSubject subject;
   try {
-    if (!asSurface_) subject.fog = readFog(spec);
+    if (!asSurface_ && spec.isGrids())
+      subject.fog =
+          held ? readFog(*std::get<std::shared_ptr<const VdbFile>>(held->content), spec) : readFog(spec);
     if (subject.fog) return subject;
-    LoadedObject object = loadObject(spec, load_);
+    LoadedObject object = held ? loadObject(*held, load_) : loadObject(spec, load_);
     subject.surface = object.object.levelSet;
     subject.colors = object.colors;
   } catch (const NothingError&) {

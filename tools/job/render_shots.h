@@ -1,8 +1,9 @@
 #pragma once
 
 #include "engine/render/render_fog.h"
-#include "slicemorph/io/input.h"
+#include "tools/job/job_options.h"
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,11 +21,12 @@ struct RenderSubject {
 struct RenderInput {
   std::string path;  ///< with the name of the grid if one is given
   std::string caption;
-  int number = 1;       ///< in the only sequence; else counted
-  bool moving = false;  ///< of a sequence: it may hold nothing
+  int number = 1;                                   ///< in the only sequence; else counted
+  bool moving = false;                              ///< of a sequence: it may hold nothing
+  std::shared_ptr<const HeldInput> held = nullptr;  ///< where it is in memory
 };
 /// The files of all inputs, those of numbered sequences by their numbers. Throws IoError for missing files.
-std::vector<RenderInput> listRenderInputs(const std::vector<std::string>& inputs);
+std::vector<RenderInput> listRenderInputs(const std::vector<std::string>& inputs, const HeldInputs& held);
 
 /// Reads what is rendered. Each input is needed twice, for the camera and for the picture; it is read again
 /// where there is too much to keep in memory.

@@ -45,7 +45,8 @@ std::string nameOfJob(const MorphSettings& settings) {
     if (name != "output") job["options"][name] = value;
   job.erase("output");  // the log is beside it, by whichever path
   job["files"] = Json::array();
-  for (const std::string& input : settings.inputs) job["files"].push_back(fingerprint(input));
+  for (size_t k = 0; k < settings.inputs.size(); ++k)
+    job["files"].push_back(heldAt(settings.held, k) ? Json("in memory") : fingerprint(settings.inputs[k]));
   char text[17];
   std::snprintf(text, sizeof text, "%016zx",
                 std::hash<std::string>()(job.dump(-1, ' ', false, Json::error_handler_t::replace)));

@@ -17,6 +17,7 @@ SurfaceWriter::SurfaceWriter(const ReconstructJob& job, size_t count, const std:
 bool SurfaceWriter::toGrids() const { return isGridOutput(job_.output); }
 
 void SurfaceWriter::add(const Structure& structure) {
+  if (job_.takeSurface) return job_.takeSurface(structure.name, structure.mesh);
   const std::string path = toGrids() ? job_.output : name_.path(structure.number);
   if (toGrids()) {
     structure.grid->setName(structure.name);

@@ -35,11 +35,11 @@ std::string positionOf(const std::string& path, const toml::source_region& sourc
   return path + ":" + std::to_string(source.begin.line) + ":" + std::to_string(source.begin.column) + ": ";
 }
 
-toml::table parseToml(const std::string& path) {
+toml::table parseToml(const JobFile& file) {
   try {
-    return toml::parse(readText(path), path);
+    return toml::parse(file.text ? *file.text : readText(file.path), file.path);
   } catch (const toml::parse_error& error) {
-    throw InputError(positionOf(path, error.source()) + std::string(error.description()));
+    throw InputError(positionOf(file.path, error.source()) + std::string(error.description()));
   }
 }
 

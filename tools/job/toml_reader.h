@@ -2,6 +2,7 @@
 
 #include "slicemorph/conventions.h"
 #include "slicemorph/note.h"
+#include "tools/job/job_file.h"
 
 #include <toml++/toml.h>
 
@@ -16,7 +17,7 @@ namespace slicemorph {
 std::string positionOf(const std::string& path, const toml::source_region& source);
 
 /// Throws IoError where the file cannot be read, InputError for syntax errors, with their position.
-toml::table parseToml(const std::string& path);
+toml::table parseToml(const JobFile& file);
 
 /// Reads the tables of a file. All functions throw InputError `file:line:column: ABOUT: ...` with the value
 /// and what would be right. `what`: names the value in messages.

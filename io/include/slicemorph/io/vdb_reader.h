@@ -28,8 +28,12 @@ class VdbFile {
  public:
   /// Reads the table of contents; a truncated file is refused here.
   explicit VdbFile(const std::string& path);
+  /// Grids in memory, as if they were a file's: what reads them gets copies that share their trees, which must not change
+  /// as long as this lives. `name`: for messages.
+  VdbFile(const std::string& name, const openvdb::GridPtrVec& grids);
   ~VdbFile();
 
+  bool inMemory() const;
   const std::vector<VdbEntry>& entries() const;
   unsigned fileVersion() const;
   std::string libraryVersion() const;  ///< for example "10.0"
