@@ -103,6 +103,21 @@ ImageValues sliceOf(const DicomFile& file, const DicomFrame& frame, const Decode
   return readValues(layout.type, count, [&](void* to) { std::memcpy(to, bytes.data(), bytes.size()); });
 }
 
+/// Looks stored values up; numbers that are no whole ones do not come with tables.
+ImageValues lookedUp(const ImageValues& stored, const DicomTable& table) {
+  std::vector<std::uint16_t> out;
+  std::visit(
+      [&](const auto& values) {
+        out.resize(values.size());
+        const double last = double(table.values.size() - 1);
+        std::transform(values.begin(), values.end(), out.begin(), [&](auto v) {
+          return table.values[size_t(std::clamp(double(v) - table.first, 0.0, last))];
+        });
+      },
+      stored);
+  return out;
+}
+
 bool isWhole(double v) { return v == std::rint(v); }
 
 /// What the rescaled values of all slices need.
@@ -235,8 +250,12 @@ DicomValues readDicomValues(const DicomSeries& series, const std::vector<DicomSl
   std::vector<Rescale> rescale(slices.size());
   tbb::parallel_for(size_t(0), slices.size(), [&](size_t i) {
     const DicomFrame& frame = series.frameOf(slices[i]);
-    rescale[i] = {frame.slope, frame.intercept};
-    out.slices[i] = sliceOf(series.files[slices[i].file], frame, decoded[slices[i].file], padded[i]);
+    const DicomFile& file = series.files[slices[i].file];
+    out.slices[i] = sliceOf(file, frame, decoded[slices[i].file], padded[i]);
+    if (file.table)
+      out.slices[i] = lookedUp(out.slices[i], *file.table);
+    else
+      rescale[i] = {frame.slope, frame.intercept};
   });
   rescaleAll(out.slices, rescale);
   const auto& padding = series.files[slices[0].file].pixels.padding;

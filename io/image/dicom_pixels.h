@@ -20,7 +20,7 @@ int bytesOfPixel(const DicomFile& file);
 /// unpacked as a whole, and about as many more while it is; 0 of others.
 double bytesUnpacked(const DicomFile& file);
 
-/// Reads slices and rescales each by its own slope and intercept. Whole numbers stay such where all slopes and
+/// Reads slices and rescales each by its own slope and intercept, or by its file's table. Whole numbers stay such where all slopes and
 /// intercepts are. MONOCHROME1 says how to show values, not what they are: nothing is inverted. Throws IoError.
 DicomValues readDicomValues(const DicomSeries& series, const std::vector<DicomSliceRef>& slices);
 

@@ -38,8 +38,8 @@ SizeCheck checkOf(const InputSpec& input, const ImageOptions& options) {
 /// The DICOM volume that is selected, or the only one.
 ImageFile readOneVolume(const InputSpec& input, const ImageOptions& options) {
   Notes notes;
-  const DicomChoice choice = itkReaders().chooseVolume(input.path, input.selection, notes);
-  ImageFile file = itkReaders().dicomVolume(input.path, choice, options.spacing, checkOf(input, options));
+  const DicomChoice choice = itkReaders().chooseVolume(input.path, input.selection, options.force, notes);
+  ImageFile file = itkReaders().dicomVolume(input.path, choice, options, checkOf(input, options));
   file.notes.insert(file.notes.begin(), notes.begin(), notes.end());
   return file;
 }
@@ -47,7 +47,7 @@ ImageFile readOneVolume(const InputSpec& input, const ImageOptions& options) {
 /// A volume for a listing: where it is refused, without values, and the reason as a note.
 ImageFile listedVolume(const InputSpec& input, const ImageOptions& options, const DicomChoice& choice) {
   try {
-    return itkReaders().dicomVolume(input.path, choice, options.spacing, checkOf(input, options));
+    return itkReaders().dicomVolume(input.path, choice, options, checkOf(input, options));
   } catch (const MemoryError&) {
     throw;
   } catch (const Error& error) {
@@ -64,7 +64,7 @@ ImageFile listedVolume(const InputSpec& input, const ImageOptions& options, cons
 
 /// Every volume of every series.
 std::vector<ImageFile> listVolumes(const InputSpec& input, const ImageOptions& options) {
-  DicomFolder folder = itkReaders().dicomFolder(input.path);
+  DicomFolder folder = itkReaders().dicomFolder(input.path, options.force);
   std::vector<ImageFile> files;
   for (size_t i = 0; i < folder.series.size(); ++i) {
     DicomChoice choice{std::move(folder.series[i]), 0};
@@ -72,9 +72,8 @@ std::vector<ImageFile> listVolumes(const InputSpec& input, const ImageOptions& o
     for (size_t v = 0; v < volumes; ++v) {
       choice.volume = choice.series.isSegmentation() ? 0 : v;
       const bool only = folder.series.size() == 1 && volumes == 1;
-      files.push_back(
-          only ? itkReaders().dicomVolume(input.path, choice, options.spacing, checkOf(input, options))
-               : listedVolume(input, options, choice));
+      files.push_back(only ? itkReaders().dicomVolume(input.path, choice, options, checkOf(input, options))
+                           : listedVolume(input, options, choice));
       files.back().name = input.path + ":" + std::to_string(i + 1);
       if (volumes > 1) files.back().name += "@" + std::to_string(v + 1);
       files.back().volumes = int(volumes);
@@ -125,15 +124,15 @@ bool isImageStack(const std::string& path) {
 }
 
 ImageFile readNiftiImage(const InputSpec& input, const ImageOptions& options) {
-  return readNifti(input.path, volumeOf(input), checkOf(input, options));
+  return readNifti(input.path, volumeOf(input), options, checkOf(input, options));
 }
 
 ImageFile readNrrdImage(const InputSpec& input, const ImageOptions& options) {
-  return itkReaders().nrrd(input.path, volumeOf(input), checkOf(input, options));
+  return itkReaders().nrrd(input.path, volumeOf(input), options, checkOf(input, options));
 }
 
 ImageFile readMetaImageFile(const InputSpec& input, const ImageOptions& options) {
-  return itkReaders().metaImage(input.path, volumeOf(input), checkOf(input, options));
+  return itkReaders().metaImage(input.path, volumeOf(input), options, checkOf(input, options));
 }
 
 ImageFile readDicomImage(const InputSpec& input, const ImageOptions& options) {
@@ -157,16 +156,16 @@ ImageFile readStackImage(const InputSpec& input, const ImageOptions& options) {
   return readStack(input, options);
 }
 
-std::optional<ImageSlices> openNiftiSlices(const InputSpec& input, const ImageOptions&) {
-  return openNifti(input.path, volumeOf(input));
+std::optional<ImageSlices> openNiftiSlices(const InputSpec& input, const ImageOptions& options) {
+  return openNifti(input.path, volumeOf(input), options);
 }
 
-std::optional<ImageSlices> openNrrdSlices(const InputSpec& input, const ImageOptions&) {
-  return itkReaders().nrrdSlices(input.path, volumeOf(input));
+std::optional<ImageSlices> openNrrdSlices(const InputSpec& input, const ImageOptions& options) {
+  return itkReaders().nrrdSlices(input.path, volumeOf(input), options);
 }
 
-std::optional<ImageSlices> openMetaImageSlices(const InputSpec& input, const ImageOptions&) {
-  return itkReaders().metaImageSlices(input.path, volumeOf(input));
+std::optional<ImageSlices> openMetaImageSlices(const InputSpec& input, const ImageOptions& options) {
+  return itkReaders().metaImageSlices(input.path, volumeOf(input), options);
 }
 
 std::optional<ImageSlices> openStackSlices(const InputSpec& input, const ImageOptions& options) {

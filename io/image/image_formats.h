@@ -32,6 +32,9 @@ constexpr const char* kLabelsStated = "image.labels-stated";
 /// Whether a file itself says that its values are labels, as segmentations do; a note's code tells it.
 bool isStatedLabels(const ImageFile& file);
 
+/// Code of the warnings that tell how voxels were placed because --force insisted.
+constexpr const char* kGeometryForced = "image.geometry-forced";
+
 /// As openImageSlices.
 std::optional<ImageSlices> openNiftiSlices(const InputSpec& input, const ImageOptions& options);
 std::optional<ImageSlices> openNrrdSlices(const InputSpec& input, const ImageOptions& options);
@@ -46,7 +49,7 @@ struct Voxels {
   bool vectors = false;  ///< three numbers a voxel
   std::string meaning;   ///< one line; empty: nothing to say
   int volumes = 1;
-  double seconds = 0;  ///< from one volume to the next
+  ImageHeader header;
 };
 enum class Packing { kNone, kGzip, kZlib };
 /// What stands before the values, and how these follow.

@@ -423,6 +423,102 @@ def case_nifti_places():
         check("in.nii", values, LPS @ turned)
 
 
+def forms_of(name):
+    """Codes and transforms of a NIfTI header, as nibabel has them."""
+    header = nib.load(name).header
+    return [int(header[key]) for key in ("sform_code", "qform_code")] + [header.get_sform(), header.get_qform()]
+
+
+def case_nifti_forms():
+    """Codes and both transforms go from the input to what is written on its voxels; elsewhere the code of the space does."""
+    values = numbers()
+    values[1:4, 1:3, 1:] += 30000
+    turned = np.eye(4)
+    turned[:3, :3] = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0], [0.48, 0.64, 0.6]]) @ np.diag([1, 2, 3])
+    turned[:3, 3] = 5, -6, 7
+    for kind in (nib.Nifti1Image, nib.Nifti2Image):
+        for sign in (1, -1):
+            for s_code, q_code in ((1, 1), (4, 1), (2, 3), (3, 0), (0, 2), (5, 5)):
+                image = kind(values, None)
+                image.header.set_zooms((1, 2, 3))
+                if s_code:
+                    image.set_sform(LPS @ OBLIQUE, s_code)
+                image.set_qform(turned @ np.diag([1, 1, sign, 1.0]), q_code)
+                nib.save(image, "in.nii")
+                run("convert", "in.nii", "-o", "out.nii.gz")
+                before, after = forms_of("in.nii"), forms_of("out.nii.gz")
+                assert before[:2] == after[:2] == [s_code, q_code], (s_code, q_code, after)
+                for code, a, b in zip((s_code, q_code), before[2:], after[2:]):
+                    assert code == 0 or np.allclose(a, b, atol=1e-5), (s_code, q_code, a, b)
+                assert np.allclose(nib.load("out.nii.gz").affine, nib.load("in.nii").affine, atol=1e-5)
+    # Other voxels: both transforms are those of the place that was taken, of its space.
+    image = nib.Nifti1Image(values, None)
+    image.set_qform(turned, 1), image.set_sform(turned, 4)
+    nib.save(image, "in.nii")
+    run("convert", "in.nii", "-o", "out.nii", "--voxel-size", 1)
+    found = forms_of("out.nii")
+    assert found[:2] == [4, 4] and np.allclose(found[2], found[3], atol=1e-5), found
+    run("convert", "in.nii", "-o", "flat.nrrd"), run("convert", "flat.nrrd", "-o", "out.nii", "--like", "in.nii")
+    assert forms_of("out.nii")[:2] == [4, 1], forms_of("out.nii")
+    # A morph's frames have those of the first input.
+    other = nib.Nifti1Image(np.roll(values, 1, 0), turned)
+    other.set_sform(turned, 2)
+    nib.save(other, "other.nii")
+    for output, first in (("m.#.nii", "m.2.nii"), ("m.nii.gz", "m.nii.gz")):
+        run("morph", "in.nii", "other.nii", "-o", output, "--frames", 3, "--align", "none", "--image", "grey", "--like", "in.nii")
+        assert forms_of(first)[:2] == [4, 1], forms_of(first)
+
+
+def case_time_steps():
+    """The time from volume to volume goes through all formats that have one, in seconds where a unit is told."""
+    values = numbers((5, 4, 3, 6))
+    for unit, step, seconds in (("sec", 2.5, 2.5), ("msec", 720, 0.72), ("usec", 5e5, 0.5), ("unknown", 3, None)):
+        image = nib.Nifti1Image(values, LPS @ OBLIQUE)
+        image.header.set_xyzt_units("mm", unit)
+        image.header["pixdim"][4] = step
+        nib.save(image, "in.nii")
+        for middle in ("a.nii", "a.nrrd", "a.mha"):
+            run("convert", "in.nii@0-5", "-o", middle), run("convert", middle + "@1-5x2", "-o", "out.nii.gz")
+            header = nib.load("out.nii.gz").header
+            assert np.isclose(header.get_zooms()[3], 2 * (seconds or step)), (unit, middle, header.get_zooms())
+            # MetaImage has no units of time.
+            assert header.get_xyzt_units()[1] == ("unknown" if seconds is None or middle == "a.mha" else "sec"), (unit, middle)
+            assert np.array_equal(np.asanyarray(nib.load("out.nii.gz").dataobj), values[..., 1::2])
+    run("convert", "in.nii@0,1,3", "-o", "out.nii")
+    assert nib.load("out.nii").header.get_zooms()[3] == 1  # not even: not told
+    nrrd("in.nrrd", values, "space: LPS", directions(OBLIQUE, none_last=1), origin(OBLIQUE), "kinds: domain domain domain time",
+         'spacings: nan nan nan 40', 'units: "" "" "" "ms"')
+    run("convert", "in.nrrd@0-5", "-o", "out.nii")
+    assert np.isclose(nib.load("out.nii").header.get_zooms()[3], 0.04) and nib.load("out.nii").header.get_xyzt_units()[1] == "sec"
+
+
+def case_forced():
+    """--force reads what no other option places, with a warning; the refusals name it."""
+    values = numbers()
+
+    def forced(name, affine, *says):
+        refused("convert", name, "-o", "x.nii", says=["--force"])
+        check(name, values, affine, "--force", says=["--force", *says])
+
+    image = nib.Nifti1Image(values, None)
+    image.header["sform_code"], image.header["srow_x"] = 1, (1, 0, 0, 0)
+    image.header["pixdim"][1:4] = 2, 3, 4
+    nib.save(image, "in.nii")
+    forced("in.nii", np.diag([-2, -3, 4, 1]), "2 x 3 x 4 mm")
+    nrrd("in.nrrd", values, "space: LPS", "space directions: (2,0,0) (0,3,0) (0,3,0)", "space origin: (1,2,3)")
+    place = np.diag([2.0, 3, 3, 1])
+    place[:3, 3] = 1, 2, 3
+    forced("in.nrrd", place, "flatten space")
+    with open("in.mha", "wb") as file:
+        file.write(b"ObjectType = Image\nNDims = 3\nBinaryData = True\nTransformMatrix = 1 0 0 0 1 0 0 1 0\nElementSpacing = 2 3 4\nDimSize = 5 4 3\n"
+                   b"ElementType = MET_SHORT\nElementDataFile = LOCAL\n" + values.astype("<i2").tobytes(order="F"))
+    forced("in.mha", np.diag([2, 3, 4, 1]), "flatten space")
+    pages = numbers((3, 4, 5), np.uint8)
+    values = pages.T
+    tiff("in.tif", pages, photometric="minisblack", metadata=None)
+    forced("in.tif", np.eye(4), "1 x 1 x 1 mm")
+
+
 def case_nifti_colours():
     """RGB and RGBA are luminance, or one of the colours; complex numbers have two parts."""
     rgb = numbers((5, 4, 3, 3), np.uint8)

@@ -19,6 +19,7 @@ struct JobOptions {
   std::string input, other;         ///< of commands that take one; the second of `compare`
   std::string iso, imageKind = "auto", spacing, upright = "auto", glbUp = "y", unit = "m", fit = "none";
   LoadOptions load;
+  bool force = false;  ///< images whose geometry is not certain are read all the same
 
   // Shape and matching
   std::string method = "slices", pictureResolution;

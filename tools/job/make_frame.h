@@ -14,6 +14,7 @@ namespace slicemorph {
 /// What in-between images need of the inputs.
 struct ImagePlan {
   ImageLattice lattice;            ///< of the results
+  ImageHeader header;              ///< of the results' files
   std::vector<LabelField> labels;  ///< per input; none where these hold grey values
   Notes notes;
 };
