@@ -4,6 +4,7 @@
 #include "slicemorph/io/mesh_writer.h"
 #include "slicemorph/note.h"
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -27,8 +28,11 @@ using MeshReader = StoredMesh (*)(const std::string& path, std::string_view byte
 /// Writes a file whole or not at all. Throws IoError.
 using MeshWriter = void (*)(const std::string& path, const Mesh& mesh, MeshSpace space);
 using ImageReader = ImageFile (*)(const InputSpec& input, const ImageOptions& options);
-/// All images that an input may mean where it selects none.
-using ImageLister = std::vector<ImageFile> (*)(const InputSpec& input, const ImageOptions& options);
+using ImageVisitor = std::function<void(ImageFile image)>;
+/// Hands out all images that an input may mean where it selects none, one after the other; those of more than
+/// `mostVoxels` without values where headers alone tell of them.
+using ImageLister = void (*)(const InputSpec& input, const ImageOptions& options, double mostVoxels,
+                             const ImageVisitor& visit);
 /// Nothing where a file cannot be read slice by slice.
 using SliceOpener = std::optional<ImageSlices> (*)(const InputSpec& input, const ImageOptions& options);
 /// What a file of voxels begins with. Throws InputError where the format cannot hold them.

@@ -1,7 +1,7 @@
 #include "io/image/dicom_file.h"
 
 #include "io/image/dicom_color.h"
-#include "io/whole_file.h"
+#include "io/mapped_file.h"
 
 #include <algorithm>
 #include <cmath>
@@ -169,7 +169,8 @@ void read(const DicomElements& data, std::string_view bytes, DicomFile& file) {
 DicomFile readDicomFile(const std::string& path) {
   DicomFile file;
   file.path = path;
-  const std::string bytes = readWholeFile(path);
+  const MappedFile mapped(path);
+  const std::string_view bytes = mapped.bytes();
   const bool marked = bytes.size() >= 132 && bytes.compare(128, 4, "DICM") == 0;
   const DicomElements data = DicomElements::startOfFile(bytes, file.damage);
   try {

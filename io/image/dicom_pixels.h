@@ -24,6 +24,9 @@ double bytesUnpacked(const DicomFile& file);
 /// intercepts are. MONOCHROME1 says how to show values, not what they are: nothing is inverted. Throws IoError.
 DicomValues readDicomValues(const DicomSeries& series, const std::vector<DicomSliceRef>& slices);
 
+/// None, of the type that slices' values would have if they took all that their bits can hold.
+ImageValues noDicomValues(const DicomSeries& series, const std::vector<DicomSliceRef>& slices);
+
 /// The stored values of some frames of a file, without rescaling: 0 and 1 where a pixel is a bit. Throws IoError.
 std::vector<ImageValues> readStoredFrames(const DicomFile& file);
 

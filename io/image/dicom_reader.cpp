@@ -121,6 +121,30 @@ double bytesWhileRead(const DicomSeries& series, const std::vector<DicomSliceRef
   return std::max(2 * unpacked, unpacked + voxels * bytesOfVoxel(series, slices));
 }
 
+void noteOrder(const DicomVolume& volume, Notes& notes) {
+  if (volume.byOrderOnly)
+    notes.emplace_back(
+        "image.volumes-by-order", Severity::kWarning, "",
+        "its slices lie several times at each place, and nothing but their order tells the volumes apart");
+}
+
+SliceStackInput stackOf(const DicomFile& first, const SlicePlaces& places, std::vector<DicomSlice> slices) {
+  SliceStackInput stack;
+  for (int d = 0; d < 2; ++d) stack.step[d] = places.step[d];
+  stack.size[0] = first.columns, stack.size[1] = first.rows;
+  for (DicomSlice& slice : slices) {
+    stack.position.push_back(slice.position);
+    stack.names.push_back(slice.name);
+    stack.values.push_back(std::move(slice.values));
+  }
+  return stack;
+}
+
+void placeOneSlice(const SlicePlaces& places, ImageFile& file) {
+  file.image.lattice.step[2] = places.normal * places.thickness;
+  file.notes.emplace_back("image.one-slice", Severity::kWarning, "", "it holds one slice");
+}
+
 ImageFile readSlices(const std::string& path, const DicomSeries& series, const DicomVolume& volume,
                      const ImageOptions& options, const SizeCheck& check) {
   ImageFile file;
@@ -131,29 +155,53 @@ ImageFile readSlices(const std::string& path, const DicomSeries& series, const D
         bytesWhileRead(series, order, double(first.columns) * first.rows * double(order.size())));
   DicomValues values = readDicomValues(series, order);
   noteOnValues(values, file.notes);
-  if (volume.byOrderOnly)
-    file.notes.emplace_back(
-        "image.volumes-by-order", Severity::kWarning, "",
-        "its slices lie several times at each place, and nothing but their order tells the volumes apart");
+  noteOrder(volume, file.notes);
   std::vector<DicomSlice> slices;
   for (size_t k = 0; k < order.size(); ++k)
     slices.push_back({nameOfSlice(series, order[k]), places.position[k], std::move(values.slices[k])});
   slices = withoutDoubles(path, std::move(slices), places.normal, options.force, file.notes);
   checkMissing(path, slices, places.normal, options.force, file.notes);
-  SliceStackInput stack;
-  for (int d = 0; d < 2; ++d) stack.step[d] = places.step[d];
-  stack.size[0] = first.columns, stack.size[1] = first.rows;
-  for (DicomSlice& slice : slices) {
-    stack.position.push_back(slice.position);
-    stack.names.push_back(slice.name);
-    stack.values.push_back(std::move(slice.values));
-  }
-  straighten(std::move(stack), check, file);
-  if (slices.size() == 1) {
-    file.image.lattice.step[2] = places.normal * places.thickness;
-    file.notes.emplace_back("image.one-slice", Severity::kWarning, "", "it holds one slice");
-  }
+  const bool one = slices.size() == 1;
+  straighten(stackOf(first, places, std::move(slices)), check, file);
+  if (one) placeOneSlice(places, file);
   return file;
+}
+
+/// The same of headers alone.
+ImageFile headOfSlices(const std::string& path, const DicomSeries& series, const DicomVolume& volume,
+                       const ImageOptions& options) {
+  ImageFile file;
+  std::vector<DicomSliceRef> order = volume.slices;
+  const SlicePlaces places = placeDicomSlices(path, series, order, options, file.notes);
+  noteOrder(volume, file.notes);
+  std::vector<DicomSlice> slices;
+  for (size_t k = 0; k < order.size(); ++k) {
+    const bool same = !slices.empty() &&
+                      std::abs((places.position[k] - slices.back().position).dot(places.normal)) < kSameSlice;
+    if (!same) slices.push_back({nameOfSlice(series, order[k]), places.position[k], {}});
+  }
+  if (slices.size() < order.size())
+    file.notes.emplace_back(
+        "image.slice-doubled", Severity::kNote, "",
+        std::to_string(order.size() - slices.size()) +
+            " of its slices lie where others do: whether they are doubles was not looked at");
+  checkMissing(path, slices, places.normal, options.force, file.notes);
+  const bool one = slices.size() == 1;
+  layOut(stackOf(series.files[order[0].file], places, std::move(slices)), file);
+  if (one) placeOneSlice(places, file);
+  file.image.values = noDicomValues(series, order);
+  return file;
+}
+
+/// What a series says of itself.
+void describeSeries(const DicomChoice& choice, ImageFile& file) {
+  const DicomSeries& series = choice.series;
+  const bool segmentation = series.isSegmentation();
+  file.format = segmentation ? "DICOM segmentation" : "DICOM series";
+  file.about = series.modality + (series.description.empty() ? "" : " '" + series.description + "'");
+  if (segmentation) file.about += ", segments " + segmentsOf(series);
+  const std::string apart = segmentation ? "" : series.volumes[choice.volume].apart;
+  if (!apart.empty()) file.about += ", " + apart;
 }
 
 }  // namespace
@@ -161,14 +209,16 @@ ImageFile readSlices(const std::string& path, const DicomSeries& series, const D
 ImageFile readDicomVolume(const std::string& path, const DicomChoice& choice, const ImageOptions& options,
                           const SizeCheck& check) {
   const DicomSeries& series = choice.series;
-  const bool segmentation = series.isSegmentation();
-  ImageFile file = segmentation ? readDicomSegmentation(series, int(choice.volume), options.force, check)
-                                : readSlices(path, series, series.volumes[choice.volume], options, check);
-  file.format = segmentation ? "DICOM segmentation" : "DICOM series";
-  file.about = series.modality + (series.description.empty() ? "" : " '" + series.description + "'");
-  if (segmentation) file.about += ", segments " + segmentsOf(series);
-  const std::string apart = segmentation ? "" : series.volumes[choice.volume].apart;
-  if (!apart.empty()) file.about += ", " + apart;
+  ImageFile file = series.isSegmentation()
+                       ? readDicomSegmentation(series, int(choice.volume), options.force, check)
+                       : readSlices(path, series, series.volumes[choice.volume], options, check);
+  describeSeries(choice, file);
+  return file;
+}
+
+ImageFile readDicomHead(const std::string& path, const DicomChoice& choice, const ImageOptions& options) {
+  ImageFile file = headOfSlices(path, choice.series, choice.series.volumes[choice.volume], options);
+  describeSeries(choice, file);
   return file;
 }
 

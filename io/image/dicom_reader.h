@@ -42,4 +42,8 @@ DicomChoice chooseDicomVolume(const std::string& path, const std::string& select
 ImageFile readDicomVolume(const std::string& path, const DicomChoice& choice, const ImageOptions& options,
                           const SizeCheck& check);
 
+/// The same without values, of slices' headers alone: whether slices at one place are doubles is not looked at, and the type
+/// of values is what their bits may need.
+ImageFile readDicomHead(const std::string& path, const DicomChoice& choice, const ImageOptions& options);
+
 }  // namespace slicemorph

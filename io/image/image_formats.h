@@ -4,6 +4,7 @@
 #include "slicemorph/io/image_slices.h"
 #include "slicemorph/io/image_writer.h"
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -23,9 +24,16 @@ ImageFile readNrrdImage(const InputSpec& input, const ImageOptions& options);
 ImageFile readMetaImageFile(const InputSpec& input, const ImageOptions& options);
 ImageFile readDicomImage(const InputSpec& input, const ImageOptions& options);
 ImageFile readStackImage(const InputSpec& input, const ImageOptions& options);
-/// As listImages.
-std::vector<ImageFile> listDicomImages(const InputSpec& input, const ImageOptions& options);
-std::vector<ImageFile> listStackImages(const InputSpec& input, const ImageOptions& options);
+/// As ImageLister.
+void listDicomImages(const InputSpec& input, const ImageOptions& options, double mostVoxels,
+                     const std::function<void(ImageFile)>& visit);
+void listStackImages(const InputSpec& input, const ImageOptions& options, double mostVoxels,
+                     const std::function<void(ImageFile)>& visit);
+/// The same of any input that is an image.
+void visitImages(const InputSpec& input, const ImageOptions& options, double mostVoxels,
+                 const std::function<void(ImageFile)>& visit);
+/// Code of the note on an image without values because it is refused.
+constexpr const char* kImageRefused = "image.refused";
 
 /// Code of the note by which a reader says so.
 constexpr const char* kLabelsStated = "image.labels-stated";

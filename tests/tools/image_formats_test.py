@@ -22,7 +22,9 @@ import nibabel as nib
 import numpy as np
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+import dicom_files as dcm
 from cases import Skip, named_cases, run_cases, within
+from dicom_files import item
 from program import Program
 
 if len(sys.argv) < 2:
@@ -744,9 +746,57 @@ def case_info():
     assert np.allclose(image["origin"], [-10, 20, 30]), image
 
 
+def large_dicom(path, k=None):
+    """A file of 512 x 512 x 512 voxels of 1 mm that are not on the disk, or its slice k."""
+    frames = [item(**plane) for plane in ({"PlanePositionSequence": [item(ImagePositionPatient=[0, 0, n])]} for n in range(512 if k is None else 0))]
+    d = dcm.data_set(path, dcm.ENHANCED_CT if k is None else dcm.CT, np.zeros((2, 512, 512) if k is None else (512, 512), np.int16), signed=True,
+                     RescaleSlope="1", RescaleIntercept="0")
+    if k is None:
+        d.NumberOfFrames = "512"
+        d.PerFrameFunctionalGroupsSequence = frames
+        d.SharedFunctionalGroupsSequence = [item(PlaneOrientationSequence=[item(ImageOrientationPatient=[1, 0, 0, 0, 1, 0])],
+                                                 PixelMeasuresSequence=[item(PixelSpacing=[1, 1], SliceThickness=1)])]
+    else:
+        d.ImagePositionPatient, d.ImageOrientationPatient, d.PixelSpacing = [0, 0, k], [1, 0, 0, 0, 1, 0], [1, 1]
+    dcm.save(d)
+    if k is None:  # the length of the pixels stands before them, at the end
+        size = os.path.getsize(path) - 2 * 2 * 512 ** 2
+        with open(path, "r+b") as file:
+            file.seek(size - 4)
+            file.write(struct.pack("<I", 2 * 512 ** 3))
+            file.truncate(size + 2 * 512 ** 3)
+
+
+def case_info_refused():
+    """What is refused, or has no spacing, has no place in `info`."""
+    for k in range(3):
+        d = dcm.data_set("series/%d.dcm" % k, dcm.CT, numbers((4, 5)), PixelSpacing=[1, 1], InstanceNumber=k)
+        dcm.save(d)
+        d.filename, d.SeriesInstanceUID = "series/other%d.dcm" % k, "1.2.3.10"
+        d.ImagePositionPatient, d.ImageOrientationPatient = [0, 0, k], [1, 0, 0, 0, 1, 0]
+        dcm.save(d)
+    tiff("in.tif", numbers((3, 4, 5), np.uint8), photometric="minisblack", metadata=None)
+    told = [json.loads(program.run("info", name, "--json").stdout)["images"] for name in ("series", "in.tif")]
+    readings = sorted((image["reading"][:7], image["spacing"] is None, image["origin"] is None, image["axes"] is None) for image in sum(told, []))
+    assert [reading[1:] for reading in readings if reading[0] in ("refused", "cannot ")] == [(True,) * 3] * 2 and len(readings) == 3, readings
+    assert "spacing" not in program.run("info", "in.tif").stdout.split("read as")[0]
+
+
 def case_info_large():
     """Of a large volume `info` reads the header only: less memory than its values would take."""
-    for name, dtype in (("in.nii", np.int16), ("in.nrrd", np.int16), ("in.mhd", np.int16)):
+    def told(*arguments):
+        with open("told.json", "w") as output:
+            process = subprocess.Popen([PROGRAM, "info", *arguments, "--json"], stdout=output)
+            _, status, used = os.wait4(process.pid, 0)
+        assert status == 0, arguments
+        return json.load(open("told.json"))["images"][0], used.ru_maxrss  # kB
+
+    dcm.save(dcm.data_set("small.dcm", dcm.CT, numbers((4, 5)), PixelSpacing=[1, 1]))
+    tiff("small.tif", np.zeros((4, 512, 512), np.uint8), photometric="minisblack", metadata=None)
+    least = [told("small.dcm")[1], told("small.tif", "--spacing", "1,1,1")[1]]
+    for name, dtype in (("in.nii", np.int16), ("in.nrrd", np.int16), ("in.mhd", np.int16), ("in.dcm", np.int16), ("slices", np.int16),
+                        ("in.tif", np.uint8)):
+        options = []
         if name == "in.nii":
             header = nib.Nifti1Header()
             header.set_data_dtype(dtype), header.set_data_shape((512, 512, 512)), header.set_sform(LPS, 1)
@@ -755,19 +805,28 @@ def case_info_large():
         elif name == "in.nrrd":
             nrrd(name, np.zeros((1, 1, 1), dtype), "space: LPS", directions(np.eye(4)), origin(np.eye(4)))
             head = open(name, "rb").read()[:-2].replace(b"sizes: 1 1 1", b"sizes: 512 512 512")
-        else:
+        elif name == "in.mhd":
             head = b"ObjectType = Image\nNDims = 3\nBinaryData = True\nElementSpacing = 1 1 1\nDimSize = 512 512 512\n" \
                    b"ElementType = MET_SHORT\nElementDataFile = LOCAL\n"
-        with open(name, "wb") as file:
-            file.write(head)
-            file.truncate(len(head) + 2 * 512 ** 3)
-        with open("told.json", "w") as told:
-            process = subprocess.Popen([PROGRAM, "info", name, "--json"], stdout=told)
-            _, status, used = os.wait4(process.pid, 0)
-        image = json.load(open("told.json"))["images"][0]
-        assert status == 0 and image["size"] == [512] * 3 and image["minimum"] is None, (name, image)
-        assert "header" in image["reading"] and used.ru_maxrss < 512 ** 3 * 2 / 1024, (name, used.ru_maxrss, image)
-        os.remove(name)
+        if name == "in.dcm":
+            large_dicom(name)
+        elif name == "slices":
+            os.mkdir(name)
+            for k in range(512):
+                large_dicom("slices/%03d.dcm" % k, k)
+        elif name == "in.tif":
+            tiff(name, np.zeros((512, 512, 512), dtype), photometric="minisblack", metadata=None)
+            options = ["--spacing", "1,1,1"]
+        else:
+            with open(name, "wb") as file:
+                file.write(head)
+                file.truncate(len(head) + 2 * 512 ** 3)
+        image, memory = told(name, *options)
+        assert image["size"] == [512] * 3 and image["minimum"] is None, (name, image)
+        assert image["type"] == np.dtype(dtype).name and np.allclose(image["spacing"], 1), image
+        # What the program takes with a small image of the format, and a share of the values' 128 or 256 MB.
+        assert "header" in image["reading"] and memory < least[name == "in.tif"] + 2 ** 15, (name, memory, least, image)
+        shutil.rmtree(name) if os.path.isdir(name) else os.remove(name)
 
 
 def case_times():

@@ -52,7 +52,7 @@ Image imageBetween(const FrameTask& task) {
     std::vector<double> isos;
     for (const LoadedObject& input : task.inputs)
       images.push_back(input.image.get()), isos.push_back(input.iso);
-    return pullback.carry(images, plan.lattice, isos);
+    return asInputs(pullback.carry(images, plan.lattice, isos), task);
   }
   // At the weights of one input alone that input's labels are taken as they are.
   if (const std::optional<size_t> alone = aloneIn(task.job.weights))
