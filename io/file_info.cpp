@@ -174,6 +174,11 @@ std::pair<double, double> finiteRange(const std::vector<T>& values) {
   return low <= high ? std::pair(low, high) : std::pair(0.0, 0.0);
 }
 
+bool isRefused(const ImageFile& file) {
+  return std::any_of(file.notes.begin(), file.notes.end(),
+                     [](const Note& note) { return note.code == kImageRefused; });
+}
+
 ImageInfo describeImage(const ImageFile& file) {
   constexpr const char* kTypes[] = {"uint8", "int16", "uint16", "int32", "float", "double"};
   const ImageLattice& lattice = file.image.lattice;
@@ -191,9 +196,9 @@ ImageInfo describeImage(const ImageFile& file) {
       },
       file.image.values);
   if (!any) {
-    const bool refused = std::any_of(file.notes.begin(), file.notes.end(),
-                                     [](const Note& note) { return note.code == "image.refused"; });
-    info.looked = false;
+    const bool refused = isRefused(file);
+    info.looked = info.placed = false;
+    if (refused) info.type.clear();
     info.reading = refused ? "refused" : "cannot be read without --spacing X,Y,Z";
   } else if (isStatedLabels(file) || looksLikeLabels(file.image)) {
     info.labels = labelsOf(file.image).size();
@@ -212,25 +217,29 @@ ImageInfo describeImage(const ImageFile& file) {
 /// Images of more voxels are described by their headers where these alone can be read: of 400^3, which takes a second.
 constexpr double kMostToRead = 64e6;
 
-/// The images of an input, without the values of a large one.
+/// Says that an image was described by its header.
+void tellHeaderOnly(ImageInfo& info) {
+  std::ostringstream text;
+  text << "not looked at: of more than " << kMostToRead / 1e6 << " million voxels only the header is read";
+  info.looked = false, info.placed = true, info.reading = text.str();
+}
+
+/// The images of an input, without the values of large ones.
 std::vector<ImageInfo> describeImages(const InputSpec& input, const ImageOptions& options) {
-  if (std::optional<ImageSlices> slices = openImageSlices(input, options)) {
-    const double voxels = double(slices->file.image.lattice.count());
-    if (voxels > kMostToRead) {
-      slices->file.name = input.text;
-      ImageInfo info = describeImage(slices->file);
-      std::ostringstream text;
-      text << "not looked at: of more than " << kMostToRead / 1e6
-           << " million voxels only the header is read";
-      info.looked = false, info.reading = text.str();
-      return {info};
-    }
-  }
   std::vector<ImageInfo> infos;
-  for (ImageFile& file : listImages(input, options)) {
-    takeLabels(file.image, /*asked=*/false, file.notes);
-    infos.push_back(describeImage(file));
+  const auto isLarge = [](const ImageFile& file) { return double(file.image.lattice.count()) > kMostToRead; };
+  if (std::optional<ImageSlices> slices = openImageSlices(input, options); slices && isLarge(slices->file)) {
+    slices->file.name = input.text;
+    infos.push_back(describeImage(slices->file));
+    tellHeaderOnly(infos.back());
+    return infos;
   }
+  visitImages(input, options, kMostToRead, [&](ImageFile file) {
+    const bool read = std::visit([](const auto& values) { return !values.empty(); }, file.image.values);
+    if (read) takeLabels(file.image, /*asked=*/false, file.notes);
+    infos.push_back(describeImage(file));
+    if (!read && !isRefused(file) && isLarge(file)) tellHeaderOnly(infos.back());
+  });
   return infos;
 }
 

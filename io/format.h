@@ -4,6 +4,7 @@
 #include "slicemorph/io/mesh_writer.h"
 #include "slicemorph/note.h"
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -31,8 +32,11 @@ using MeshWriter = void (*)(const std::string& path, const Mesh& mesh, MeshSpace
 using GridWriter = void (*)(const std::string& path, const openvdb::GridCPtrVec& grids,
                             const VdbOutput& options);
 using ImageReader = ImageFile (*)(const InputSpec& input, const ImageOptions& options);
-/// All images that an input may mean where it selects none.
-using ImageLister = std::vector<ImageFile> (*)(const InputSpec& input, const ImageOptions& options);
+using ImageVisitor = std::function<void(ImageFile image)>;
+/// Hands out all images that an input may mean where it selects none, one after the other; those of more than
+/// `mostVoxels` without values where headers alone tell of them.
+using ImageLister = void (*)(const InputSpec& input, const ImageOptions& options, double mostVoxels,
+                             const ImageVisitor& visit);
 /// Nothing where a file cannot be read slice by slice.
 using SliceOpener = std::optional<ImageSlices> (*)(const InputSpec& input, const ImageOptions& options);
 /// What a file of voxels begins with. Throws InputError where the format cannot hold them.

@@ -271,6 +271,7 @@ LoadedObject loadImage(ImageFile file, const LoadOptions& options) {
   const bool stated = isStatedLabels(file);
   LoadedObject loaded;
   loaded.notes = std::move(file.notes);
+  loaded.imageHeader = std::move(file.header);
   place(file.image.lattice, options.placing);
   const bool isoGiven = options.isoGiven || options.iso != 0;
   if (options.imageKind == ImageKind::kLabels || (options.imageKind == ImageKind::kAuto && !isoGiven))

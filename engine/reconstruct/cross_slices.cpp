@@ -29,13 +29,13 @@ struct Tally {
   std::array<std::vector<size_t>, 3> all, sheet;
 };
 
-/// A map's values as whole numbers.
+/// A map's voxels, which must outlive this.
+template <typename T>
 class Voxels {
  public:
-  explicit Voxels(const Image& image) : lattice_(image.lattice) {
-    std::visit([&](const auto& values) { label_.assign(values.begin(), values.end()); }, image.values);
-  }
-  const std::vector<std::int32_t>& labels() const { return label_; }
+  Voxels(const ImageLattice& lattice, const std::vector<T>& labels) : lattice_(lattice), label_(labels) {}
+  int label(size_t n) const { return int(label_[n]); }
+  size_t count() const { return label_.size(); }
   openvdb::Coord coord(size_t n) const {
     const size_t x = size_t(lattice_.size[0]), y = size_t(lattice_.size[1]);
     return {int(n % x), int(n / x % y), int(n / x / y)};
@@ -65,25 +65,30 @@ class Voxels {
   }
 
  private:
-  ImageLattice lattice_;
-  std::vector<std::int32_t> label_;
+  const ImageLattice& lattice_;
+  const std::vector<T>& label_;
 };
 
-bool isThin(const Voxels& voxels, const std::vector<size_t>& labelled) {
-  const size_t stride = std::max<size_t>(1, labelled.size() / kFirstLooks);
-  size_t thin = 0, seen = 0;
-  for (size_t i = 0; i < labelled.size(); i += stride) ++seen, thin += voxels.across(labelled[i]) != -2;
-  return double(thin) >= kLeastThin * double(seen);
+/// Whether most of a map's voxels that have a label are in thin sheets, as far as some of them tell.
+template <typename T>
+bool isThin(const Voxels<T>& voxels) {
+  size_t labelled = 0, number = 0, thin = 0, seen = 0;
+  for (size_t n = 0; n < voxels.count(); ++n) labelled += voxels.label(n) != 0;
+  const size_t stride = std::max<size_t>(1, labelled / kFirstLooks);
+  for (size_t n = 0; n < voxels.count(); ++n)
+    if (voxels.label(n) != 0 && number++ % stride == 0) ++seen, thin += voxels.across(n) != -2;
+  return seen > 0 && double(thin) >= kLeastThin * double(seen);
 }
 
-std::map<int, Tally> tallied(const Voxels& voxels, const std::vector<size_t>& labelled,
+template <typename T>
+std::map<int, Tally> tallied(const Voxels<T>& voxels, const std::vector<size_t>& labelled,
                              const openvdb::Coord& size) {
   std::vector<signed char> across(labelled.size());
   tbb::parallel_for(size_t(0), labelled.size(),
                     [&](size_t i) { across[i] = static_cast<signed char>(voxels.across(labelled[i])); });
   std::map<int, Tally> tallies;
   for (size_t i = 0; i < labelled.size(); ++i) {
-    Tally& tally = tallies[voxels.labels()[labelled[i]]];
+    Tally& tally = tallies[voxels.label(labelled[i])];
     const openvdb::Coord at = voxels.coord(labelled[i]);
     for (size_t axis = 0; axis < 3; ++axis) {
       tally.all[axis].resize(size_t(size[axis])), tally.sheet[axis].resize(size_t(size[axis]));
@@ -116,6 +121,30 @@ std::array<std::vector<char>, 3> marked(const CrossLabel& label, const openvdb::
   return on;
 }
 
+template <typename T>
+std::vector<CrossLabel> crossOf(const Voxels<T>& voxels, const openvdb::Coord& size) {
+  if (!isThin(voxels)) return {};
+  std::vector<size_t> labelled;
+  for (size_t n = 0; n < voxels.count(); ++n)
+    if (voxels.label(n) != 0) labelled.push_back(n);
+  std::vector<CrossLabel> cross = slicesOf(tallied(voxels, labelled, size));
+  std::map<int, std::array<std::vector<char>, 3>> on;
+  bool across[3] = {false, false, false};
+  for (const CrossLabel& label : cross) {
+    on[label.label] = marked(label, size);
+    for (const CrossSlice& slice : label.slices) across[slice.axis] = true;
+  }
+  size_t found = 0;
+  for (const size_t n : labelled) {
+    const openvdb::Coord at = voxels.coord(n);
+    const auto& own = on[voxels.label(n)];
+    found += own[0][size_t(at[0])] || own[1][size_t(at[1])] || own[2][size_t(at[2])];
+  }
+  if (across[0] + across[1] + across[2] < 2 || double(found) < kLeastFound * double(labelled.size()))
+    return {};
+  return cross;
+}
+
 /// A label's signed distance on a slice, positive inside, in a box of pixels around it.
 LabelScore scoreOn(const Image& labels, const CrossLabel& label, const CrossSlice& slice) {
   const SliceLayout layout = layoutOf(labels.lattice, slice.axis);
@@ -140,27 +169,12 @@ LabelScore scoreOn(const Image& labels, const CrossLabel& label, const CrossSlic
 }  // namespace
 
 std::vector<CrossLabel> findCrossSlices(const Image& labels) {
-  const Voxels voxels(labels);
-  std::vector<size_t> labelled;
-  for (size_t n = 0; n < voxels.labels().size(); ++n)
-    if (voxels.labels()[n] != 0) labelled.push_back(n);
-  if (labelled.empty() || !isThin(voxels, labelled)) return {};
-  std::vector<CrossLabel> cross = slicesOf(tallied(voxels, labelled, labels.lattice.size));
-  std::map<int, std::array<std::vector<char>, 3>> on;
-  bool across[3] = {false, false, false};
-  for (const CrossLabel& label : cross) {
-    on[label.label] = marked(label, labels.lattice.size);
-    for (const CrossSlice& slice : label.slices) across[slice.axis] = true;
-  }
-  size_t found = 0;
-  for (const size_t n : labelled) {
-    const openvdb::Coord at = voxels.coord(n);
-    const auto& own = on[voxels.labels()[n]];
-    found += own[0][size_t(at[0])] || own[1][size_t(at[1])] || own[2][size_t(at[2])];
-  }
-  if (across[0] + across[1] + across[2] < 2 || double(found) < kLeastFound * double(labelled.size()))
-    return {};
-  return cross;
+  return std::visit(
+      [&](const auto& values) {
+        using T = typename std::decay_t<decltype(values)>::value_type;
+        return crossOf(Voxels<T>(labels.lattice, values), labels.lattice.size);
+      },
+      labels.values);
 }
 
 ContourSet outlinesOf(const Image& labels, const CrossLabel& label) {

@@ -204,9 +204,13 @@ ContourFile contoursOf(const std::string& path, const DicomElements& all) {
                   "the file ends before its contours and observations "
                   "do: it was cut short");
   ContourFile file;
-  if (!all.has(kApproval))
-    file.notes.emplace_back("contours.maybe-cut-short", Severity::kWarning, "",
-                            "has no approval status, as a file has that was cut short");
+  // The status is optional (PS3.3 A.19.3), and what was not approved yet is usual.
+  if (all.text(kApproval) == "REJECTED")
+    file.notes.emplace_back("contours.rejected", Severity::kWarning, "",
+                            "its approval status is REJECTED: somebody found it not fit for use");
+  else if (all.text(kApproval) == "UNAPPROVED")
+    file.notes.emplace_back("contours.unapproved", Severity::kDetail, "",
+                            "its approval status is UNAPPROVED");
   file.sets = regionsOf(path, all);
   std::set<int> listed;  // numbers of regions that have a list of contours
   for (const DicomElements& item : all.items(kRegionContours)) {

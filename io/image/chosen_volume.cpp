@@ -1,5 +1,6 @@
 #include "io/image/chosen_volume.h"
 
+#include "io/image/image_formats.h"
 #include "slicemorph/errors.h"
 
 #include <algorithm>
@@ -102,18 +103,35 @@ void addFlatAxes(ImageLattice& lattice, size_t given) {
   if (given < 3) lattice.step[2] = unitOrNone(lattice.step[0].cross(lattice.step[1]));
 }
 
-void checkPlace(const std::string& path, const ImageLattice& lattice) {
+void checkPlace(const std::string& path, bool force, ImageFile& file) {
+  ImageLattice& lattice = file.image.lattice;
   // From the directions alone, for the product of tiny or huge steps is no number.
   const Vec3d spacing = lattice.spacing();
   Vec3d direction[3];
   for (int d = 0; d < 3; ++d) direction[d] = unitOrNone(lattice.step[d]);
   const double flat = direction[0].dot(direction[1].cross(direction[2]));
-  if (!std::isfinite(spacing.length()) || !(std::abs(flat) > 1e-6))
-    throw IoError(path, "its steps from voxel to voxel, " + textOf(lattice.step[0]) + ", " +
-                            textOf(lattice.step[1]) + " and " + textOf(lattice.step[2]) +
-                            ", flatten space; they must be finite, independent and not 0");
-  if (!std::isfinite(lattice.origin.length()))
-    throw IoError(path, "its origin " + textOf(lattice.origin) + " is not finite");
+  if (!std::isfinite(spacing.length()) || !(std::abs(flat) > 1e-6)) {
+    const std::string what = "its steps from voxel to voxel, " + textOf(lattice.step[0]) + ", " +
+                             textOf(lattice.step[1]) + " and " + textOf(lattice.step[2]) + ", flatten space";
+    if (!force)
+      throw IoError(path,
+                    what +
+                        "; they must be finite, independent and not 0 (--force takes axes as left, back, "
+                        "up, as long as the steps)");
+    for (int d = 0; d < 3; ++d) {
+      lattice.step[d] = Vec3d(0.0);
+      lattice.step[d][d] = std::isfinite(spacing[d]) && spacing[d] > 0 ? spacing[d] : 1;
+    }
+    file.notes.emplace_back(kGeometryForced, Severity::kWarning, "",
+                            "--force: " + what + ": axes are taken as left, back, up, voxels of " +
+                                textOf(lattice.spacing()) + " mm");
+  }
+  if (std::isfinite(lattice.origin.length())) return;
+  const std::string what = "its origin " + textOf(lattice.origin) + " is not finite";
+  if (!force) throw IoError(path, what + " (--force places its first voxel at 0, 0, 0)");
+  lattice.origin = Vec3d(0.0);
+  file.notes.emplace_back(kGeometryForced, Severity::kWarning, "",
+                          "--force: " + what + ": its first voxel is placed at 0, 0, 0");
 }
 
 void readOrRefuse(const std::string& path, VolumeReader& reader, void* to, size_t count, RawType type) {

@@ -39,8 +39,9 @@ TypeBy typeByOf(const ImageFile& file);
 /// Makes the axes from `given` on, which a file does not tell, of one voxel and at right angles to those before.
 void addFlatAxes(ImageLattice& lattice, size_t given);
 
-/// Throws IoError where the axes of an image flatten space, or it is placed by what is not finite.
-void checkPlace(const std::string& path, const ImageLattice& lattice);
+/// Throws IoError where the axes of an image flatten space, or it is placed by what is not finite; with `force` it is
+/// placed as well as can be told, with a warning.
+void checkPlace(const std::string& path, bool force, ImageFile& file);
 
 /// Reads numbers of a volume. Throws IoError where the file has not all of them.
 void readOrRefuse(const std::string& path, VolumeReader& reader, void* to, size_t count, RawType type);

@@ -59,7 +59,7 @@ void noteLeftOut(Notes& notes, const std::vector<std::pair<std::string, std::str
                        "and " + std::to_string(files.size() - kMostNamed) + " more files left out");
 }
 
-DicomFolder sorted(const std::string& path, std::vector<DicomFile> files) {
+DicomFolder sorted(const std::string& path, std::vector<DicomFile> files, bool force) {
   DicomFolder found;
   std::vector<std::pair<std::string, std::string>> foreign, others;
   std::vector<DicomFile> images;
@@ -88,7 +88,7 @@ DicomFolder sorted(const std::string& path, std::vector<DicomFile> files) {
   }
   noteLeftOut(found.notes, foreign, "image.file-passed-over", Severity::kNote);
   noteLeftOut(found.notes, others, "image.file-passed-over", Severity::kNote);
-  found.series = seriesOfFiles(std::move(images));
+  found.series = seriesOfFiles(std::move(images), force);
   return found;
 }
 
@@ -146,6 +146,16 @@ std::vector<std::pair<size_t, size_t>> holding(const std::vector<DicomSeries>& a
   return found;
 }
 
+/// What would make one stack of series that differ in a small turn alone; empty: nothing would.
+std::string joinedBy(const std::vector<DicomSeries>& all, const std::vector<size_t>& among) {
+  for (size_t i = 0; i < among.size(); ++i)
+    for (size_t j = 0; j < i; ++j)
+      if (differInTurn(all[among[i]], all[among[j]]))
+        return ", or --force takes those of one UID whose directions differ by less than " +
+               std::to_string(int(kMostTurned)) + " degrees as one";
+  return "";
+}
+
 /// The one series where none is named: of several the one that is no localizer.
 size_t onlySeries(const std::string& path, const DicomFolder& found, Notes& notes) {
   const std::vector<DicomSeries>& all = found.series;
@@ -154,8 +164,8 @@ size_t onlySeries(const std::string& path, const DicomFolder& found, Notes& note
   for (size_t i = 0; i < all.size(); ++i)
     if (!all[i].localizer) scans.push_back(i);
   if (scans.size() != 1)
-    throw InputError(path,
-                     "holds " + std::to_string(all.size()) + " series; choose one:" + listed(path, all));
+    throw InputError(path, "holds " + std::to_string(all.size()) + " series; choose one" +
+                               joinedBy(all, scans) + ":" + listed(path, all));
   for (size_t i = 0; i < all.size(); ++i)
     if (all[i].localizer)
       notes.emplace_back(
@@ -194,25 +204,26 @@ size_t volumeOf(const std::string& path, const DicomFolder& found, size_t series
 
 }  // namespace
 
-DicomFolder scanDicom(const std::string& path) {
-  if (fs::is_directory(path)) return sorted(path, readFiles(filesOfFolder(path)));
+DicomFolder scanDicom(const std::string& path, bool force) {
+  if (fs::is_directory(path)) return sorted(path, readFiles(filesOfFolder(path)), force);
   DicomFile file = readDicomFile(path);
   const bool alone = file.isWhole || !file.damage.empty() || !file.foreign.empty() || file.frames.empty();
   if (alone) {
     std::vector<DicomFile> one;
     one.push_back(std::move(file));
-    return sorted(path, std::move(one));
+    return sorted(path, std::move(one), force);
   }
   const fs::path parent = fs::path(path).parent_path();
-  DicomFolder found = sorted(path, readFiles(filesOfFolder(parent.empty() ? "." : parent.string())));
+  DicomFolder found = sorted(path, readFiles(filesOfFolder(parent.empty() ? "." : parent.string())), force);
   found.notes.clear();  // what else is in the folder was not asked for
   return found;
 }
 
 bool holdsDicomVolumes(const std::string& path) { return readDicomFile(path).isWhole; }
 
-DicomChoice chooseDicomVolume(const std::string& path, const std::string& selection, Notes& notes) {
-  DicomFolder found = scanDicom(path);
+DicomChoice chooseDicomVolume(const std::string& path, const std::string& selection, bool force,
+                              Notes& notes) {
+  DicomFolder found = scanDicom(path, force);
   const size_t at = selection.find('@');
   const std::string wanted = selection.substr(0, at),
                     volume = at == std::string::npos ? "" : selection.substr(at + 1);
@@ -226,15 +237,16 @@ DicomChoice chooseDicomVolume(const std::string& path, const std::string& select
       throw InputError(path, "has no series '" + wanted + "'; there are" + listed(path, found.series));
     if (candidates.size() > 1)
       throw InputError(path, "has " + std::to_string(candidates.size()) +
-                                 " stacks of that UID, with other directions or sizes; choose one:" +
-                                 listed(path, found.series));
+                                 " stacks of that UID, with other directions or sizes; choose one" +
+                                 joinedBy(found.series, candidates) + ":" + listed(path, found.series));
   } else if (!folder) {
     ofFile = holding(found.series, path);
     for (const auto& [series, v] : ofFile)
       if (candidates.empty() || candidates.back() != series) candidates.push_back(series);
     if (candidates.empty()) throw IoError(path, "holds no image");
     if (candidates.size() > 1)
-      throw InputError(path, "holds stacks of several directions; choose one:" + listed(path, found.series));
+      throw InputError(path, "holds stacks of several directions; choose one" +
+                                 joinedBy(found.series, candidates) + ":" + listed(path, found.series));
   } else {
     candidates = {onlySeries(path, found, notes)};
   }

@@ -1,6 +1,7 @@
 #include "io/image/dicom_file.h"
 
-#include "io/whole_file.h"
+#include "io/image/dicom_color.h"
+#include "io/mapped_file.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +19,8 @@ constexpr DicomTag kSopClass = 0x00080016, kSopInstance = 0x00080018, kModality 
                    kSign = 0x00280103, kPadding = 0x00280120, kPaddingLimit = 0x00280121,
                    kFloatPixels = 0x7fe00008, kDoublePixels = 0x7fe00009, kPixels = 0x7fe00010,
                    kSegmentationType = 0x00620001, kSegments = 0x00620002, kSegmentNumber = 0x00620004,
-                   kSegmentLabel = 0x00620005, kFullFraction = 0x0062000e;
+                   kSegmentLabel = 0x00620005, kSegmentColor = 0x0062000d, kFullFraction = 0x0062000e,
+                   kModalityTable = 0x00283000, kTableForm = 0x00283002, kTableData = 0x00283006;
 constexpr int kMostFrames = 1 << 20;    // far more than any scanner writes; damaged numbers are larger
 constexpr double kLargestSide = 65535;  // of Rows and Columns, which have 16 bits (PS3.3 C.7.6.3.1)
 constexpr size_t kLeastPacked = 8;  // bytes of a compressed frame: the head of its item (PS3.5 section A.4)
@@ -92,11 +94,43 @@ void readPixelFormat(const DicomElements& data, std::string_view bytes, DicomFil
     file.foreign = "its pixels are single bits and compressed, which is not read";
 }
 
+/// The colour that a segment is to be shown in.
+std::optional<std::array<std::uint8_t, 3>> colorOfLab(const DicomElements& segment) {
+  const std::vector<double> stored = segment.numbers(kSegmentColor, "US");
+  if (stored.size() != 3) return std::nullopt;
+  return colorOfDicomLab(stored);
+}
+
+/// The table that gives stored values their meaning. Throws DicomDamage where it is no such.
+std::optional<DicomTable> tableOf(const DicomElements& data, bool isSigned) {
+  if (!data.has(kModalityTable)) return std::nullopt;
+  const DicomElements item = data.item(kModalityTable);
+  // All three are US or SS as the pixels are, but only the second may be below 0 (PS3.3 C.11.1.1.1).
+  const std::vector<double> form = item.numbers(kTableForm, isSigned ? "SS" : "US");
+  if (form.size() != 3) throw DicomDamage("its table of values (ModalityLUTSequence) has no LUTDescriptor");
+  const auto unsignedOf = [](double v) { return size_t(std::uint16_t(std::int64_t(v))); };
+  const size_t count = unsignedOf(form[0]) == 0 ? 65536 : unsignedOf(form[0]), bits = unsignedOf(form[2]);
+  const std::string_view bytes = item.bytes(kTableData);
+  const bool narrow = bits <= 8 && bytes.size() == count + count % 2 && bytes.size() < 2 * count;
+  if (bits < 1 || bits > 16 || (!narrow && bytes.size() < 2 * count))
+    throw DicomDamage("its table of values (ModalityLUTSequence) has " + std::to_string(bytes.size()) +
+                      " bytes for " + std::to_string(count) + " entries of " + std::to_string(bits) +
+                      " bits");
+  DicomTable table;
+  table.first = form[1];
+  const auto byteAt = [&](size_t i) { return unsigned(static_cast<unsigned char>(bytes[i])); };
+  for (size_t i = 0; i < count; ++i)
+    table.values.push_back(std::uint16_t(narrow             ? byteAt(i)
+                                         : data.bigEndian() ? byteAt(2 * i) << 8 | byteAt(2 * i + 1)
+                                                            : byteAt(2 * i) | byteAt(2 * i + 1) << 8));
+  return table;
+}
+
 void readSegments(const DicomElements& data, DicomFile& file) {
   file.kind = DicomFile::kSegmentation;
   file.isWhole = true;
   for (const DicomElements& item : data.items(kSegments))
-    file.segments.push_back({item.number(kSegmentNumber), item.text(kSegmentLabel)});
+    file.segments.push_back({item.number(kSegmentNumber), item.text(kSegmentLabel), colorOfLab(item)});
   if (data.text(kSegmentationType) == "FRACTIONAL")
     file.fullFraction = std::max(1.0, data.first(kFullFraction, "US", 255));
 }
@@ -123,6 +157,7 @@ void read(const DicomElements& data, std::string_view bytes, DicomFile& file) {
   const std::string sop = data.text(kSopClass);
   file.labelPixels = sop == "1.2.840.10008.5.1.4.1.1.66.7";
   if (sop == "1.2.840.10008.5.1.4.1.1.66.4" || file.labelPixels) readSegments(data, file);
+  if (file.kind == DicomFile::kSlices) file.table = tableOf(data, file.pixels.isSigned);
   readDicomFrames(data, file);
   const bool mosaic = isMosaic(data);
   if (mosaic) splitMosaic(data, file);
@@ -134,7 +169,8 @@ void read(const DicomElements& data, std::string_view bytes, DicomFile& file) {
 DicomFile readDicomFile(const std::string& path) {
   DicomFile file;
   file.path = path;
-  const std::string bytes = readWholeFile(path);
+  const MappedFile mapped(path);
+  const std::string_view bytes = mapped.bytes();
   const bool marked = bytes.size() >= 132 && bytes.compare(128, 4, "DICM") == 0;
   const DicomElements data = DicomElements::startOfFile(bytes, file.damage);
   try {

@@ -36,9 +36,10 @@ struct DicomFrame {
   int tile[2] = {0, 0};           ///< column and row of its first pixel in that frame
   std::optional<Vec3d> position;  ///< LPS millimetres: centre of the first pixel
   bool badAxes = false;           ///< directions are stated, but are no unit vectors at right angles
-  std::optional<std::array<Vec3d, 2>> axes;    ///< unit directions along a row, and down a column
-  std::optional<std::array<double, 2>> pixel;  ///< millimetres from pixel to pixel along these
-  double between = 0, thickness = 0;           ///< millimetres as stated, of the slices; 0: not stated
+  std::optional<std::array<Vec3d, 2>> axes;      ///< unit directions along a row, and down a column
+  std::optional<std::array<Vec3d, 2>> nearAxes;  ///< of bad ones the nearest that are such, if any
+  std::optional<std::array<double, 2>> pixel;    ///< millimetres from pixel to pixel along these
+  double between = 0, thickness = 0;             ///< millimetres as stated, of the slices; 0: not stated
   double slope = 1, intercept = 0;
   int segment = 0;  ///< of a segmentation
   std::array<std::string, kMarkCount> marks;
@@ -47,6 +48,14 @@ struct DicomFrame {
 struct DicomSegment {
   int number = 0;
   std::string name;
+  std::optional<std::array<std::uint8_t, 3>> color;  ///< as sRGB
+};
+
+/// A table that gives stored values their meaning (Modality LUT, PS3.3 C.11.1): that of `first` and of what is below it
+/// is the first entry, that of what is behind the last one the last.
+struct DicomTable {
+  double first = 0;
+  std::vector<std::uint16_t> values;
 };
 
 /// How the pixels of a file are stored.
@@ -70,15 +79,17 @@ struct DicomFile {
   int instance = 0;
   bool localizer = false;
   bool isWhole = false;            ///< holds several slices: stands for itself, not for its series
+  bool notSplit = false;           ///< its frames are pictures of several slices, which cannot be taken apart
   std::vector<DicomFrame> frames;  ///< none where it is no image
   std::vector<DicomSegment> segments;
-  bool labelPixels = false;  ///< of a segmentation: pixels are the segments' numbers
-  double fullFraction = 0;   ///< of a segmentation by fractions: the value that is all; 0: it is binary
-  std::string foreign;       ///< why it is no grey image, for a note; empty: it is one
-  std::string uncertain;     ///< why its frames' places are not known; empty: they are, or there is one frame
-  std::string assumed;       ///< what was assumed of them, for a note
-  std::string damage;        ///< why it cannot be read; what was read before the damage is above
-  std::string unreadable;    ///< of a file of a folder: why it could not be opened
+  std::optional<DicomTable> table;  ///< takes the place of slopes and intercepts
+  bool labelPixels = false;         ///< of a segmentation: pixels are the segments' numbers
+  double fullFraction = 0;  ///< of a segmentation by fractions: the value that is all; 0: it is binary
+  std::string foreign;      ///< why it is no grey image, for a note; empty: it is one
+  std::string uncertain;    ///< why its frames' places are not known; empty: they are, or there is one frame
+  std::string assumed;      ///< what was assumed of them, for a note
+  std::string damage;       ///< why it cannot be read; what was read before the damage is above
+  std::string unreadable;   ///< of a file of a folder: why it could not be opened
   bool isDicom = true;
 
   void assume(const std::string& what) { assumed += (assumed.empty() ? "" : "; ") + what; }

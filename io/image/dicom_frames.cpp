@@ -13,18 +13,17 @@ constexpr DicomTag kShared = 0x52009229, kPerFrame = 0x52009230;
 constexpr DicomTag kPlanePosition = 0x00209113, kPosition = 0x00200032, kPlaneOrientation = 0x00209116,
                    kOrientation = 0x00200037, kPixelMeasures = 0x00289110, kPixelSpacing = 0x00280030,
                    kBetween = 0x00180088, kThickness = 0x00180050, kTransformation = 0x00289145,
-                   kIntercept = 0x00281052, kSlope = 0x00281053, kModalityTable = 0x00283000,
-                   kFrameContent = 0x00209111, kStackId = 0x00209056, kTemporalIndex = 0x00209128,
-                   kFrameAcquisition = 0x00209156, kDimensionValues = 0x00209157, kFrameTime = 0x00189074,
-                   kFrameReference = 0x00189151, kTemporalGroup = 0x00209310, kTemporalOffset = 0x0020930d,
-                   kEchoGroup = 0x00189114, kEffectiveEcho = 0x00189082, kDiffusion = 0x00189117,
-                   kB = 0x00189087, kDirectionality = 0x00189075, kGradient = 0x00189076,
-                   kGradientVector = 0x00189089, kCardiac = 0x00189118, kTriggerDelay = 0x00209153,
-                   kCardiacPercent = 0x00209241, kBreath = 0x00209253, kBreathPercent = 0x00209248,
-                   kModifier = 0x00189115, kInversions = 0x00189079, kSegmentGroup = 0x0062000a,
-                   kSegmentReference = 0x0062000b, kUnassignedShared = 0x00209170, kUnassigned = 0x00209171,
-                   kFrameType = 0x00089007, kComplex = 0x00089208, kDimensions = 0x00209222,
-                   kDimensionPointer = 0x00209165;
+                   kIntercept = 0x00281052, kSlope = 0x00281053, kFrameContent = 0x00209111,
+                   kStackId = 0x00209056, kTemporalIndex = 0x00209128, kFrameAcquisition = 0x00209156,
+                   kDimensionValues = 0x00209157, kFrameTime = 0x00189074, kFrameReference = 0x00189151,
+                   kTemporalGroup = 0x00209310, kTemporalOffset = 0x0020930d, kEchoGroup = 0x00189114,
+                   kEffectiveEcho = 0x00189082, kDiffusion = 0x00189117, kB = 0x00189087,
+                   kDirectionality = 0x00189075, kGradient = 0x00189076, kGradientVector = 0x00189089,
+                   kCardiac = 0x00189118, kTriggerDelay = 0x00209153, kCardiacPercent = 0x00209241,
+                   kBreath = 0x00209253, kBreathPercent = 0x00209248, kModifier = 0x00189115,
+                   kInversions = 0x00189079, kSegmentGroup = 0x0062000a, kSegmentReference = 0x0062000b,
+                   kUnassignedShared = 0x00209170, kUnassigned = 0x00209171, kFrameType = 0x00089007,
+                   kComplex = 0x00089208, kDimensions = 0x00209222, kDimensionPointer = 0x00209165;
 constexpr DicomTag kFrameTypes[] = {0x00189226, 0x00189329, 0x00189751, 0x00189504,
                                     0x00189807, 0x00209450, 0x00189806};  // of MR, CT, PET, XA, US, ...
 // Of classic files.
@@ -90,6 +89,7 @@ void readGeometry(const Groups& groups, DicomFrame& frame) {
   const std::vector<double> axes = groups.numbers(kPlaneOrientation, kOrientation);
   frame.axes = dicomAxes(axes);
   frame.badAxes = !axes.empty() && !frame.axes;
+  if (frame.badAxes) frame.nearAxes = nearestAxes(axes);
   frame.pixel = dicomPixel(groups.numbers(kPixelMeasures, kPixelSpacing));
   const auto length = [&](DicomTag tag) {
     const std::vector<double> v = groups.numbers(kPixelMeasures, tag);
@@ -217,9 +217,6 @@ void readFunctionalGroups(const DicomElements& data, const std::vector<DicomElem
 
 void readDicomFrames(const DicomElements& data, DicomFile& file) {
   file.frames.assign(size_t(file.pixels.frames), DicomFrame());
-  if (data.has(kModalityTable))
-    file.assume(
-        "its values are as stored: the table that gives them a meaning (Modality LUT) is not applied");
   const std::vector<DicomElements> perFrame = data.items(kPerFrame);
   if (!perFrame.empty() || data.has(kShared)) {
     if (perFrame.size() != file.frames.size())

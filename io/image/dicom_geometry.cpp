@@ -22,6 +22,20 @@ std::optional<std::array<Vec3d, 2>> dicomAxes(const std::vector<double>& orienta
   return std::array<Vec3d, 2>{x, y};
 }
 
+std::optional<std::array<Vec3d, 2>> nearestAxes(const std::vector<double>& orientation) {
+  constexpr double kFlat =
+      0.1;  // sine of the angle between rows and columns: 6 degrees, far from any image's
+  const std::vector<double>& v = orientation;
+  if (v.size() != 6) return std::nullopt;
+  Vec3d x(v[0], v[1], v[2]), y(v[3], v[4], v[5]);
+  if (!(x.length() > 0 && y.length() > 0) || !std::isfinite(x.length() + y.length())) return std::nullopt;
+  x.normalize(), y.normalize();
+  if (x.cross(y).length() < kFlat) return std::nullopt;
+  // Both turned alike until they are at right angles.
+  const Vec3d middle = (x + y).unit(), across = (x - y).unit();
+  return std::array<Vec3d, 2>{(middle + across).unit(), (middle - across).unit()};
+}
+
 std::optional<Vec3d> dicomPlace(const std::vector<double>& position) {
   const bool inReach =
       std::all_of(position.begin(), position.end(), [](double along) { return std::abs(along) < kFarthest; });

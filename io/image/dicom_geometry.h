@@ -7,6 +7,8 @@ namespace slicemorph {
 /// The directions along a row and down a column of ImageOrientationPatient; none where these are no unit vectors at right
 /// angles.
 std::optional<std::array<Vec3d, 2>> dicomAxes(const std::vector<double>& orientation);
+/// Of directions that are no such the nearest that are; none where they do not span a plane.
+std::optional<std::array<Vec3d, 2>> nearestAxes(const std::vector<double>& orientation);
 /// A position, millimetres; none where there are not three numbers, or they are beyond all bodies.
 std::optional<Vec3d> dicomPlace(const std::vector<double>& position);
 /// The distances from pixel to pixel along a row and down a column; none where PixelSpacing is no such.

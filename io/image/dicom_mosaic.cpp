@@ -201,6 +201,7 @@ bool isMosaic(const DicomElements& data) {
 }
 
 void splitMosaic(const DicomElements& data, DicomFile& file) {
+  file.notSplit = true;
   const MosaicHeader header = mosaicHeaderOf(data);
   const int count = header.count();
   const std::string what = "it is a mosaic of Siemens, whose tiles are slices, and ";
@@ -243,6 +244,7 @@ void splitMosaic(const DicomElements& data, DicomFile& file) {
     file.uncertain = what + why;
     return;
   }
+  file.notSplit = false;
   file.columns = columns, file.rows = rows;
   file.frames.assign(size_t(count), whole);
   for (int k = 0; k < count; ++k) {

@@ -1,6 +1,7 @@
 #include "io/image/dicom_pixels.h"
 
 #include "io/image/dicom_decode.h"
+#include "io/image/dicom_rescale.h"
 #include "slicemorph/errors.h"
 
 #include <tbb/parallel_for.h>
@@ -9,7 +10,6 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
-#include <limits>
 
 namespace slicemorph {
 namespace {
@@ -103,78 +103,19 @@ ImageValues sliceOf(const DicomFile& file, const DicomFrame& frame, const Decode
   return readValues(layout.type, count, [&](void* to) { std::memcpy(to, bytes.data(), bytes.size()); });
 }
 
-bool isWhole(double v) { return v == std::rint(v); }
-
-/// What the rescaled values of all slices need.
-struct ValueRange {
-  double least = std::numeric_limits<double>::infinity(), most = -least;
-  bool whole = true, wide = false;  ///< only whole numbers; floats would lose digits
-};
-
-struct Rescale {
-  double slope = 1, intercept = 0;
-};
-
-ValueRange rangeOf(const std::vector<ImageValues>& slices, const std::vector<Rescale>& rescale) {
-  std::vector<ValueRange> each(slices.size());
-  tbb::parallel_for(size_t(0), slices.size(), [&](size_t i) {
-    std::visit(
-        [&](const auto& values) {
-          using T = typename std::decay_t<decltype(values)>::value_type;
-          const Rescale& r = rescale[i];
-          ValueRange& range = each[i];
-          range.whole = std::is_integral_v<T> && isWhole(r.slope) && isWhole(r.intercept);
-          range.wide = std::is_same_v<T, double> || std::is_same_v<T, std::int32_t>;
-          if (values.empty()) return;
-          const auto [low, high] = std::minmax_element(values.begin(), values.end());
-          const double a = double(*low) * r.slope + r.intercept, b = double(*high) * r.slope + r.intercept;
-          range.least = std::min(a, b), range.most = std::max(a, b);
-        },
-        slices[i]);
-  });
-  ValueRange all;
-  for (const ValueRange& r : each) {
-    all.least = std::min(all.least, r.least), all.most = std::max(all.most, r.most);
-    all.whole = all.whole && r.whole, all.wide = all.wide || r.wide;
-  }
-  return all;
-}
-
-template <typename To>
-void convert(std::vector<ImageValues>& slices, const std::vector<Rescale>& rescale) {
-  tbb::parallel_for(size_t(0), slices.size(), [&](size_t i) {
-    const Rescale r = rescale[i];
-    if (std::holds_alternative<std::vector<To>>(slices[i]) && r.slope == 1 && r.intercept == 0) return;
-    slices[i] = std::visit(
-        [&](const auto& values) -> ImageValues {
-          std::vector<To> out(values.size());
-          std::transform(values.begin(), values.end(), out.begin(),
-                         [&](auto v) { return To(double(v) * r.slope + r.intercept); });
-          return out;
-        },
-        slices[i]);
-  });
-}
-
-template <typename T>
-bool holds(const ValueRange& range) {
-  return range.least >= double(std::numeric_limits<T>::min()) &&
-         range.most <= double(std::numeric_limits<T>::max());
-}
-
-/// Rescales each slice, all to one type.
-void rescaleAll(std::vector<ImageValues>& slices, const std::vector<Rescale>& rescale) {
-  const bool identity = std::all_of(rescale.begin(), rescale.end(),
-                                    [](const Rescale& r) { return r.slope == 1 && r.intercept == 0; });
-  const bool oneType = std::all_of(slices.begin(), slices.end(),
-                                   [&](const ImageValues& s) { return s.index() == slices[0].index(); });
-  if (identity && oneType) return;
-  const ValueRange range = rangeOf(slices, rescale);
-  if (range.whole && holds<std::int16_t>(range)) return convert<std::int16_t>(slices, rescale);
-  if (range.whole && holds<std::uint16_t>(range)) return convert<std::uint16_t>(slices, rescale);
-  if (range.whole && holds<std::int32_t>(range)) return convert<std::int32_t>(slices, rescale);
-  if (range.wide) return convert<double>(slices, rescale);
-  convert<float>(slices, rescale);
+/// Looks stored values up; numbers that are no whole ones do not come with tables.
+ImageValues lookedUp(const ImageValues& stored, const DicomTable& table) {
+  std::vector<std::uint16_t> out;
+  std::visit(
+      [&](const auto& values) {
+        out.resize(values.size());
+        const double last = double(table.values.size() - 1);
+        std::transform(values.begin(), values.end(), out.begin(), [&](auto v) {
+          return table.values[size_t(std::clamp(double(v) - table.first, 0.0, last))];
+        });
+      },
+      stored);
+  return out;
 }
 
 /// So near below the least measurement, as a share of all measurements' range, padding is no surface of its own and
@@ -235,8 +176,12 @@ DicomValues readDicomValues(const DicomSeries& series, const std::vector<DicomSl
   std::vector<Rescale> rescale(slices.size());
   tbb::parallel_for(size_t(0), slices.size(), [&](size_t i) {
     const DicomFrame& frame = series.frameOf(slices[i]);
-    rescale[i] = {frame.slope, frame.intercept};
-    out.slices[i] = sliceOf(series.files[slices[i].file], frame, decoded[slices[i].file], padded[i]);
+    const DicomFile& file = series.files[slices[i].file];
+    out.slices[i] = sliceOf(file, frame, decoded[slices[i].file], padded[i]);
+    if (file.table)
+      out.slices[i] = lookedUp(out.slices[i], *file.table);
+    else
+      rescale[i] = {frame.slope, frame.intercept};
   });
   rescaleAll(out.slices, rescale);
   const auto& padding = series.files[slices[0].file].pixels.padding;

@@ -20,9 +20,12 @@ int bytesOfPixel(const DicomFile& file);
 /// unpacked as a whole, and about as many more while it is; 0 of others.
 double bytesUnpacked(const DicomFile& file);
 
-/// Reads slices and rescales each by its own slope and intercept. Whole numbers stay such where all slopes and
+/// Reads slices and rescales each by its own slope and intercept, or by its file's table. Whole numbers stay such where all slopes and
 /// intercepts are. MONOCHROME1 says how to show values, not what they are: nothing is inverted. Throws IoError.
 DicomValues readDicomValues(const DicomSeries& series, const std::vector<DicomSliceRef>& slices);
+
+/// None, of the type that slices' values would have if they took all that their bits can hold.
+ImageValues noDicomValues(const DicomSeries& series, const std::vector<DicomSliceRef>& slices);
 
 /// The stored values of some frames of a file, without rescaling: 0 and 1 where a pixel is a bit. Throws IoError.
 std::vector<ImageValues> readStoredFrames(const DicomFile& file);

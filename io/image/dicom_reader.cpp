@@ -2,13 +2,14 @@
 
 #include "io/image/dicom_pixels.h"
 #include "io/image/dicom_segmentation.h"
+#include "io/image/dicom_slice_places.h"
+#include "io/image/image_formats.h"
 #include "io/image/straighten.h"
 #include "slicemorph/errors.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <set>
 
 namespace slicemorph {
@@ -29,108 +30,13 @@ struct DicomSlice {
   ImageValues values;
 };
 
-/// What all slices of a volume share, and their places.
-struct SlicePlaces {
-  Vec3d step[2];                ///< world vectors from a pixel to the next along a row, down a column
-  Vec3d normal;                 ///< unit
-  double thickness = 1;         ///< of a single slice, millimetres
-  std::vector<Vec3d> position;  ///< in the order of the volume's slices
-};
-
-/// Of a slice, within its folder.
-std::string nameOf(const DicomSeries& series, const DicomSliceRef& ref) {
-  const DicomFile& file = series.files[ref.file];
-  const std::string name = std::filesystem::path(file.path).filename().string();
-  const DicomFrame& frame = file.frames[ref.frame];
-  return file.isWhole ? name + " frame " + std::to_string(frame.number + 1) : name;
-}
-
-[[noreturn]] void refuseGeometry(const std::string& path, const std::string& why) {
-  throw InputError(
-      path, "where its slices lie is not certain: " + why +
-                "; --spacing X,Y,Z (millimetres) reads them in the file's order, one behind the other");
-}
-
-/// Directions and pixel size of the slices.
-void placePixels(const std::string& path, const DicomFrame& first, bool alone, const Vec3d& spacing,
-                 SlicePlaces& places, Notes& notes) {
-  double pixel[2] = {spacing[0], spacing[1]};
-  if (first.pixel) {
-    pixel[0] = (*first.pixel)[0], pixel[1] = (*first.pixel)[1];
-  } else if (spacing[0] == 0) {
-    throw InputError(path, "states no pixel size (PixelSpacing); --spacing X,Y,Z (millimetres) sets it");
-  } else {
-    notes.emplace_back("image.spacing-given", Severity::kNote, "",
-                       "states no pixel size: it is that of --spacing");
-  }
-  Vec3d axes[2] = {{1, 0, 0}, {0, 1, 0}};
-  if (first.axes) axes[0] = (*first.axes)[0], axes[1] = (*first.axes)[1];
-  if ((!first.axes || !first.position) && alone)
-    notes.emplace_back("image.positions-missing", Severity::kWarning, "",
-                       std::string("states no ") + (first.axes ? "position" : "directions") +
-                           ": it lies at the origin, rows to the left, columns to the back");
-  for (int d = 0; d < 2; ++d) places.step[d] = axes[d] * pixel[d];
-  places.normal = axes[0].cross(axes[1]).unit();
-}
-
-/// Slices whose places are not known: in the order of their instance numbers, or of their frames.
-void placeInOrder(const std::string& path, const std::string& why, const DicomSeries& series,
-                  std::vector<DicomSliceRef>& slices, const Vec3d& spacing, SlicePlaces& places,
-                  Notes& notes) {
-  const auto key = [&](const DicomSliceRef& r) {
-    return std::pair(series.files[r.file].instance, series.frameOf(r).number);
-  };
-  std::sort(slices.begin(), slices.end(),
-            [&](const DicomSliceRef& a, const DicomSliceRef& b) { return key(a) < key(b); });
-  for (size_t i = 1; i < slices.size(); ++i)
-    if (key(slices[i]) == key(slices[i - 1]))
-      throw InputError(path, "its slices have no positions, and " + nameOf(series, slices[i - 1]) + " and " +
-                                 nameOf(series, slices[i]) +
-                                 " have the same instance number: their order is not known");
-  const Vec3d origin = series.frameOf(slices[0]).position.value_or(Vec3d(0.0));
-  for (size_t k = 0; k < slices.size(); ++k)
-    places.position.push_back(origin + double(k) * spacing[2] * places.normal);
-  notes.emplace_back("image.geometry-insisted", Severity::kWarning, "",
-                     why + ": they are " + inMillimetres(spacing[2]) +
-                         " apart in the order of their numbers, as --spacing asks");
-}
-
-SlicePlaces placesOf(const std::string& path, const DicomSeries& series, std::vector<DicomSliceRef>& slices,
-                     const Vec3d& spacing, Notes& notes) {
-  const DicomFile& file = series.files[0];
-  const DicomFrame& first = series.frameOf(slices[0]);
-  const bool given = spacing[2] > 0;
-  std::string why = file.uncertain;
-  if (why.empty() && slices.size() > 1 && (!first.position || !first.axes))
-    why = std::string("its slices have no ") + (first.position ? "directions" : "positions");
-  if (!why.empty() && slices.size() == 1) throw InputError(file.path, "cannot be read as slices: " + why);
-  if (!why.empty() && !given) refuseGeometry(file.isWhole ? file.path : path, why);
-  SlicePlaces places;
-  placePixels(file.path, first, slices.size() == 1, spacing, places, notes);
-  for (const DicomFile& each : series.files)
-    if (!each.assumed.empty()) {
-      notes.emplace_back("image.geometry-assumed", Severity::kWarning, "", each.assumed);
-      break;
-    }
-  places.thickness = first.between != 0    ? std::abs(first.between)
-                     : first.thickness > 0 ? first.thickness
-                     : given               ? spacing[2]
-                                           : places.step[0].length();
-  if (slices.size() == 1) {
-    places.position.push_back(first.position.value_or(Vec3d(0.0)));
-  } else if (why.empty()) {
-    for (const DicomSliceRef& r : slices) places.position.push_back(*series.frameOf(r).position);
-  } else {
-    placeInOrder(path, why, series, slices, spacing, places, notes);
-  }
-  return places;
-}
-
-/// Drops doubles: slices at the same place with equal values. Throws InputError where such slices differ.
+/// Drops doubles: slices at the same place with equal values, and with `force` others, too. Throws InputError where such
+/// slices differ.
 std::vector<DicomSlice> withoutDoubles(const std::string& path, std::vector<DicomSlice> slices,
-                                       const Vec3d& normal, Notes& notes) {
+                                       const Vec3d& normal, bool force, Notes& notes) {
   std::vector<DicomSlice> kept;
-  size_t doubled = 0;
+  size_t doubled = 0, other = 0;
+  std::string example;
   for (DicomSlice& slice : slices) {
     const double along = slice.position.dot(normal);
     const bool same = !kept.empty() && std::abs(along - kept.back().position.dot(normal)) < kSameSlice;
@@ -140,21 +46,29 @@ std::vector<DicomSlice> withoutDoubles(const std::string& path, std::vector<Dico
       if (++doubled <= 3)
         notes.emplace_back("image.slice-doubled", Severity::kNote, slice.name,
                            "is a double of " + kept.back().name + ": left out");
+    } else if (force) {
+      if (++other == 1) example = slice.name + " beside " + kept.back().name;
     } else {
       throw InputError(path, kept.back().name + " and " + slice.name + " lie at the same place (" +
                                  inMillimetres(along) +
                                  " along the stack) but differ, and nothing in them tells them apart: two "
-                                 "acquisitions are mixed; put each in a folder of its own");
+                                 "acquisitions are mixed; put each in a folder of its own, or --force takes "
+                                 "the first slice at each place");
     }
   }
   if (doubled > 3)
     notes.emplace_back("image.slice-doubled", Severity::kNote, "",
                        "and " + std::to_string(doubled - 3) + " more doubled slices");
+  if (other > 0)
+    notes.emplace_back(kGeometryForced, Severity::kWarning, "",
+                       "--force: of slices at the same place that differ the first was taken, " +
+                           std::to_string(other) + " left out (" + example + "): acquisitions may be mixed");
   return kept;
 }
 
 /// Throws InputError where more slices are missing than there are: what is between would be made up.
-void checkMissing(const std::string& path, const std::vector<DicomSlice>& slices, const Vec3d& normal) {
+void checkMissing(const std::string& path, const std::vector<DicomSlice>& slices, const Vec3d& normal,
+                  bool force, Notes& notes) {
   if (slices.size() < 3) return;
   std::vector<double> gaps;
   for (size_t i = 1; i < slices.size(); ++i)
@@ -164,9 +78,15 @@ void checkMissing(const std::string& path, const std::vector<DicomSlice>& slices
   std::nth_element(gaps.begin(), gaps.begin() + std::ptrdiff_t(gaps.size() / 2), gaps.end());
   const double missing = std::rint(length / gaps[gaps.size() / 2]) + 1 - double(slices.size());
   if (missing <= double(slices.size())) return;
-  throw InputError(path, "more slices are missing than there are (" + slices[widest].name + " and " +
-                             slices[widest + 1].name + " are " + inMillimetres(most) +
-                             " apart): these are several stacks; put each in a folder of its own");
+  const std::string what = "more slices are missing than there are (" + slices[widest].name + " and " +
+                           slices[widest + 1].name + " are " + inMillimetres(most) + " apart)";
+  if (!force)
+    throw InputError(path,
+                     what +
+                         ": these are several stacks; put each in a folder of its own, or --force makes up "
+                         "what lies between");
+  notes.emplace_back(kGeometryForced, Severity::kWarning, "",
+                     "--force: " + what + ": what lies between is made up");
 }
 
 void noteOnValues(const DicomValues& values, Notes& notes) {
@@ -201,25 +121,14 @@ double bytesWhileRead(const DicomSeries& series, const std::vector<DicomSliceRef
   return std::max(2 * unpacked, unpacked + voxels * bytesOfVoxel(series, slices));
 }
 
-ImageFile readSlices(const std::string& path, const DicomSeries& series, const DicomVolume& volume,
-                     const Vec3d& spacing, const SizeCheck& check) {
-  ImageFile file;
-  std::vector<DicomSliceRef> order = volume.slices;
-  const SlicePlaces places = placesOf(path, series, order, spacing, file.notes);
-  const DicomFile& first = series.files[order[0].file];
-  check({first.columns, first.rows, int(order.size())},
-        bytesWhileRead(series, order, double(first.columns) * first.rows * double(order.size())));
-  DicomValues values = readDicomValues(series, order);
-  noteOnValues(values, file.notes);
+void noteOrder(const DicomVolume& volume, Notes& notes) {
   if (volume.byOrderOnly)
-    file.notes.emplace_back(
+    notes.emplace_back(
         "image.volumes-by-order", Severity::kWarning, "",
         "its slices lie several times at each place, and nothing but their order tells the volumes apart");
-  std::vector<DicomSlice> slices;
-  for (size_t k = 0; k < order.size(); ++k)
-    slices.push_back({nameOf(series, order[k]), places.position[k], std::move(values.slices[k])});
-  slices = withoutDoubles(path, std::move(slices), places.normal, file.notes);
-  checkMissing(path, slices, places.normal);
+}
+
+SliceStackInput stackOf(const DicomFile& first, const SlicePlaces& places, std::vector<DicomSlice> slices) {
   SliceStackInput stack;
   for (int d = 0; d < 2; ++d) stack.step[d] = places.step[d];
   stack.size[0] = first.columns, stack.size[1] = first.rows;
@@ -228,27 +137,88 @@ ImageFile readSlices(const std::string& path, const DicomSeries& series, const D
     stack.names.push_back(slice.name);
     stack.values.push_back(std::move(slice.values));
   }
-  straighten(std::move(stack), check, file);
-  if (slices.size() == 1) {
-    file.image.lattice.step[2] = places.normal * places.thickness;
-    file.notes.emplace_back("image.one-slice", Severity::kWarning, "", "it holds one slice");
-  }
+  return stack;
+}
+
+void placeOneSlice(const SlicePlaces& places, ImageFile& file) {
+  file.image.lattice.step[2] = places.normal * places.thickness;
+  file.notes.emplace_back("image.one-slice", Severity::kWarning, "", "it holds one slice");
+}
+
+ImageFile readSlices(const std::string& path, const DicomSeries& series, const DicomVolume& volume,
+                     const ImageOptions& options, const SizeCheck& check) {
+  ImageFile file;
+  std::vector<DicomSliceRef> order = volume.slices;
+  const SlicePlaces places = placeDicomSlices(path, series, order, options, file.notes);
+  const DicomFile& first = series.files[order[0].file];
+  check({first.columns, first.rows, int(order.size())},
+        bytesWhileRead(series, order, double(first.columns) * first.rows * double(order.size())));
+  DicomValues values = readDicomValues(series, order);
+  noteOnValues(values, file.notes);
+  noteOrder(volume, file.notes);
+  std::vector<DicomSlice> slices;
+  for (size_t k = 0; k < order.size(); ++k)
+    slices.push_back({nameOfSlice(series, order[k]), places.position[k], std::move(values.slices[k])});
+  slices = withoutDoubles(path, std::move(slices), places.normal, options.force, file.notes);
+  checkMissing(path, slices, places.normal, options.force, file.notes);
+  const bool one = slices.size() == 1;
+  straighten(stackOf(first, places, std::move(slices)), check, file);
+  if (one) placeOneSlice(places, file);
   return file;
 }
 
-}  // namespace
+/// The same of headers alone.
+ImageFile headOfSlices(const std::string& path, const DicomSeries& series, const DicomVolume& volume,
+                       const ImageOptions& options) {
+  ImageFile file;
+  std::vector<DicomSliceRef> order = volume.slices;
+  const SlicePlaces places = placeDicomSlices(path, series, order, options, file.notes);
+  noteOrder(volume, file.notes);
+  std::vector<DicomSlice> slices;
+  for (size_t k = 0; k < order.size(); ++k) {
+    const bool same = !slices.empty() &&
+                      std::abs((places.position[k] - slices.back().position).dot(places.normal)) < kSameSlice;
+    if (!same) slices.push_back({nameOfSlice(series, order[k]), places.position[k], {}});
+  }
+  if (slices.size() < order.size())
+    file.notes.emplace_back(
+        "image.slice-doubled", Severity::kNote, "",
+        std::to_string(order.size() - slices.size()) +
+            " of its slices lie where others do: whether they are doubles was not looked at");
+  checkMissing(path, slices, places.normal, options.force, file.notes);
+  const bool one = slices.size() == 1;
+  layOut(stackOf(series.files[order[0].file], places, std::move(slices)), file);
+  if (one) placeOneSlice(places, file);
+  file.image.values = noDicomValues(series, order);
+  return file;
+}
 
-ImageFile readDicomVolume(const std::string& path, const DicomChoice& choice, const Vec3d& spacing,
-                          const SizeCheck& check) {
+/// What a series says of itself.
+void describeSeries(const DicomChoice& choice, ImageFile& file) {
   const DicomSeries& series = choice.series;
   const bool segmentation = series.isSegmentation();
-  ImageFile file = segmentation ? readDicomSegmentation(series, int(choice.volume), check)
-                                : readSlices(path, series, series.volumes[choice.volume], spacing, check);
   file.format = segmentation ? "DICOM segmentation" : "DICOM series";
   file.about = series.modality + (series.description.empty() ? "" : " '" + series.description + "'");
   if (segmentation) file.about += ", segments " + segmentsOf(series);
   const std::string apart = segmentation ? "" : series.volumes[choice.volume].apart;
   if (!apart.empty()) file.about += ", " + apart;
+}
+
+}  // namespace
+
+ImageFile readDicomVolume(const std::string& path, const DicomChoice& choice, const ImageOptions& options,
+                          const SizeCheck& check) {
+  const DicomSeries& series = choice.series;
+  ImageFile file = series.isSegmentation()
+                       ? readDicomSegmentation(series, int(choice.volume), options.force, check)
+                       : readSlices(path, series, series.volumes[choice.volume], options, check);
+  describeSeries(choice, file);
+  return file;
+}
+
+ImageFile readDicomHead(const std::string& path, const DicomChoice& choice, const ImageOptions& options) {
+  ImageFile file = headOfSlices(path, choice.series, choice.series.volumes[choice.volume], options);
+  describeSeries(choice, file);
   return file;
 }
 

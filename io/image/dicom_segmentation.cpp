@@ -55,7 +55,7 @@ void checkFrames(const DicomFile& file) {
 }
 
 /// The distance of planes: the stated one where all frames lie on such planes, else the smallest between two.
-double gapOf(const DicomFile& file, const std::vector<double>& along, Notes& notes) {
+double gapOf(const DicomFile& file, const std::vector<double>& along, bool force, Notes& notes) {
   std::vector<double> sorted = along;
   std::sort(sorted.begin(), sorted.end());
   double least = 0;
@@ -77,10 +77,15 @@ double gapOf(const DicomFile& file, const std::vector<double>& along, Notes& not
                        "it holds one plane, taken as " + lengthText(gap) + " mm thick");
     return gap;
   }
-  if (!fits(least))
-    throw InputError(file.path,
-                     "is a segmentation whose planes lie at no even distance (the nearest two are " +
-                         lengthText(least) + " mm apart)");
+  if (!fits(least)) {
+    const std::string what = "is a segmentation whose planes lie at no even distance (the nearest two are " +
+                             lengthText(least) + " mm apart)";
+    if (!force)
+      throw InputError(file.path, what + "; --force puts each on the nearest of planes so far apart");
+    notes.emplace_back(kGeometryForced, Severity::kWarning, "",
+                       "--force: " + what + ": each is put on the nearest of planes so far apart");
+    return least;
+  }
   if (stated > 0)
     notes.emplace_back("image.spacing-contradicted", Severity::kWarning, "",
                        "it states " + lengthText(stated) + " mm between planes, and its planes lie every " +
@@ -93,14 +98,14 @@ double gapOf(const DicomFile& file, const std::vector<double>& along, Notes& not
   return least;
 }
 
-Planes planesOf(const DicomFile& file, Notes& notes) {
+Planes planesOf(const DicomFile& file, bool force, Notes& notes) {
   checkFrames(file);
   const DicomFrame& first = file.frames[0];
   const Vec3d x = (*first.axes)[0], y = (*first.axes)[1], normal = x.cross(y).unit();
   std::vector<double> along;
   for (const DicomFrame& frame : file.frames)
     along.push_back((*frame.position - *first.position).dot(normal));
-  const double gap = gapOf(file, along, notes), lowest = *std::min_element(along.begin(), along.end());
+  const double gap = gapOf(file, along, force, notes), lowest = *std::min_element(along.begin(), along.end());
   Planes planes;
   planes.lattice.origin = *first.position + lowest * normal;
   planes.lattice.step[0] = x * (*first.pixel)[0], planes.lattice.step[1] = y * (*first.pixel)[1];
@@ -110,15 +115,24 @@ Planes planesOf(const DicomFile& file, Notes& notes) {
     throw InputError(file.path, "is a segmentation whose frames lie " + lengthText(span) +
                                     " planes apart: their positions are damaged");
   int most = 0;
+  double farthest = 0;
   for (size_t k = 0; k < along.size(); ++k) {
     const int plane = int(std::lround((along[k] - lowest) / gap));
     const Vec3d off = *file.frames[k].position - planes.lattice.origin - double(plane) * gap * normal;
-    if (off.length() > kOffLattice * std::min({gap, (*first.pixel)[0], (*first.pixel)[1]}) + kRounding)
+    const bool beside =
+        off.length() > kOffLattice * std::min({gap, (*first.pixel)[0], (*first.pixel)[1]}) + kRounding;
+    if (beside && !force)
       throw InputError(file.path, "is a segmentation whose frame " + std::to_string(k + 1) + " lies " +
-                                      lengthText(off.length()) + " mm beside the others' lattice");
+                                      lengthText(off.length()) +
+                                      " mm beside the others' lattice; --force puts it there all the same");
+    if (beside) farthest = std::max(farthest, off.length());
     planes.planeOf.push_back(plane);
     most = std::max(most, plane);
   }
+  if (farthest > 0)
+    notes.emplace_back(kGeometryForced, Severity::kWarning, "",
+                       "--force: its frames lie up to " + lengthText(farthest) +
+                           " mm beside one lattice: they are put on it all the same");
   planes.lattice.size = openvdb::Coord(file.columns, file.rows, most + 1);
   return planes;
 }
@@ -191,14 +205,16 @@ std::string segmentsOf(const DicomSeries& series) {
   return text;
 }
 
-ImageFile readDicomSegmentation(const DicomSeries& series, int segment, const SizeCheck& check) {
+ImageFile readDicomSegmentation(const DicomSeries& series, int segment, bool force, const SizeCheck& check) {
   const DicomFile& source = series.files[0];
   checkSegments(source, segment);
   checkLabelPixels(source);
   ImageFile file;
   file.notes.emplace_back(kLabelsStated, Severity::kDetail, "",
                           "it is a segmentation: its values are labels");
-  const Planes planes = planesOf(source, file.notes);
+  for (const DicomSegment& s : source.segments)
+    if (segment == 0 || s.number == segment) file.header.labels.push_back({s.number, s.name, s.color});
+  const Planes planes = planesOf(source, force, file.notes);
   int most = 0;
   for (const DicomFrame& frame : source.frames) most = std::max(most, frame.segment);
   if (source.labelPixels && source.pixels.bits > 8) most = 65535;

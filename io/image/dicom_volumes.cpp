@@ -14,33 +14,6 @@ namespace {
 using Refs = std::vector<DicomSliceRef>;
 
 constexpr double kSamePlace = 1e-3;  // millimetres; positions are rounded to about this
-constexpr double kSameAxes = 1e-4;   // of unit directions and of millimetres: noise in the last digits
-
-bool isNear(double a, double b) { return std::abs(a - b) <= kSameAxes; }
-
-bool shareGeometry(const DicomFrame& a, const DicomFrame& b) {
-  if (a.position.has_value() != b.position.has_value() || a.axes.has_value() != b.axes.has_value() ||
-      a.pixel.has_value() != b.pixel.has_value())
-    return false;
-  for (int d = 0; d < 2; ++d) {
-    if (a.pixel && !isNear((*a.pixel)[size_t(d)], (*b.pixel)[size_t(d)])) return false;
-    for (int c = 0; a.axes && c < 3; ++c)
-      if (!isNear((*a.axes)[size_t(d)][c], (*b.axes)[size_t(d)][c])) return false;
-  }
-  return true;
-}
-
-bool belongsTo(const DicomSeries& series, const DicomFile& file, const DicomFrame& frame) {
-  const DicomFile& first = series.files[0];
-  if (series.uid != file.seriesUid || first.frameOfReference != file.frameOfReference ||
-      first.columns != file.columns || first.rows != file.rows)
-    return false;
-  const auto isAlone = [](const DicomFile& f) {
-    return f.kind == DicomFile::kSegmentation || (f.isWhole && !f.uncertain.empty());
-  };
-  if (isAlone(file) || isAlone(first)) return first.path == file.path;
-  return shareGeometry(first.frames[0], frame);
-}
 
 /// Numbers by size, before other texts by their letters.
 bool isLess(const std::string& a, const std::string& b) {
@@ -269,23 +242,6 @@ class Splitter {
   std::vector<Leaf> leaves_;
 };
 
-/// Makes the frames of reference of a series one where every file has its own: anonymised archives replace each.
-void joinFrames(std::vector<DicomFile>& files) {
-  std::map<std::string, std::vector<DicomFile*>> series;
-  for (DicomFile& file : files) series[file.seriesUid].push_back(&file);
-  for (auto& [uid, members] : series) {
-    std::set<std::string> frames;
-    for (const DicomFile* file : members) frames.insert(file->frameOfReference);
-    if (members.size() < 2 || frames.size() < members.size()) continue;
-    for (DicomFile* file : members) {
-      file->frameOfReference.clear();
-      file->assumed +=
-          (file->assumed.empty() ? "" : "; ") +
-          std::string("every file of it names a frame of reference of its own: they are taken as one");
-    }
-  }
-}
-
 }  // namespace
 
 size_t DicomSeries::slices() const {
@@ -295,33 +251,5 @@ size_t DicomSeries::slices() const {
 }
 
 std::vector<DicomVolume> splitIntoVolumes(const DicomSeries& series) { return Splitter(series).volumes(); }
-
-std::vector<DicomSeries> seriesOfFiles(std::vector<DicomFile> files) {
-  joinFrames(files);
-  std::vector<DicomSeries> all;
-  for (DicomFile& file : files) {
-    std::vector<DicomFrame> frames = std::move(file.frames);
-    file.frames.clear();
-    for (DicomFrame& frame : frames) {
-      auto home = std::find_if(all.begin(), all.end(),
-                               [&](const DicomSeries& s) { return belongsTo(s, file, frame); });
-      if (home == all.end()) {
-        DicomSeries series;
-        series.uid = file.seriesUid, series.modality = file.modality, series.description = file.description;
-        series.localizer = true;
-        home = all.insert(all.end(), std::move(series));
-      }
-      if (home->files.empty() || home->files.back().path != file.path) {
-        home->files.push_back(file);
-        home->localizer = home->localizer && file.localizer;
-      }
-      home->files.back().frames.push_back(std::move(frame));
-    }
-  }
-  std::stable_sort(all.begin(), all.end(),
-                   [](const DicomSeries& a, const DicomSeries& b) { return a.uid < b.uid; });
-  for (DicomSeries& series : all) series.volumes = splitIntoVolumes(series);
-  return all;
-}
 
 }  // namespace slicemorph

@@ -23,6 +23,7 @@ struct DicomSeries {
   std::vector<DicomFile> files;  ///< sorted by name; of each only its frames that belong here
   std::vector<DicomVolume> volumes;
   bool localizer = false;
+  double turned = 0;  ///< degrees by which directions of slices differ from those of the first, at most
 
   const DicomFrame& frameOf(const DicomSliceRef& ref) const { return files[ref.file].frames[ref.frame]; }
   bool isSegmentation() const { return files[0].kind == DicomFile::kSegmentation; }
@@ -30,7 +31,13 @@ struct DicomSeries {
 };
 
 /// Sorts images (without damaged and foreign ones) into series, in the order of their UIDs, and these into volumes.
-std::vector<DicomSeries> seriesOfFiles(std::vector<DicomFile> files);
+/// `force`: slices whose directions differ by no more than kMostTurned degrees are one stack.
+std::vector<DicomSeries> seriesOfFiles(std::vector<DicomFile> files, bool force);
+
+/// Degrees: far below the angle between planes that a scanner takes on purpose, above what a moved couch or rounding does.
+constexpr double kMostTurned = 5;
+/// Whether two stacks differ in nothing but such a turn.
+bool differInTurn(const DicomSeries& a, const DicomSeries& b);
 
 /// Divides the slices of a series into volumes: by image type, echo, b-value and time always; where slices still share
 /// a place, by what else differs there, at last by their order alone where each place has as many. What cannot be

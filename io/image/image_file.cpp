@@ -14,6 +14,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -38,16 +39,29 @@ SizeCheck checkOf(const InputSpec& input, const ImageOptions& options) {
 /// The DICOM volume that is selected, or the only one.
 ImageFile readOneVolume(const InputSpec& input, const ImageOptions& options) {
   Notes notes;
-  const DicomChoice choice = itkReaders().chooseVolume(input.path, input.selection, notes);
-  ImageFile file = itkReaders().dicomVolume(input.path, choice, options.spacing, checkOf(input, options));
+  const DicomChoice choice = itkReaders().chooseVolume(input.path, input.selection, options.force, notes);
+  ImageFile file = itkReaders().dicomVolume(input.path, choice, options, checkOf(input, options));
   file.notes.insert(file.notes.begin(), notes.begin(), notes.end());
   return file;
 }
 
-/// A volume for a listing: where it is refused, without values, and the reason as a note.
-ImageFile listedVolume(const InputSpec& input, const ImageOptions& options, const DicomChoice& choice) {
+/// A volume for a listing: a large one without values.
+ImageFile volumeToList(const InputSpec& input, const ImageOptions& options, const DicomChoice& choice,
+                       double mostVoxels) {
+  const DicomFile& first = choice.series.files[0];
+  const double voxels =
+      choice.series.isSegmentation()
+          ? 0
+          : double(first.columns) * first.rows * double(choice.series.volumes[choice.volume].slices.size());
+  return voxels > mostVoxels ? itkReaders().dicomHead(input.path, choice, options)
+                             : itkReaders().dicomVolume(input.path, choice, options, checkOf(input, options));
+}
+
+/// The same; where it is refused, the reason as a note.
+ImageFile listedVolume(const InputSpec& input, const ImageOptions& options, const DicomChoice& choice,
+                       double mostVoxels) {
   try {
-    return itkReaders().dicomVolume(input.path, choice, options.spacing, checkOf(input, options));
+    return volumeToList(input, options, choice, mostVoxels);
   } catch (const MemoryError&) {
     throw;
   } catch (const Error& error) {
@@ -57,33 +71,33 @@ ImageFile listedVolume(const InputSpec& input, const ImageOptions& options, cons
     file.about = choice.series.modality;
     file.image.lattice.size =
         openvdb::Coord(first.columns, first.rows, int(choice.series.volumes[choice.volume].slices.size()));
-    file.notes.emplace_back("image.refused", Severity::kWarning, error.note().about, error.note().text);
+    file.notes.emplace_back(kImageRefused, Severity::kWarning, error.note().about, error.note().text);
     return file;
   }
 }
 
 /// Every volume of every series.
-std::vector<ImageFile> listVolumes(const InputSpec& input, const ImageOptions& options) {
-  DicomFolder folder = itkReaders().dicomFolder(input.path);
-  std::vector<ImageFile> files;
+void listVolumes(const InputSpec& input, const ImageOptions& options, double mostVoxels,
+                 const ImageVisitor& visit) {
+  DicomFolder folder = itkReaders().dicomFolder(input.path, options.force);
+  Notes notes = std::move(folder.notes);  // of the first volume that is told of
+  for (const auto& [uid, note] : folder.damaged) notes.push_back(note);
   for (size_t i = 0; i < folder.series.size(); ++i) {
     DicomChoice choice{std::move(folder.series[i]), 0};
     const size_t volumes = choice.series.isSegmentation() ? 1 : choice.series.volumes.size();
     for (size_t v = 0; v < volumes; ++v) {
       choice.volume = choice.series.isSegmentation() ? 0 : v;
       const bool only = folder.series.size() == 1 && volumes == 1;
-      files.push_back(
-          only ? itkReaders().dicomVolume(input.path, choice, options.spacing, checkOf(input, options))
-               : listedVolume(input, options, choice));
-      files.back().name = input.path + ":" + std::to_string(i + 1);
-      if (volumes > 1) files.back().name += "@" + std::to_string(v + 1);
-      files.back().volumes = int(volumes);
+      ImageFile file = only ? volumeToList(input, options, choice, mostVoxels)
+                            : listedVolume(input, options, choice, mostVoxels);
+      file.name = input.path + ":" + std::to_string(i + 1);
+      if (volumes > 1) file.name += "@" + std::to_string(v + 1);
+      file.volumes = int(volumes);
+      file.notes.insert(file.notes.begin(), notes.begin(), notes.end());
+      notes.clear();
+      visit(std::move(file));
     }
   }
-  Notes& notes = files[0].notes;
-  notes.insert(notes.begin(), folder.notes.begin(), folder.notes.end());
-  for (const auto& [uid, note] : folder.damaged) notes.push_back(note);
-  return files;
 }
 
 /// Whether a file of any name begins as DICOM files do (PS3.10 section 7.1).
@@ -125,27 +139,31 @@ bool isImageStack(const std::string& path) {
 }
 
 ImageFile readNiftiImage(const InputSpec& input, const ImageOptions& options) {
-  return readNifti(input.path, volumeOf(input), checkOf(input, options));
+  return readNifti(input.path, volumeOf(input), options, checkOf(input, options));
 }
 
 ImageFile readNrrdImage(const InputSpec& input, const ImageOptions& options) {
-  return itkReaders().nrrd(input.path, volumeOf(input), checkOf(input, options));
+  return itkReaders().nrrd(input.path, volumeOf(input), options, checkOf(input, options));
 }
 
 ImageFile readMetaImageFile(const InputSpec& input, const ImageOptions& options) {
-  return itkReaders().metaImage(input.path, volumeOf(input), checkOf(input, options));
+  return itkReaders().metaImage(input.path, volumeOf(input), options, checkOf(input, options));
 }
 
 ImageFile readDicomImage(const InputSpec& input, const ImageOptions& options) {
   return readOneVolume(input, options);
 }
 
-std::vector<ImageFile> listDicomImages(const InputSpec& input, const ImageOptions& options) {
+void listDicomImages(const InputSpec& input, const ImageOptions& options, double mostVoxels,
+                     const ImageVisitor& visit) {
   const bool whole = isFolder(input.path) || itkReaders().dicomHoldsVolumes(input.path);
-  if (input.selection.empty() && whole) return listVolumes(input, options);
-  ImageFile file = readOneVolume(input, options);
+  if (input.selection.empty() && whole) return listVolumes(input, options, mostVoxels, visit);
+  Notes notes;
+  const DicomChoice choice = itkReaders().chooseVolume(input.path, input.selection, options.force, notes);
+  ImageFile file = volumeToList(input, options, choice, mostVoxels);
+  file.notes.insert(file.notes.begin(), notes.begin(), notes.end());
   file.name = input.text;
-  return {std::move(file)};
+  visit(std::move(file));
 }
 
 bool isStatedLabels(const ImageFile& file) {
@@ -157,26 +175,26 @@ ImageFile readStackImage(const InputSpec& input, const ImageOptions& options) {
   return readStack(input, options);
 }
 
-std::optional<ImageSlices> openNiftiSlices(const InputSpec& input, const ImageOptions&) {
-  return openNifti(input.path, volumeOf(input));
+std::optional<ImageSlices> openNiftiSlices(const InputSpec& input, const ImageOptions& options) {
+  return openNifti(input.path, volumeOf(input), options);
 }
 
-std::optional<ImageSlices> openNrrdSlices(const InputSpec& input, const ImageOptions&) {
-  return itkReaders().nrrdSlices(input.path, volumeOf(input));
+std::optional<ImageSlices> openNrrdSlices(const InputSpec& input, const ImageOptions& options) {
+  return itkReaders().nrrdSlices(input.path, volumeOf(input), options);
 }
 
-std::optional<ImageSlices> openMetaImageSlices(const InputSpec& input, const ImageOptions&) {
-  return itkReaders().metaImageSlices(input.path, volumeOf(input));
+std::optional<ImageSlices> openMetaImageSlices(const InputSpec& input, const ImageOptions& options) {
+  return itkReaders().metaImageSlices(input.path, volumeOf(input), options);
 }
 
 std::optional<ImageSlices> openStackSlices(const InputSpec& input, const ImageOptions& options) {
   return openStack(input, options);
 }
 
-std::vector<ImageFile> listStackImages(const InputSpec& input, const ImageOptions& options) {
+void listStackImages(const InputSpec& input, const ImageOptions& options, double, const ImageVisitor& visit) {
   ImageFile file = readStack(input, options, /*placed=*/options.spacing[0] != 0);
   file.name = input.text;
-  return {std::move(file)};
+  visit(std::move(file));
 }
 
 ImageFile readImage(const InputSpec& given, const ImageOptions& options) {
@@ -205,11 +223,20 @@ std::optional<ImageSlices> openImageSlices(const InputSpec& given, const ImageOp
   return slices;
 }
 
-std::vector<ImageFile> listImages(const InputSpec& input, const ImageOptions& options) {
-  if (input.format && input.format->listImages) return input.format->listImages(input, options);
+void visitImages(const InputSpec& input, const ImageOptions& options, double mostVoxels,
+                 const ImageVisitor& visit) {
+  if (input.format && input.format->listImages)
+    return input.format->listImages(input, options, mostVoxels, visit);
   ImageFile file = readImage(input, options);
   file.name = input.text;
-  return {std::move(file)};
+  visit(std::move(file));
+}
+
+std::vector<ImageFile> listImages(const InputSpec& input, const ImageOptions& options) {
+  std::vector<ImageFile> files;
+  visitImages(input, options, std::numeric_limits<double>::infinity(),
+              [&](ImageFile file) { files.push_back(std::move(file)); });
+  return files;
 }
 
 }  // namespace slicemorph

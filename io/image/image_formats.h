@@ -4,6 +4,7 @@
 #include "slicemorph/io/image_slices.h"
 #include "slicemorph/io/image_writer.h"
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -23,14 +24,24 @@ ImageFile readNrrdImage(const InputSpec& input, const ImageOptions& options);
 ImageFile readMetaImageFile(const InputSpec& input, const ImageOptions& options);
 ImageFile readDicomImage(const InputSpec& input, const ImageOptions& options);
 ImageFile readStackImage(const InputSpec& input, const ImageOptions& options);
-/// As listImages.
-std::vector<ImageFile> listDicomImages(const InputSpec& input, const ImageOptions& options);
-std::vector<ImageFile> listStackImages(const InputSpec& input, const ImageOptions& options);
+/// As ImageLister.
+void listDicomImages(const InputSpec& input, const ImageOptions& options, double mostVoxels,
+                     const std::function<void(ImageFile)>& visit);
+void listStackImages(const InputSpec& input, const ImageOptions& options, double mostVoxels,
+                     const std::function<void(ImageFile)>& visit);
+/// The same of any input that is an image.
+void visitImages(const InputSpec& input, const ImageOptions& options, double mostVoxels,
+                 const std::function<void(ImageFile)>& visit);
+/// Code of the note on an image without values because it is refused.
+constexpr const char* kImageRefused = "image.refused";
 
 /// Code of the note by which a reader says so.
 constexpr const char* kLabelsStated = "image.labels-stated";
 /// Whether a file itself says that its values are labels, as segmentations do; a note's code tells it.
 bool isStatedLabels(const ImageFile& file);
+
+/// Code of the warnings that tell how voxels were placed because --force insisted.
+constexpr const char* kGeometryForced = "image.geometry-forced";
 
 /// As openImageSlices.
 std::optional<ImageSlices> openNiftiSlices(const InputSpec& input, const ImageOptions& options);
@@ -46,7 +57,7 @@ struct Voxels {
   bool vectors = false;  ///< three numbers a voxel
   std::string meaning;   ///< one line; empty: nothing to say
   int volumes = 1;
-  double seconds = 0;  ///< from one volume to the next
+  ImageHeader header;
 };
 enum class Packing { kNone, kGzip, kZlib };
 /// What stands before the values, and how these follow.

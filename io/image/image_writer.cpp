@@ -7,15 +7,11 @@
 #include "io/paths.h"
 #include "slicemorph/errors.h"
 
-#include <nifti/nifti1.h>
-#include <nifti/nifti2.h>
 #include <zlib.h>
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <cstring>
-#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -105,112 +101,13 @@ std::string numbersText(const Vec3d& v, const char* between) {
 }
 
 struct TypeNames {
-  short nifti;
   const char *nrrd, *meta;
 };
 TypeNames namesOf(size_t type) {
-  constexpr TypeNames kNames[] = {{DT_UINT8, "uint8", "MET_UCHAR"},    {DT_INT16, "int16", "MET_SHORT"},
-                                  {DT_UINT16, "uint16", "MET_USHORT"}, {DT_INT32, "int32", "MET_INT"},
-                                  {DT_FLOAT32, "float", "MET_FLOAT"},  {DT_FLOAT64, "double", "MET_DOUBLE"}};
+  constexpr TypeNames kNames[] = {{"uint8", "MET_UCHAR"}, {"int16", "MET_SHORT"}, {"uint16", "MET_USHORT"},
+                                  {"int32", "MET_INT"},   {"float", "MET_FLOAT"}, {"double", "MET_DOUBLE"}};
   static_assert(std::size(kNames) == std::variant_size_v<ImageValues>);
   return kNames[type];
-}
-
-/// Quaternion of a rotation as NIfTI-1 stores it: (b, c, d), with a >= 0. Divides by the largest of the four
-/// components, which is numerically stable.
-void quaternionOf(const Mat3d& r, float q[3]) {
-  const double trace[4] = {r(0, 0) + r(1, 1) + r(2, 2), r(0, 0), r(1, 1), r(2, 2)};
-  double w[4];
-  int most = 0;
-  for (int i = 0; i < 4; ++i) {
-    w[i] = i == 0 ? 1 + trace[0] : 1 + 2 * trace[i] - trace[0];
-    if (w[i] > w[most]) most = i;
-  }
-  const double s = 0.5 / std::sqrt(w[most]);
-  double a, b, c, d;
-  if (most == 0)
-    a = w[0] * s, b = (r(2, 1) - r(1, 2)) * s, c = (r(0, 2) - r(2, 0)) * s, d = (r(1, 0) - r(0, 1)) * s;
-  else if (most == 1)
-    a = (r(2, 1) - r(1, 2)) * s, b = w[1] * s, c = (r(0, 1) + r(1, 0)) * s, d = (r(0, 2) + r(2, 0)) * s;
-  else if (most == 2)
-    a = (r(0, 2) - r(2, 0)) * s, b = (r(0, 1) + r(1, 0)) * s, c = w[2] * s, d = (r(1, 2) + r(2, 1)) * s;
-  else
-    a = (r(1, 0) - r(0, 1)) * s, b = (r(0, 2) + r(2, 0)) * s, c = (r(1, 2) + r(2, 1)) * s, d = w[3] * s;
-  const double sign = a < 0 ? -1 : 1;
-  q[0] = float(sign * b), q[1] = float(sign * c), q[2] = float(sign * d);
-}
-
-/// Whether sizes need NIfTI-2: NIfTI-1 has 16 bits for them.
-bool needsNifti2(const Voxels& voxels) {
-  const openvdb::Coord& size = voxels.lattice.size;
-  return std::max({size[0], size[1], size[2], voxels.volumes}) > std::numeric_limits<short>::max();
-}
-
-void setMagic(nifti_1_header& h) {
-  h.sizeof_hdr = sizeof h;
-  h.vox_offset = float(sizeof h + 4);
-  h.xyzt_units = NIFTI_UNITS_MM;
-  std::memcpy(h.magic, "n+1", 4);
-}
-
-void setMagic(nifti_2_header& h) {
-  h.sizeof_hdr = sizeof h;
-  h.vox_offset = sizeof h + 4;
-  h.xyzt_units = NIFTI_UNITS_MM;
-  std::memcpy(h.magic, "n+2\0\r\n\032\n", 8);
-}
-
-/// `Header`: of NIfTI-1 or -2, which name their fields the same.
-template <typename Header>
-Header niftiHeader(const Voxels& voxels) {
-  using Number = std::decay_t<decltype(Header().pixdim[0])>;
-  using Size = std::decay_t<decltype(Header().dim[0])>;
-  const ImageLattice& lattice = voxels.lattice;
-  Header h = {};
-  setMagic(h);
-  h.dim[0] = voxels.vectors ? 5 : voxels.volumes > 1 ? 4 : 3;
-  h.dim[4] = Size(voxels.volumes), h.dim[5] = h.dim[6] = h.dim[7] = 1;
-  if (voxels.vectors) h.dim[5] = 3, h.intent_code = NIFTI_INTENT_VECTOR;
-  for (int d = 0; d < 3; ++d) h.dim[d + 1] = Size(lattice.size[d]);
-  if (voxels.seconds > 0) {
-    h.pixdim[4] = Number(voxels.seconds);
-    h.xyzt_units = decltype(h.xyzt_units)(NIFTI_UNITS_MM | NIFTI_UNITS_SEC);
-  }
-  h.datatype = namesOf(voxels.type).nifti;
-  h.bitpix = short(8 * voxels.bytes);
-  h.scl_slope = 1;
-  const std::string description = voxels.meaning.empty() ? "slicemorph" : "slicemorph: " + voxels.meaning;
-  std::strncpy(h.descrip, description.c_str(), sizeof h.descrip - 1);
-  // LPS to RAS.
-  Vec3d step[3], origin = lattice.origin;
-  for (int d = 0; d < 3; ++d) step[d] = {-lattice.step[d][0], -lattice.step[d][1], lattice.step[d][2]};
-  origin[0] = -origin[0], origin[1] = -origin[1];
-  Number* rows[3] = {h.srow_x, h.srow_y, h.srow_z};
-  for (int r = 0; r < 3; ++r) {
-    for (int d = 0; d < 3; ++d) rows[r][d] = Number(step[d][r]) + Number(0);
-    rows[r][3] = Number(origin[r]) + Number(0);
-  }
-  h.sform_code = NIFTI_XFORM_SCANNER_ANAT;
-  const Vec3d spacing = lattice.spacing();
-  for (int d = 0; d < 3; ++d) h.pixdim[d + 1] = Number(spacing[d]);
-  Mat3d r;
-  for (int d = 0; d < 3; ++d) r.setCol(d, step[d] / spacing[d]);
-  const double mirrored = r.det() < 0 ? -1 : 1;
-  h.pixdim[0] = Number(mirrored);
-  if (voxels.volumes > 1 && !(voxels.seconds > 0)) h.pixdim[4] = 1;
-  r.setCol(2, r.col(2) * mirrored);
-  // A quaternion holds right-angled axes only: the largest cosine between two of them, as exact
-  // as floats are.
-  const double lean = std::max(
-      {std::abs(r.col(0).dot(r.col(1))), std::abs(r.col(0).dot(r.col(2))), std::abs(r.col(1).dot(r.col(2)))});
-  if (lean < 1e-5) {
-    h.qform_code = NIFTI_XFORM_SCANNER_ANAT;
-    float q[3];
-    quaternionOf(r, q);
-    h.quatern_b = q[0], h.quatern_c = q[1], h.quatern_d = q[2];
-    h.qoffset_x = rows[0][3], h.qoffset_y = rows[1][3], h.qoffset_z = rows[2][3];
-  }
-  return h;
 }
 
 /// `numbers`: of a voxel; `kind`: what these are, with a blank behind it, nothing of one number.
@@ -225,9 +122,15 @@ std::string nrrdText(const Voxels& voxels, int numbers, const std::string& kind,
       std::to_string(l.size[0]) + " " + std::to_string(l.size[1]) + " " + std::to_string(l.size[2]) +
       (times ? " " + std::to_string(voxels.volumes) : "") + "\nspace directions:" + (vectors ? " none" : "");
   for (const Vec3d& s : l.step) text += " (" + numbersText(s, ",") + ")";
-  return text + (times ? " none" : "") + "\nkinds: " + kind + "domain domain domain" +
-         (times ? " time" : "") + "\nendian: little\nencoding: gzip\nspace origin: (" +
-         numbersText(l.origin, ",") + ")\n" + keys + "\n";
+  text += times ? " none" : "";
+  const double step = voxels.header.timeStep;
+  if (times && step > 0) {
+    text += "\nspacings: nan nan nan " + numberText(step);
+    if (voxels.header.inSeconds) text += "\nunits: \"\" \"\" \"\" \"s\"";
+  }
+  return text + "\nkinds: " + kind + "domain domain domain" + (times ? " time" : "") +
+         "\nendian: little\nencoding: gzip\nspace origin: (" + numbersText(l.origin, ",") + ")\n" + keys +
+         "\n";
 }
 
 /// Without it ITK reads zeros.
@@ -237,6 +140,7 @@ std::string metaImageText(const Voxels& voxels) {
   const ImageLattice& l = voxels.lattice;
   const Vec3d spacing = l.spacing();
   const bool times = voxels.volumes > 1;
+  const double step = voxels.header.timeStep;
   const std::string zero = times ? " 0" : "";
   std::string text = std::string("ObjectType = Image\nNDims = ") + (times ? "4" : "3") + "\n";
   if (!voxels.meaning.empty()) text += "Comment = " + voxels.meaning + "\n";
@@ -245,18 +149,21 @@ std::string metaImageText(const Voxels& voxels) {
   for (int d = 0; d < 3; ++d) text += " " + numbersText(l.step[d] / spacing[d], " ") + zero;
   return text + (times ? " 0 0 0 1" : "") + "\nOffset = " + numbersText(l.origin, " ") + zero +
          "\nCenterOfRotation = 0 0 0" + zero + "\nElementSpacing = " + numbersText(spacing, " ") +
-         (times ? " 1" : "") + "\nDimSize = " + std::to_string(l.size[0]) + " " + std::to_string(l.size[1]) +
-         " " + std::to_string(l.size[2]) + (times ? " " + std::to_string(voxels.volumes) : "") +
+         (times ? " " + numberText(step > 0 ? step : 1) : "") + "\nDimSize = " + std::to_string(l.size[0]) +
+         " " + std::to_string(l.size[1]) + " " + std::to_string(l.size[2]) +
+         (times ? " " + std::to_string(voxels.volumes) : "") +
          (voxels.vectors ? "\nElementNumberOfChannels = 3" : "") +
          "\nElementType = " + namesOf(voxels.type).meta + "\nElementDataFile = LOCAL\n";
 }
 
-Voxels voxelsOf(const ImageLattice& lattice, const ImageValues& like, int volumes = 1) {
-  return {lattice, like.index(), size_t(rawTypeOf(like).bytes), false, {}, volumes};
+Voxels voxelsOf(const ImageLattice& lattice, const ImageValues& like, int volumes = 1,
+                const ImageHeader& header = {}) {
+  return {lattice, like.index(), size_t(rawTypeOf(like).bytes), false, {}, volumes, header};
 }
 
 Voxels voxelsOf(const VectorImage& image) {
-  return {image.lattice, ImageValues(std::vector<float>()).index(), sizeof(float), true, image.meaning};
+  return {
+      image.lattice, ImageValues(std::vector<float>()).index(), sizeof(float), true, image.meaning, 1, {}};
 }
 
 /// All first components, then all second and third ones, as NIfTI has them; interleaved for the others.
@@ -290,15 +197,6 @@ bool isImageOutput(const std::string& path) {
   return format && format->contents == Contents::kImage;
 }
 
-VoxelHead niftiHead(const std::string& path, const Voxels& voxels) {
-  const auto bytesOfHeader = [](const auto& header) {
-    return std::string(reinterpret_cast<const char*>(&header), sizeof header) + std::string(4, '\0');
-  };
-  const std::string bytes = needsNifti2(voxels) ? bytesOfHeader(niftiHeader<nifti_2_header>(voxels))
-                                                : bytesOfHeader(niftiHeader<nifti_1_header>(voxels));
-  return {bytes, fullExtensionOf(path) == ".nii" ? Packing::kNone : Packing::kGzip, true, false};
-}
-
 VoxelHead nrrdHead(const std::string&, const Voxels& voxels) {
   return {nrrdText(voxels, voxels.vectors ? 3 : 1, voxels.vectors ? "vector " : "", ""), Packing::kGzip,
           false, true};
@@ -324,10 +222,8 @@ VoxelHead metaImageHead(const std::string&, const Voxels& voxels) {
 }
 
 ImageSliceWriter::ImageSliceWriter(const std::string& path, const ImageLattice& lattice,
-                                   const ImageValues& like, int volumes, double seconds) {
-  Voxels voxels = voxelsOf(lattice, like, volumes);
-  voxels.seconds = seconds;
-  file_ = std::make_unique<VoxelFile>(path, headerOf(path)(path, voxels));
+                                   const ImageValues& like, int volumes, const ImageHeader& header) {
+  file_ = std::make_unique<VoxelFile>(path, headerOf(path)(path, voxelsOf(lattice, like, volumes, header)));
   type_ = like.index(), left_ = lattice.count() * size_t(volumes);
 }
 
@@ -346,8 +242,8 @@ void ImageSliceWriter::commit() {
   file_->commit();
 }
 
-void writeImage(const std::string& path, const Image& image) {
-  ImageSliceWriter writer(path, image.lattice, image.values);
+void writeImage(const std::string& path, const Image& image, const ImageHeader& header) {
+  ImageSliceWriter writer(path, image.lattice, image.values, 1, header);
   writer.add(image.values);
   writer.commit();
 }

@@ -18,6 +18,7 @@ struct ItkReaders {
   decltype(&holdsDicomVolumes) dicomHoldsVolumes;
   decltype(&chooseDicomVolume) chooseVolume;
   decltype(&readDicomVolume) dicomVolume;
+  decltype(&readDicomHead) dicomHead;
   decltype(&segmentationFile) segmentation;
   decltype(&structureSetFile) structureSet;
 };

@@ -2,8 +2,8 @@
 
 const slicemorph::ItkReaders* slicemorphItkReaders() {
   using namespace slicemorph;
-  static const ItkReaders readers{readNrrd,         readMetaImage,     openNrrd,          openMetaImage,
-                                  scanDicom,        holdsDicomVolumes, chooseDicomVolume, readDicomVolume,
-                                  segmentationFile, structureSetFile};
+  static const ItkReaders readers{readNrrd,      readMetaImage,     openNrrd,          openMetaImage,
+                                  scanDicom,     holdsDicomVolumes, chooseDicomVolume, readDicomVolume,
+                                  readDicomHead, segmentationFile,  structureSetFile};
   return &readers;
 }

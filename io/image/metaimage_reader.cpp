@@ -11,6 +11,7 @@
 #include <itkMetaImageIO.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -44,7 +45,7 @@ class QuietErrors {
 };
 
 /// Sets size, axes and number of volumes of an image of 1 to 10 dimensions.
-void describeMeta(const std::string& path, OpenMeta& open) {
+void describeMeta(const std::string& path, bool force, OpenMeta& open) {
   const MetaIo& io = *open.io;
   const unsigned dimensions = io.GetNumberOfDimensions();
   const std::int64_t most = std::int64_t(1) << 40;
@@ -74,7 +75,10 @@ void describeMeta(const std::string& path, OpenMeta& open) {
       lattice.step[d][int(r)] = (r < direction.size() ? direction[r] : r == d) * io.GetSpacing(d);
   }
   addFlatAxes(lattice, dimensions);
-  checkPlace(path, lattice);
+  checkPlace(path, force, open.file);
+  // No unit of time is told.
+  if (dimensions > 3 && io.GetSpacing(3) > 0 && std::isfinite(io.GetSpacing(3)))
+    open.file.header.timeStep = io.GetSpacing(3), open.file.header.inSeconds = false;
 }
 
 /// Units of length, and what the header leaves open.
@@ -96,7 +100,7 @@ void placeMeta(OpenMeta& open) {
                                      "taken as left, back, up (RAI)");
 }
 
-OpenMeta openedMeta(const std::string& path, int volume) {
+OpenMeta openedMeta(const std::string& path, int volume, const ImageOptions& options) {
   sizeOfInput(path);
   itk::Object::GlobalWarningDisplayOff();
   OpenMeta open{MetaIo::New(), metaHeaderOf(path), {}, {}, {}};
@@ -111,7 +115,7 @@ OpenMeta openedMeta(const std::string& path, int volume) {
     throw IoError(path, "its MetaImage header is damaged: ITK cannot read it");
   }
   open.file.format = "MetaImage";
-  describeMeta(path, open);
+  describeMeta(path, options.force, open);
   placeMeta(open);
   checkVolume(path, volume, open.file.volumes);
   if (volume == kNoVolume) {
@@ -176,8 +180,9 @@ void checkEndOfMeta(const std::string& path, OpenMeta& open, PackedBytes& stream
 
 }  // namespace
 
-ImageFile readMetaImage(const std::string& path, int volume, const SizeCheck& check) {
-  OpenMeta open = openedMeta(path, volume);
+ImageFile readMetaImage(const std::string& path, int volume, const ImageOptions& options,
+                        const SizeCheck& check) {
+  OpenMeta open = openedMeta(path, volume, options);
   const size_t count = open.file.image.lattice.count();
   ImageValues& values = open.file.image.values;
   const auto [slope, offset] = open.header.scale(path);
@@ -198,8 +203,8 @@ ImageFile readMetaImage(const std::string& path, int volume, const SizeCheck& ch
   return std::move(open.file);
 }
 
-std::optional<ImageSlices> openMetaImage(const std::string& path, int volume) {
-  OpenMeta open = openedMeta(path, volume);
+std::optional<ImageSlices> openMetaImage(const std::string& path, int volume, const ImageOptions& options) {
+  OpenMeta open = openedMeta(path, volume, options);
   const DataFiles data = dataOfMeta(path, open.header);
   if (data.encoding == DataFiles::kText || open.header.scale(path) != std::pair<double, double>(1, 0))
     return std::nullopt;

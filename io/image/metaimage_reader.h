@@ -12,9 +12,10 @@ namespace slicemorph {
 /// one file are read here, to the end of their stream: the size that headers state may be wrong, which a note reports.
 /// Values are scaled by ElementToIntensityFunctionSlope and Offset. Throws IoError, InputError where there is no such
 /// volume, and what `check` throws.
-ImageFile readMetaImage(const std::string& path, int volume, const SizeCheck& check);
+ImageFile readMetaImage(const std::string& path, int volume, const ImageOptions& options,
+                        const SizeCheck& check);
 
 /// The same slice by slice, as openImageSlices.
-std::optional<ImageSlices> openMetaImage(const std::string& path, int volume);
+std::optional<ImageSlices> openMetaImage(const std::string& path, int volume, const ImageOptions& options);
 
 }  // namespace slicemorph

@@ -1,5 +1,6 @@
 #include "io/image/nifti_place.h"
 
+#include "io/image/image_formats.h"
 #include "io/image/length_unit.h"
 #include "io/image/packed_bytes.h"
 #include "io/image/raw_values.h"
@@ -47,6 +48,17 @@ void tellPlace(ImageFile& file, const char* code, const std::string& text,
   file.notes.emplace_back(code, severity, "", text);
 }
 
+bool areSizes(const Vec3d& spacing) {
+  return spacing[0] > 0 && spacing[1] > 0 && spacing[2] > 0 && std::isfinite(spacing.length());
+}
+
+void tellForced(ImageFile& file, const std::string& why, const Vec3d& spacing) {
+  std::ostringstream text;
+  text << "--force: " << why << "axes are taken as right, front, up, voxels of " << spacing[0] << " x "
+       << spacing[1] << " x " << spacing[2] << " mm";
+  tellPlace(file, kGeometryForced, text.str());
+}
+
 /// Tells where sform and qform place the image more than a tenth of a voxel apart, which rounding does not explain.
 void compareForms(const Affine& sform, const nifti_image& header, ImageFile& file) {
   const Affine qform = affineOf(header.qto_xyz);
@@ -75,7 +87,25 @@ std::string spaceOfCode(int code) {
   }
 }
 
-void placeByForms(const std::string& path, const nifti_image& header, ImageFile& file, Affine& affine) {
+/// Keeps both transforms as they are, for what is written on the same voxels.
+void keepForms(const nifti_image& header, ImageFile& file) {
+  NiftiForms forms;
+  // A transform that places nothing is not handed on.
+  if (header.sform_code > 0 && affineOf(header.sto_xyz).valid()) forms.sformCode = header.sform_code;
+  if (header.qform_code > 0 && affineOf(header.qto_xyz).valid()) forms.qformCode = header.qform_code;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 4; ++c) forms.sform[r][c] = header.sto_xyz.m[r][c];
+  const double quaternion[] = {header.quatern_b, header.quatern_c, header.quatern_d},
+               offset[] = {header.qoffset_x, header.qoffset_y, header.qoffset_z},
+               spacing[] = {header.dx, header.dy, header.dz};
+  for (int d = 0; d < 3; ++d)
+    forms.quaternion[d] = quaternion[d], forms.offset[d] = offset[d], forms.spacing[d] = std::abs(spacing[d]);
+  forms.handedness = header.qfac < 0 ? -1 : 1;
+  file.header.forms = forms;
+}
+
+void placeByForms(const std::string& path, const nifti_image& header, const ImageOptions& options,
+                  ImageFile& file, Affine& affine) {
   int code = 0;
   if (header.sform_code > 0) {
     affine = affineOf(header.sto_xyz);
@@ -94,19 +124,27 @@ void placeByForms(const std::string& path, const nifti_image& header, ImageFile&
   if (code) {
     const std::string space = spaceOfCode(code);
     if (!space.empty()) file.about += (file.about.empty() ? "" : ", ") + space;
+    keepForms(header, file);
     return;
   }
-  const Vec3d spacing(std::abs(header.dx), std::abs(header.dy), std::abs(header.dz));
-  if (header.sform_code > 0 || header.qform_code > 0 ||
-      !(spacing[0] > 0 && spacing[1] > 0 && spacing[2] > 0) || !std::isfinite(spacing.length()))
-    throw IoError(path, "no valid affine: neither its sform (code " + std::to_string(header.sform_code) +
-                            ") nor its qform (code " + std::to_string(header.qform_code) +
-                            ") nor its voxel spacing places the voxels in space");
+  Vec3d spacing(std::abs(header.dx), std::abs(header.dy), std::abs(header.dz));
+  const std::string codes = "sform (code " + std::to_string(header.sform_code) + "), its qform (code " +
+                            std::to_string(header.qform_code) + ")";
+  const bool damaged = header.sform_code > 0 || header.qform_code > 0 || !areSizes(spacing);
+  if (damaged && !options.force)
+    throw IoError(path, "no valid affine: none of its " + codes +
+                            " and its voxel spacing places the voxels in space; --force takes " +
+                            "axes as right, front, up, and its spacing or that of --spacing, else 1 mm");
+  if (damaged) {
+    if (!areSizes(spacing)) spacing = options.spacing[0] > 0 ? options.spacing : Vec3d(1.0);
+    tellForced(file, "none of its " + codes + " and its voxel spacing places the voxels in space: ", spacing);
+  } else {
+    tellPlace(
+        file, "image.place-unknown",
+        "it does not say where it lies (sform and qform codes are 0): taken from its voxel spacing, axes as "
+        "right, front, up");
+  }
   affine = {Vec3d(0.0), {{-spacing[0], 0, 0}, {0, -spacing[1], 0}, {0, 0, spacing[2]}}};
-  tellPlace(
-      file, "image.place-unknown",
-      "it does not say where it lies (sform and qform codes are 0): taken from its voxel spacing, axes as "
-      "right, front, up");
 }
 
 /// Directions of the axes by Analyze's `orient`, in LPS, and in words.
@@ -120,15 +158,32 @@ constexpr AnalyzeAxes kAnalyzeAxes[] = {
     {{0, 2, 1}, {1, -1, -1}, "left, down, front"}, {{1, 2, 0}, {-1, -1, 1}, "front, down, left"},
 };
 
-void placeAnalyze(const std::string& path, const nifti_image& header, ImageFile& file, Affine& affine) {
+void placeAnalyze(const std::string& path, const nifti_image& header, const ImageOptions& options,
+                  ImageFile& file, Affine& affine) {
   const nifti_analyze75 raw = analyzeHeaderOf(header.fname);
-  const int orient = raw.orient;
-  if (orient < 0 || orient > 5)
-    throw IoError(path, "is Analyze 7.5 of orientation " + std::to_string(orient) +
-                            "; there are 0 to 5, so where its axes point is not known");
-  const Vec3d spacing(std::abs(header.dx), std::abs(header.dy), std::abs(header.dz));
-  if (!(spacing[0] > 0 && spacing[1] > 0 && spacing[2] > 0) || !std::isfinite(spacing.length()))
-    throw IoError(path, "is Analyze 7.5 without voxel sizes");
+  int orient = raw.orient;
+  if (orient < 0 || orient > 5) {
+    const std::string what = "is Analyze 7.5 of orientation " + std::to_string(orient) + "; there are 0 to 5";
+    if (!options.force)
+      throw IoError(path, what + ", so where its axes point is not known (--force takes 0)");
+    tellPlace(file, kGeometryForced, "--force: " + what + ": taken as 0");
+    orient = 0;
+  }
+  Vec3d spacing(std::abs(header.dx), std::abs(header.dy), std::abs(header.dz));
+  if (!areSizes(spacing)) {
+    if (!options.force && options.spacing[0] == 0)
+      throw IoError(path,
+                    "is Analyze 7.5 without voxel sizes; --spacing X,Y,Z (millimetres) sets them, --force "
+                    "takes 1 mm");
+    const bool given = options.spacing[0] > 0;
+    spacing = given ? options.spacing : Vec3d(1.0);
+    if (given)
+      tellPlace(file, "image.spacing-given",
+                "is Analyze 7.5 without voxel sizes: they are those of --spacing", Severity::kNote);
+    else
+      tellPlace(file, kGeometryForced,
+                "--force: is Analyze 7.5 without voxel sizes: taken as 1 mm, so that no length is right");
+  }
   // SPM keeps the voxel of the origin, counted from 1, where Analyze has the name of who made the file.
   std::int16_t origin[3];
   std::memcpy(origin, raw.originator, sizeof origin);
@@ -151,6 +206,16 @@ void placeAnalyze(const std::string& path, const nifti_image& header, ImageFile&
   tellPlace(file, "image.place-unknown", text);
 }
 
+/// The time from volume to volume, where the fourth axis is one of time.
+void readTimeStep(const nifti_image& header, ImageHeader& to) {
+  const double step = std::abs(header.dt);
+  const int unit = header.time_units;
+  const double seconds = unit == NIFTI_UNITS_MSEC ? 1e-3 : unit == NIFTI_UNITS_USEC ? 1e-6 : 1;
+  const bool isTime = seconds != 1 || unit == NIFTI_UNITS_SEC || unit == NIFTI_UNITS_UNKNOWN;
+  if (header.nt < 2 || !isTime || !(step > 0) || !std::isfinite(step)) return;
+  to.timeStep = step * seconds, to.inSeconds = unit != NIFTI_UNITS_UNKNOWN;
+}
+
 }  // namespace
 
 nifti_analyze75 analyzeHeaderOf(const std::string& path) {
@@ -165,13 +230,14 @@ nifti_analyze75 analyzeHeaderOf(const std::string& path) {
   return raw;
 }
 
-void placeNifti(const std::string& path, const nifti_image& header, ImageFile& file) {
+void placeNifti(const std::string& path, const nifti_image& header, const ImageOptions& options,
+                ImageFile& file) {
   Affine affine{};
   double unit = 1;
   if (header.nifti_type == NIFTI_FTYPE_ANALYZE) {
-    placeAnalyze(path, header, file, affine);
+    placeAnalyze(path, header, options, file, affine);
   } else {
-    placeByForms(path, header, file, affine);
+    placeByForms(path, header, options, file, affine);
     const int code = header.xyz_units;
     const std::string name = code == NIFTI_UNITS_METER ? "m" : code == NIFTI_UNITS_MICRON ? "um" : "";
     unit = millimetresOf(name).value_or(1);
@@ -181,6 +247,14 @@ void placeNifti(const std::string& path, const nifti_image& header, ImageFile& f
   }
   file.image.lattice.origin = affine.origin * unit;
   for (int d = 0; d < 3; ++d) file.image.lattice.step[d] = affine.step[d] * unit;
+  if (header.nifti_type != NIFTI_FTYPE_ANALYZE) readTimeStep(header, file.header);
+  if (!file.header.forms) return;
+  NiftiForms& forms = *file.header.forms;
+  forms.lattice = file.image.lattice;
+  for (int d = 0; d < 3; ++d) {
+    for (double& number : forms.sform[d]) number *= unit;
+    forms.offset[d] *= unit, forms.spacing[d] *= unit;
+  }
 }
 
 }  // namespace slicemorph

@@ -169,7 +169,7 @@ void checkNiftiHeader(const std::string& path) {
   }
 }
 
-OpenNifti openedNifti(const std::string& path, int volume) {
+OpenNifti openedNifti(const std::string& path, int volume, const ImageOptions& options) {
   sizeOfInput(path);
   nifti_set_debug_level(0);
   checkNiftiHeader(path);
@@ -188,8 +188,8 @@ OpenNifti openedNifti(const std::string& path, int volume) {
                             "): matrices over points of surfaces, which are no image");
   open.voxel = voxelTypeOf(path, header.datatype);
   describeNifti(path, open);
-  placeNifti(path, header, open.file);
-  checkPlace(path, open.file.image.lattice);
+  placeNifti(path, header, options, open.file);
+  checkPlace(path, options.force, open.file);
   checkVolume(path, volume, open.file.volumes);
   setScale(path, open);
   if (header.nifti_type == NIFTI_FTYPE_ANALYZE && open.slope != 1)
@@ -257,8 +257,9 @@ ImageValues valuesOfNifti(const std::string& path, const OpenNifti& open, size_t
 
 }  // namespace
 
-ImageFile readNifti(const std::string& path, int volume, const SizeCheck& check) {
-  OpenNifti open = openedNifti(path, volume);
+ImageFile readNifti(const std::string& path, int volume, const ImageOptions& options,
+                    const SizeCheck& check) {
+  OpenNifti open = openedNifti(path, volume, options);
   const ImageLattice& lattice = open.file.image.lattice;
   const bool luminance = volume == kNoVolume && open.colours();
   check(lattice.size, double(lattice.count()) * double(bytesWhileRead(open.voxel.type, open.scaled()) +
@@ -274,8 +275,8 @@ ImageFile readNifti(const std::string& path, int volume, const SizeCheck& check)
   return std::move(open.file);
 }
 
-std::optional<ImageSlices> openNifti(const std::string& path, int volume) {
-  OpenNifti open = openedNifti(path, volume);
+std::optional<ImageSlices> openNifti(const std::string& path, int volume, const ImageOptions& options) {
+  OpenNifti open = openedNifti(path, volume, options);
   if (open.scaled() || (volume == kNoVolume && open.colours())) return std::nullopt;
   NiftiStream stream = streamOf(path, open, size_t(std::max(volume, 0)));
   return slicesOf(path, std::move(open.file), open.voxel.type, std::move(stream.reader));

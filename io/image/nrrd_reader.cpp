@@ -2,7 +2,9 @@
 
 #include "io/image/chosen_volume.h"
 #include "io/image/data_files.h"
+#include "io/image/image_formats.h"
 #include "io/image/nrrd_header.h"
+#include "io/image/nrrd_labels.h"
 #include "slicemorph/errors.h"
 
 #include <algorithm>
@@ -35,19 +37,23 @@ size_t colourStride(const NrrdHeader& header) {
   return stride;
 }
 
-NrrdHeader headerFor(const std::string& path, int volume) {
-  NrrdHeader header = readNrrdHeader(path);
+NrrdHeader headerFor(const std::string& path, int volume, const ImageOptions& options) {
+  NrrdHeader header = readNrrdHeader(path, options.force);
   checkVolume(path, volume, header.file.volumes);
   std::string kinds;
   for (const std::string& kind : header.volumeKinds) kinds += (kinds.empty() ? "" : ", ") + kind;
   if (volume == kNoVolume && header.colours < 0) noteFirstVolume(path, kinds, header.file);
+  header.file.header.labels = labelsOfNrrd(header.keys, std::max(volume, 0));
+  if (!header.file.header.labels.empty())
+    header.file.notes.emplace_back(kLabelsStated, Severity::kDetail, "",
+                                   "it is a segmentation of 3D Slicer: its values are labels");
   return header;
 }
 
 }  // namespace
 
-ImageFile readNrrd(const std::string& path, int volume, const SizeCheck& check) {
-  NrrdHeader header = headerFor(path, volume);
+ImageFile readNrrd(const std::string& path, int volume, const ImageOptions& options, const SizeCheck& check) {
+  NrrdHeader header = headerFor(path, volume, options);
   const bool colours = volume == kNoVolume && header.colours >= 0;
   const ImageLattice& lattice = header.file.image.lattice;
   check(lattice.size,
@@ -64,8 +70,8 @@ ImageFile readNrrd(const std::string& path, int volume, const SizeCheck& check) 
   return std::move(header.file);
 }
 
-std::optional<ImageSlices> openNrrd(const std::string& path, int volume) {
-  NrrdHeader header = headerFor(path, volume);
+std::optional<ImageSlices> openNrrd(const std::string& path, int volume, const ImageOptions& options) {
+  NrrdHeader header = headerFor(path, volume, options);
   const bool text = header.data.encoding == DataFiles::kText || header.data.encoding == DataFiles::kHex;
   if (text || (volume == kNoVolume && header.colours >= 0)) return std::nullopt;
   return slicesOf(path, std::move(header.file), header.type,

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <fstream>
+#include <iomanip>
+#include <sstream>
 #include <utility>
 #include <vector>
 
@@ -33,6 +35,13 @@ std::string fieldName(std::string name) {
 
 }  // namespace
 
+std::vector<std::string> quotedWords(const std::string& text) {
+  std::vector<std::string> words;
+  std::istringstream in(text);
+  for (std::string word; in >> std::ws, in >> std::quoted(word);) words.push_back(word);
+  return words;
+}
+
 NrrdText readNrrdText(const std::string& path) {
   const std::uint64_t bytes = sizeOfInput(path);
   std::ifstream in(path, std::ios::binary);
@@ -54,7 +63,11 @@ NrrdText readNrrdText(const std::string& path) {
       continue;
     }
     const size_t mark = line.find(':');
-    if (line[0] == '#' || mark == std::string::npos || line.compare(mark, 2, ":=") == 0) continue;
+    if (line[0] == '#' || mark == std::string::npos) continue;
+    if (line.compare(mark, 2, ":=") == 0) {
+      text.keys[line.substr(0, mark)] = line.substr(mark + 2, line.find_last_not_of('\r') - mark - 1);
+      continue;
+    }
     const std::string name = fieldName(trimmedField(line.substr(0, mark))),
                       value = trimmedField(line.substr(mark + 1));
     if (text.fields.count(name))

@@ -2,6 +2,7 @@
 
 #include "io/exr/exr_check.h"
 #include "io/image/chosen_volume.h"
+#include "io/image/image_formats.h"
 #include "io/image/length_unit.h"
 #include "io/image/load_library.h"
 #include "io/image/picture_plugin.h"
@@ -181,6 +182,12 @@ void placeStack(const InputSpec& input, const ImageOptions& options, OpenStack& 
       noteStack(stack, "image.spacing-found", text.str());
     }
   }
+  if (!known() && options.force) {
+    spacing = Vec3d(1.0);
+    noteStack(stack, kGeometryForced,
+              "--force: pictures hold no spacing: it is taken as 1 x 1 x 1 mm, so that no length is right",
+              Severity::kWarning);
+  }
   stack.placed = known();
   for (int d = 0; d < 3; ++d) {
     lattice.step[d] = Vec3d(0.0);
@@ -222,7 +229,7 @@ OpenStack openedStack(const InputSpec& input, const ImageOptions& options, Slice
   stack.file.image.lattice.size =
       openvdb::Coord(stack.first.width, stack.first.height, int(stack.pages.size()));
   placeStack(input, options, stack);
-  checkPlace(input.path, stack.file.image.lattice);
+  checkPlace(input.path, options.force, stack.file);
   noteWhatPagesAre(stack);
   return stack;
 }
@@ -231,7 +238,7 @@ void requirePlace(const InputSpec& input, const OpenStack& stack) {
   if (!stack.placed)
     throw InputError(input.path,
                      "pictures hold no spacing; give --spacing X,Y,Z in millimetres (pixel width, pixel "
-                     "height, gap between pictures)");
+                     "height, gap between pictures), or --force to take 1 mm for each");
 }
 
 }  // namespace

@@ -128,13 +128,14 @@ class MovedSlice {
 };
 
 template <typename T>
-std::vector<T> resampled(const SliceStackInput& stack, const SlicePositions& positions,
-                         const ImageLattice& lattice, double gap, openvdb::Vec2i first) {
+std::vector<T> resampled(const SliceStackInput& stack, const Straightening& plan,
+                         const ImageLattice& lattice) {
   const T outside = smallestOf<T>(stack.values);
   std::vector<T> result(lattice.count());
-  const auto& along = positions.along;
+  const auto& along = plan.along;
+  const openvdb::Vec2d first(plan.first[0], plan.first[1]);
   tbb::parallel_for(0, lattice.size[2], [&](int k) {
-    const double z = k * gap;
+    const double z = k * plan.gap;
     size_t above = size_t(std::lower_bound(along.begin(), along.end(), z) - along.begin());
     above = std::min(std::max<size_t>(above, 1), along.size() - 1);
     double f = std::min(std::max((z - along[above - 1]) / (along[above] - along[above - 1]), 0.0), 1.0);
@@ -142,8 +143,8 @@ std::vector<T> resampled(const SliceStackInput& stack, const SlicePositions& pos
     if (f > 1 - kStraight) f = 1;
     const auto& low = std::get<std::vector<T>>(stack.values[above - 1]);
     const auto& high = std::get<std::vector<T>>(stack.values[above]);
-    const MovedSlice movedLow(stack.size, positions.shift[above - 1] - openvdb::Vec2d(first[0], first[1]));
-    const MovedSlice movedHigh(stack.size, positions.shift[above] - openvdb::Vec2d(first[0], first[1]));
+    const MovedSlice movedLow(stack.size, plan.shift[above - 1] - first);
+    const MovedSlice movedHigh(stack.size, plan.shift[above] - first);
     for (int j = 0; j < lattice.size[1]; ++j)
       for (int i = 0; i < lattice.size[0]; ++i) {
         double v = 0;
@@ -186,8 +187,10 @@ double bytesWith(const SliceStackInput& stack, const ImageLattice& lattice) {
 
 }  // namespace
 
-void straighten(SliceStackInput stack, const SizeCheck& check, ImageFile& file) {
+Straightening layOut(const SliceStackInput& stack, ImageFile& file) {
+  Straightening plan;
   const SlicePositions positions = slicePositionsOf(stack);
+  plan.along = positions.along, plan.shift = positions.shift;
   const size_t count = stack.position.size();
   ImageLattice& lattice = file.image.lattice;
   lattice.size = openvdb::Coord(stack.size[0], stack.size[1], int(count));
@@ -195,33 +198,25 @@ void straighten(SliceStackInput stack, const SizeCheck& check, ImageFile& file) 
   lattice.step[0] = stack.step[0], lattice.step[1] = stack.step[1];
   if (count == 1) {
     lattice.step[2] = positions.normal * stack.step[0].length();
-    file.image.values = std::move(stack.values[0]);
-    return;
+    return plan;
   }
-  double gap = usualGap(positions.along);
-  const bool even = checkGaps(stack, positions, gap, file.notes);
+  plan.gap = usualGap(positions.along);
+  const bool even = checkGaps(stack, positions, plan.gap, file.notes);
   openvdb::Vec2d low(0.0), high(0.0);
   for (const auto& s : positions.shift)
     for (int d = 0; d < 2; ++d) low[d] = std::min(low[d], s[d]), high[d] = std::max(high[d], s[d]);
   const bool straight = high[0] - low[0] < kStraight && high[1] - low[1] < kStraight;
-  if (even) gap = positions.along.back() / double(count - 1);
-  lattice.step[2] = positions.normal * gap;
-  if (even && straight) {
-    std::visit(
-        [&](const auto& v) {
-          file.image.values = joined<typename std::decay_t<decltype(v)>::value_type>(stack);
-        },
-        stack.values[0]);
-    return;
-  }
-  openvdb::Vec2i first(0, 0);
+  if (even) plan.gap = positions.along.back() / double(count - 1);
+  lattice.step[2] = positions.normal * plan.gap;
+  plan.copied = even && straight;
+  if (plan.copied) return plan;
   if (!straight) {
     for (int d = 0; d < 2; ++d) {
       checkAlong(stack, stack.size[d] + (high[d] - low[d]));
-      first[d] = int(std::floor(low[d] + kStraight));
-      lattice.size[d] += int(std::ceil(high[d] - kStraight)) - first[d];
+      plan.first[d] = int(std::floor(low[d] + kStraight));
+      lattice.size[d] += int(std::ceil(high[d] - kStraight)) - plan.first[d];
     }
-    lattice.origin += double(first[0]) * stack.step[0] + double(first[1]) * stack.step[1];
+    lattice.origin += double(plan.first[0]) * stack.step[0] + double(plan.first[1]) * stack.step[1];
     const openvdb::Vec2d lean = positions.shift.back();
     const double tilt =
         std::atan2((lean[0] * stack.step[0] + lean[1] * stack.step[1]).length(), positions.along.back());
@@ -229,14 +224,23 @@ void straighten(SliceStackInput stack, const SizeCheck& check, ImageFile& file) 
         "image.tilt-straightened", Severity::kNote, "",
         "its slices lean by " + written(tilt * 180 / M_PI) + " degrees (gantry tilt): straightened");
   }
-  const double planes = positions.along.back() / gap;
+  const double planes = positions.along.back() / plan.gap;
   checkAlong(stack, planes);
   lattice.size[2] = even ? int(count) : int(std::lround(std::floor(planes + kEven))) + 1;
-  check(lattice.size, bytesWith(stack, lattice));
+  return plan;
+}
+
+void straighten(SliceStackInput stack, const SizeCheck& check, ImageFile& file) {
+  const Straightening plan = layOut(stack, file);
+  if (stack.position.size() == 1) {
+    file.image.values = std::move(stack.values[0]);
+    return;
+  }
+  if (!plan.copied) check(file.image.lattice.size, bytesWith(stack, file.image.lattice));
   std::visit(
       [&](const auto& v) {
         using T = typename std::decay_t<decltype(v)>::value_type;
-        file.image.values = resampled<T>(stack, positions, lattice, gap, first);
+        file.image.values = plan.copied ? joined<T>(stack) : resampled<T>(stack, plan, file.image.lattice);
       },
       stack.values[0]);
 }

@@ -122,7 +122,7 @@ DicomSource readDicomSource(const std::string& input) {
     throw InputError("--source",
                      input + " is no DICOM series; give a folder, folder:2, folder:UID or one of its files");
   DicomSource source;
-  const DicomChoice choice = itkReaders().chooseVolume(spec.path, spec.selection, source.notes);
+  const DicomChoice choice = itkReaders().chooseVolume(spec.path, spec.selection, false, source.notes);
   const DicomSeries& series = choice.series;
   if (series.isSegmentation())
     throw InputError("--source", input + " is a segmentation; give the series of images that it belongs to");

@@ -1,35 +1,11 @@
 #include "io/structures/dicom_object.h"
 
-#include <cmath>
+#include "io/image/dicom_color.h"
+
 #include <map>
 
 namespace slicemorph {
 namespace {
-
-/// sRGB as CIE L*a*b* of white D50, in DICOM's 16-bit numbers (PS3.3 C.10.7.1.1).
-std::vector<std::uint16_t> labOf(const std::array<std::uint8_t, 3>& color) {
-  // sRGB to XYZ adapted to D50 (IEC 61966-2-1, Bradford), and the white point.
-  constexpr double kToXyz[3][3] = {{0.4360747, 0.3850649, 0.1430804},
-                                   {0.2225045, 0.7168786, 0.0606169},
-                                   {0.0139322, 0.0971045, 0.7141733}};
-  constexpr double kWhite[3] = {0.9642, 1, 0.8249};
-  double linear[3], f[3];
-  for (int c = 0; c < 3; ++c) {
-    const double share = color[size_t(c)] / 255.0;
-    linear[c] = share <= 0.04045 ? share / 12.92 : std::pow((share + 0.055) / 1.055, 2.4);
-  }
-  for (int r = 0; r < 3; ++r) {
-    double t = 0;
-    for (int c = 0; c < 3; ++c) t += kToXyz[r][c] * linear[c];
-    t /= kWhite[r];
-    f[r] = t > 216.0 / 24389 ? std::cbrt(t) : (24389.0 / 27 * t + 16) / 116;
-  }
-  const auto stored = [](double share) {
-    return std::uint16_t(std::lround(std::min(std::max(share, 0.0), 1.0) * 65535));
-  };
-  return {stored((116 * f[1] - 16) / 100), stored((500 * (f[0] - f[1]) + 128) / 255),
-          stored((200 * (f[1] - f[2]) + 128) / 255)};
-}
 
 std::vector<DicomSet> segmentsOf(const ObjectHead& head) {
   std::vector<DicomSet> segments;
@@ -39,7 +15,7 @@ std::vector<DicomSet> segmentsOf(const ObjectHead& head) {
     segment.shorts(0x00620004, {std::uint16_t(s + 1)}).text(0x00620005, head.names[s]);
     segment.text(0x00620006, "label " + std::to_string(shape.number));
     segment.text(0x00620008, "SEMIAUTOMATIC").text(0x00620009, "slicemorph");
-    segment.shorts(0x0062000d, labOf(shape.color));
+    segment.shorts(0x0062000d, dicomLabOf(shape.color));
     segment.code(0x00620003, "85756007", "SCT", "Tissue").code(0x0062000f, "85756007", "SCT", "Tissue");
     segments.push_back(segment);
   }

@@ -274,6 +274,120 @@ def case_one_position():
     has_planes(*read("sizeless", "--spacing", "0.75,1.5,2")[:2], grid, range(4))
 
 
+def case_forced():
+    """--force: what is refused as not certain is read as well as can be told, with a warning that begins with it; never where
+    nothing can be read, nor without it. The refusals name it."""
+    grid = Grid(turn=0.0)  # axial: rows to the left, columns to the back
+    stack = np.array([grid.values(k) for k in range(4)])
+
+    def forced(name, *says, hint="--force"):
+        refused("convert", name, "-o", "x.nii", says=[hint])
+        found = read(name, "--force")
+        assert "warning" in found[2] and all(part in found[2] for part in ("--force", *says)), found[2]
+        return found
+
+    # Without positions: by the numbers, as far apart as stated, else as a pixel is wide.
+    for k in range(4):
+        classic("unplaced/%d.dcm" % (9 - k), grid, k, ImagePositionPatient=None, SliceThickness="2")
+        classic("undirected/%d.dcm" % (9 - k), grid, k, ImageOrientationPatient=None)
+        classic("sizeless/%d.dcm" % k, grid, k, PixelSpacing=None)
+    values, affine, _ = forced("unplaced", "no positions", "2 mm", "SliceThickness")
+    has_planes(values, affine + np.outer([1, 1, 1, 0], [0, 0, 0, 1]) * np.r_[grid.origin, 0][:, None], grid, range(4))
+    # Without directions, or with such as are none: by the positions.
+    has_planes(*forced("undirected", "no directions", "axial")[:2], grid, range(4))
+    skewed = Grid(turn=0.3)
+    for k in range(4):
+        # Unit vectors that lean towards each other by 2 degrees each.
+        lean = np.radians(2.0)
+        x, y = np.cos(lean) * skewed.x + np.sin(lean) * skewed.y, np.cos(lean) * skewed.y + np.sin(lean) * skewed.x
+        classic("bent/%d.dcm" % k, skewed, k, ImageOrientationPatient=dcm.decimals([*x, *y]))
+    has_planes(*forced("bent", "right angles", "nearest")[:2], skewed, range(4))
+    values, affine, _ = forced("sizeless", "pixel size", "1 mm")
+    assert np.allclose(np.linalg.norm(affine[:3, :3], axis=0), [1, 1, 2]) and np.array_equal(values[:, :, 2].T, grid.values(2))
+    # Frames: one position for all, in time, or one without.
+    place = {"ImagePositionPatient": dcm.decimals(grid.origin), "ImageOrientationPatient": grid.orientation, "PixelSpacing": grid.pixel_spacing}
+    dcm.save(dcm.data_set("bare.dcm", dcm.CAPTURE, stack, **place))
+    values, affine, _ = forced("bare.dcm", "one position", "width of a pixel")
+    has_planes(values, affine, Grid(turn=0.0, gap=0.75), range(4))
+    dcm.save(dcm.data_set("film.dcm", "1.2.840.10008.5.1.4.1.1.12.1", stack, modality="XA", FrameTime="40", FrameIncrementPointer=0x00181063, **place,
+                          SpacingBetweenSlices="2"))
+    has_planes(*forced("film.dcm", "in time", "SpacingBetweenSlices")[:2], grid, range(4))
+    d = enhanced("lost.dcm", skewed, [(k, {}) for k in range(5)])
+    del d.PerFrameFunctionalGroupsSequence[3].PlanePositionSequence
+    dcm.save(d)
+    has_planes(*forced("lost.dcm", "frame 4", "2 mm")[:2], skewed, range(5))
+    d = enhanced("lost_down.dcm", skewed, [(k, {}) for k in range(4, -1, -1)])
+    del d.PerFrameFunctionalGroupsSequence[0].PlanePositionSequence
+    dcm.save(d)
+    has_planes(*forced("lost_down.dcm", "frame 1")[:2], skewed, range(5))
+    # Two acquisitions at the same places; slices of which most are missing; a stack that turns a little on its way.
+    for k in range(4):
+        classic("twice/%d.dcm" % k, grid, k)
+    classic("twice/again.dcm", grid, 1, pixels=grid.values(1, 1))
+    has_planes(*forced("twice", "left out", "again.dcm")[:2], grid, range(4))
+    for k in (0, 1, 2, 9):
+        classic("gaps/%d.dcm" % k, grid, k)
+    has_planes(*forced("gaps", "made up")[:2], grid, range(10))
+    for k in range(4):
+        turned = Grid(turn=0.0 if k < 2 else 0.02)
+        turned.position = grid.position
+        classic("turning/%d.dcm" % k, turned, k)
+    turn = np.degrees(max(np.arccos(grid.x @ turned.x), np.arccos(grid.y @ turned.y)))
+    values, affine, _ = forced("turning", "%.3g" % turn, hint="differ by less than 5 degrees")
+    has_planes(values, affine, grid, range(4))
+    # Segmentations: planes at no even distance go to the nearest.
+    mask = np.random.RandomState(4).rand(5, 7) < 0.5
+    uneven = Grid(turn=0.0)
+    uneven.position = lambda k: grid.origin + [0, 2, 4.3][k] * grid.normal
+    dcm.segmentation("uneven.dcm", uneven, [(k, 1, mask) for k in range(3)], {1: "Liver"})
+    values, affine, _ = forced("uneven.dcm", "nearest")
+    has_planes(values, affine, grid, range(3), lambda k: mask)
+    # Nothing is insisted on where all is certain, nor where there is nothing to be taken apart.
+    classic("sound/0.dcm", grid, 0), classic("sound/1.dcm", grid, 1)
+    values, affine, said = read("sound", "--force")
+    has_planes(values, affine, grid, range(2))
+    assert "--force" not in said, said
+    dcm.mosaic("count.dcm", Grid(size=(8, 6)), 7, normal=grid.normal, stated=0)
+    for options in ((), ("--force",), ("--spacing", "1,1,1")):
+        assert "--force" not in refused("convert", "count.dcm", "-o", "x.nii", *options, says=["cannot be read as slices", "how many"])
+    # `info` and every command that reads images take it.
+    assert json.loads(run("info", "bare.dcm", "--json", "--force").stdout)["images"][0]["reading"] != "refused"
+
+
+def case_modality_table():
+    """A table of values (Modality LUT) is applied as pydicom applies it; a damaged one is refused by name."""
+    from pydicom.pixel_data_handlers.util import apply_modality_lut
+    grid = Grid()
+    random = np.random.RandomState(7)
+    for name, signed, first, bits, count, implicit in (("plain", False, 0, 16, 700, False), ("offset", False, 30, 16, 300, True),
+                                                       ("signed", True, -40, 16, 600, False), ("signed_implicit", True, -40, 16, 600, True),
+                                                       ("bytes", False, 10, 8, 256, False), ("full", False, 0, 16, 65536, True)):
+        table = random.randint(0, 2 ** bits, count).astype("<u2")
+        expected = []
+        for k in range(3):
+            pixels = (grid.values(k).astype(int) - (100 if signed else 0)).astype("<i2" if signed else "<u2")
+            d = dcm.data_set("%s/%d.dcm" % (name, k), dcm.CT, pixels, implicit=implicit, InstanceNumber=str(k),
+                             ImagePositionPatient=dcm.decimals(grid.position(k)), ImageOrientationPatient=grid.orientation, PixelSpacing=grid.pixel_spacing)
+            lut = pydicom.dataset.Dataset()
+            lut.add_new(0x00283002, "SS" if signed else "US", [count % 65536 - (65536 if signed and count % 65536 > 32767 else 0), first, bits])
+            lut.add_new(0x00283004, "LO", "US")
+            lut.add_new(0x00283006, "OW", table.tobytes())
+            d.ModalityLUTSequence = pydicom.sequence.Sequence([lut])
+            dcm.save(d)
+            d = pydicom.dcmread("%s/%d.dcm" % (name, k))
+            expected.append(apply_modality_lut(d.pixel_array, d))
+        values, affine, said = read(name)
+        has_planes(values, affine, grid, range(3), lambda k: expected[k])
+        assert "as stored" not in said, said
+    # Bytes side by side (PS3.3 C.11.1.1.2), which pydicom does not read.
+    lut[0x00283002].value, lut[0x00283006].value = [256, 0, 8], (255 - np.arange(256)).astype("u1").tobytes()
+    d = classic("packed.dcm", grid, 0, ModalityLUTSequence=[lut])
+    has_planes(*read("packed.dcm")[:2], Grid(gap=0.75), range(1), lambda k: 255 - grid.values(0))
+    lut[0x00283006].value = b"12345678"
+    classic("short.dcm", grid, 0, ModalityLUTSequence=[lut])
+    refused("convert", "short.dcm", "-o", "x.nii", says=["short.dcm", "ModalityLUTSequence", "8 bytes"])
+
+
 def case_mosaics():
     """Tiles of Siemens' mosaics are slices: places against nibabel's reader; what is not certain is refused."""
     from nibabel.nicom import dicomwrappers

@@ -22,7 +22,9 @@ import nibabel as nib
 import numpy as np
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+import dicom_files as dcm
 from cases import Skip, named_cases, run_cases, within
+from dicom_files import item
 from program import Program
 
 if len(sys.argv) < 2:
@@ -423,6 +425,102 @@ def case_nifti_places():
         check("in.nii", values, LPS @ turned)
 
 
+def forms_of(name):
+    """Codes and transforms of a NIfTI header, as nibabel has them."""
+    header = nib.load(name).header
+    return [int(header[key]) for key in ("sform_code", "qform_code")] + [header.get_sform(), header.get_qform()]
+
+
+def case_nifti_forms():
+    """Codes and both transforms go from the input to what is written on its voxels; elsewhere the code of the space does."""
+    values = numbers()
+    values[1:4, 1:3, 1:] += 30000
+    turned = np.eye(4)
+    turned[:3, :3] = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0], [0.48, 0.64, 0.6]]) @ np.diag([1, 2, 3])
+    turned[:3, 3] = 5, -6, 7
+    for kind in (nib.Nifti1Image, nib.Nifti2Image):
+        for sign in (1, -1):
+            for s_code, q_code in ((1, 1), (4, 1), (2, 3), (3, 0), (0, 2), (5, 5)):
+                image = kind(values, None)
+                image.header.set_zooms((1, 2, 3))
+                if s_code:
+                    image.set_sform(LPS @ OBLIQUE, s_code)
+                image.set_qform(turned @ np.diag([1, 1, sign, 1.0]), q_code)
+                nib.save(image, "in.nii")
+                run("convert", "in.nii", "-o", "out.nii.gz")
+                before, after = forms_of("in.nii"), forms_of("out.nii.gz")
+                assert before[:2] == after[:2] == [s_code, q_code], (s_code, q_code, after)
+                for code, a, b in zip((s_code, q_code), before[2:], after[2:]):
+                    assert code == 0 or np.allclose(a, b, atol=1e-5), (s_code, q_code, a, b)
+                assert np.allclose(nib.load("out.nii.gz").affine, nib.load("in.nii").affine, atol=1e-5)
+    # Other voxels: both transforms are those of the place that was taken, of its space.
+    image = nib.Nifti1Image(values, None)
+    image.set_qform(turned, 1), image.set_sform(turned, 4)
+    nib.save(image, "in.nii")
+    run("convert", "in.nii", "-o", "out.nii", "--voxel-size", 1)
+    found = forms_of("out.nii")
+    assert found[:2] == [4, 4] and np.allclose(found[2], found[3], atol=1e-5), found
+    run("convert", "in.nii", "-o", "flat.nrrd"), run("convert", "flat.nrrd", "-o", "out.nii", "--like", "in.nii")
+    assert forms_of("out.nii")[:2] == [4, 1], forms_of("out.nii")
+    # A morph's frames have those of the first input.
+    other = nib.Nifti1Image(np.roll(values, 1, 0), turned)
+    other.set_sform(turned, 2)
+    nib.save(other, "other.nii")
+    for output, first in (("m.#.nii", "m.2.nii"), ("m.nii.gz", "m.nii.gz")):
+        run("morph", "in.nii", "other.nii", "-o", output, "--frames", 3, "--align", "none", "--image", "grey", "--like", "in.nii")
+        assert forms_of(first)[:2] == [4, 1], forms_of(first)
+
+
+def case_time_steps():
+    """The time from volume to volume goes through all formats that have one, in seconds where a unit is told."""
+    values = numbers((5, 4, 3, 6))
+    for unit, step, seconds in (("sec", 2.5, 2.5), ("msec", 720, 0.72), ("usec", 5e5, 0.5), ("unknown", 3, None)):
+        image = nib.Nifti1Image(values, LPS @ OBLIQUE)
+        image.header.set_xyzt_units("mm", unit)
+        image.header["pixdim"][4] = step
+        nib.save(image, "in.nii")
+        for middle in ("a.nii", "a.nrrd", "a.mha"):
+            run("convert", "in.nii@0-5", "-o", middle), run("convert", middle + "@1-5x2", "-o", "out.nii.gz")
+            header = nib.load("out.nii.gz").header
+            assert np.isclose(header.get_zooms()[3], 2 * (seconds or step)), (unit, middle, header.get_zooms())
+            # MetaImage has no units of time.
+            assert header.get_xyzt_units()[1] == ("unknown" if seconds is None or middle == "a.mha" else "sec"), (unit, middle)
+            assert np.array_equal(np.asanyarray(nib.load("out.nii.gz").dataobj), values[..., 1::2])
+    run("convert", "in.nii@0,1,3", "-o", "out.nii")
+    assert nib.load("out.nii").header.get_zooms()[3] == 1  # not even: not told
+    nrrd("in.nrrd", values, "space: LPS", directions(OBLIQUE, none_last=1), origin(OBLIQUE), "kinds: domain domain domain time",
+         'spacings: nan nan nan 40', 'units: "" "" "" "ms"')
+    run("convert", "in.nrrd@0-5", "-o", "out.nii")
+    assert np.isclose(nib.load("out.nii").header.get_zooms()[3], 0.04) and nib.load("out.nii").header.get_xyzt_units()[1] == "sec"
+
+
+def case_forced():
+    """--force reads what no other option places, with a warning; the refusals name it."""
+    values = numbers()
+
+    def forced(name, affine, *says):
+        refused("convert", name, "-o", "x.nii", says=["--force"])
+        check(name, values, affine, "--force", says=["--force", *says])
+
+    image = nib.Nifti1Image(values, None)
+    image.header["sform_code"], image.header["srow_x"] = 1, (1, 0, 0, 0)
+    image.header["pixdim"][1:4] = 2, 3, 4
+    nib.save(image, "in.nii")
+    forced("in.nii", np.diag([-2, -3, 4, 1]), "2 x 3 x 4 mm")
+    nrrd("in.nrrd", values, "space: LPS", "space directions: (2,0,0) (0,3,0) (0,3,0)", "space origin: (1,2,3)")
+    place = np.diag([2.0, 3, 3, 1])
+    place[:3, 3] = 1, 2, 3
+    forced("in.nrrd", place, "flatten space")
+    with open("in.mha", "wb") as file:
+        file.write(b"ObjectType = Image\nNDims = 3\nBinaryData = True\nTransformMatrix = 1 0 0 0 1 0 0 1 0\nElementSpacing = 2 3 4\nDimSize = 5 4 3\n"
+                   b"ElementType = MET_SHORT\nElementDataFile = LOCAL\n" + values.astype("<i2").tobytes(order="F"))
+    forced("in.mha", np.diag([2, 3, 4, 1]), "flatten space")
+    pages = numbers((3, 4, 5), np.uint8)
+    values = pages.T
+    tiff("in.tif", pages, photometric="minisblack", metadata=None)
+    forced("in.tif", np.eye(4), "1 x 1 x 1 mm")
+
+
 def case_nifti_colours():
     """RGB and RGBA are luminance, or one of the colours; complex numbers have two parts."""
     rgb = numbers((5, 4, 3, 3), np.uint8)
@@ -648,9 +746,57 @@ def case_info():
     assert np.allclose(image["origin"], [-10, 20, 30]), image
 
 
+def large_dicom(path, k=None):
+    """A file of 512 x 512 x 512 voxels of 1 mm that are not on the disk, or its slice k."""
+    frames = [item(**plane) for plane in ({"PlanePositionSequence": [item(ImagePositionPatient=[0, 0, n])]} for n in range(512 if k is None else 0))]
+    d = dcm.data_set(path, dcm.ENHANCED_CT if k is None else dcm.CT, np.zeros((2, 512, 512) if k is None else (512, 512), np.int16), signed=True,
+                     RescaleSlope="1", RescaleIntercept="0")
+    if k is None:
+        d.NumberOfFrames = "512"
+        d.PerFrameFunctionalGroupsSequence = frames
+        d.SharedFunctionalGroupsSequence = [item(PlaneOrientationSequence=[item(ImageOrientationPatient=[1, 0, 0, 0, 1, 0])],
+                                                 PixelMeasuresSequence=[item(PixelSpacing=[1, 1], SliceThickness=1)])]
+    else:
+        d.ImagePositionPatient, d.ImageOrientationPatient, d.PixelSpacing = [0, 0, k], [1, 0, 0, 0, 1, 0], [1, 1]
+    dcm.save(d)
+    if k is None:  # the length of the pixels stands before them, at the end
+        size = os.path.getsize(path) - 2 * 2 * 512 ** 2
+        with open(path, "r+b") as file:
+            file.seek(size - 4)
+            file.write(struct.pack("<I", 2 * 512 ** 3))
+            file.truncate(size + 2 * 512 ** 3)
+
+
+def case_info_refused():
+    """What is refused, or has no spacing, has no place in `info`."""
+    for k in range(3):
+        d = dcm.data_set("series/%d.dcm" % k, dcm.CT, numbers((4, 5)), PixelSpacing=[1, 1], InstanceNumber=k)
+        dcm.save(d)
+        d.filename, d.SeriesInstanceUID = "series/other%d.dcm" % k, "1.2.3.10"
+        d.ImagePositionPatient, d.ImageOrientationPatient = [0, 0, k], [1, 0, 0, 0, 1, 0]
+        dcm.save(d)
+    tiff("in.tif", numbers((3, 4, 5), np.uint8), photometric="minisblack", metadata=None)
+    told = [json.loads(program.run("info", name, "--json").stdout)["images"] for name in ("series", "in.tif")]
+    readings = sorted((image["reading"][:7], image["spacing"] is None, image["origin"] is None, image["axes"] is None) for image in sum(told, []))
+    assert [reading[1:] for reading in readings if reading[0] in ("refused", "cannot ")] == [(True,) * 3] * 2 and len(readings) == 3, readings
+    assert "spacing" not in program.run("info", "in.tif").stdout.split("read as")[0]
+
+
 def case_info_large():
     """Of a large volume `info` reads the header only: less memory than its values would take."""
-    for name, dtype in (("in.nii", np.int16), ("in.nrrd", np.int16), ("in.mhd", np.int16)):
+    def told(*arguments):
+        with open("told.json", "w") as output:
+            process = subprocess.Popen([PROGRAM, "info", *arguments, "--json"], stdout=output)
+            _, status, used = os.wait4(process.pid, 0)
+        assert status == 0, arguments
+        return json.load(open("told.json"))["images"][0], used.ru_maxrss  # kB
+
+    dcm.save(dcm.data_set("small.dcm", dcm.CT, numbers((4, 5)), PixelSpacing=[1, 1]))
+    tiff("small.tif", np.zeros((4, 512, 512), np.uint8), photometric="minisblack", metadata=None)
+    least = [told("small.dcm")[1], told("small.tif", "--spacing", "1,1,1")[1]]
+    for name, dtype in (("in.nii", np.int16), ("in.nrrd", np.int16), ("in.mhd", np.int16), ("in.dcm", np.int16), ("slices", np.int16),
+                        ("in.tif", np.uint8)):
+        options = []
         if name == "in.nii":
             header = nib.Nifti1Header()
             header.set_data_dtype(dtype), header.set_data_shape((512, 512, 512)), header.set_sform(LPS, 1)
@@ -659,19 +805,28 @@ def case_info_large():
         elif name == "in.nrrd":
             nrrd(name, np.zeros((1, 1, 1), dtype), "space: LPS", directions(np.eye(4)), origin(np.eye(4)))
             head = open(name, "rb").read()[:-2].replace(b"sizes: 1 1 1", b"sizes: 512 512 512")
-        else:
+        elif name == "in.mhd":
             head = b"ObjectType = Image\nNDims = 3\nBinaryData = True\nElementSpacing = 1 1 1\nDimSize = 512 512 512\n" \
                    b"ElementType = MET_SHORT\nElementDataFile = LOCAL\n"
-        with open(name, "wb") as file:
-            file.write(head)
-            file.truncate(len(head) + 2 * 512 ** 3)
-        with open("told.json", "w") as told:
-            process = subprocess.Popen([PROGRAM, "info", name, "--json"], stdout=told)
-            _, status, used = os.wait4(process.pid, 0)
-        image = json.load(open("told.json"))["images"][0]
-        assert status == 0 and image["size"] == [512] * 3 and image["minimum"] is None, (name, image)
-        assert "header" in image["reading"] and used.ru_maxrss < 512 ** 3 * 2 / 1024, (name, used.ru_maxrss, image)
-        os.remove(name)
+        if name == "in.dcm":
+            large_dicom(name)
+        elif name == "slices":
+            os.mkdir(name)
+            for k in range(512):
+                large_dicom("slices/%03d.dcm" % k, k)
+        elif name == "in.tif":
+            tiff(name, np.zeros((512, 512, 512), dtype), photometric="minisblack", metadata=None)
+            options = ["--spacing", "1,1,1"]
+        else:
+            with open(name, "wb") as file:
+                file.write(head)
+                file.truncate(len(head) + 2 * 512 ** 3)
+        image, memory = told(name, *options)
+        assert image["size"] == [512] * 3 and image["minimum"] is None, (name, image)
+        assert image["type"] == np.dtype(dtype).name and np.allclose(image["spacing"], 1), image
+        # What the program takes with a small image of the format, and a share of the values' 128 or 256 MB.
+        assert "header" in image["reading"] and memory < least[name == "in.tif"] + 2 ** 15, (name, memory, least, image)
+        shutil.rmtree(name) if os.path.isdir(name) else os.remove(name)
 
 
 def case_times():

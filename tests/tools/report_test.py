@@ -7,6 +7,7 @@ usage: report_test.py PATH/TO/slicemorph SOURCE_FOLDER [NAME...]     (NAME: only
 Needs Debian's python3-openimageio; cases are skipped, with a message, where Chromium is not installed.
 """
 import base64
+import csv
 import fcntl
 import json
 import os
@@ -202,6 +203,39 @@ def case_parts(folder):
         for word in ("blade.ply", "ring.ply", *report["notes"]):
             assert word in text, word
         assert browser.errors() == [], browser.errors()
+
+
+def case_labels_over_time(folder):
+    """Of label maps the volume of every label of every frame, as CSV and as a curve in the page, whatever the output is."""
+    import nibabel as nib
+    at = np.stack(np.meshgrid(*map(np.arange, (40, 30, 24)), indexing="ij"), -1)
+    radii = {4: (6, 8), 9: (7, 5)}
+    for name, n in (("a", 0), ("b", 1)):
+        labels = np.zeros(at.shape[:3], np.uint8)
+        for (label, r), x in zip(radii.items(), (11, 29)):
+            labels[np.linalg.norm(at - (x, 15, 12), axis=-1) < r[n]] = label
+        nib.save(nib.Nifti1Image(labels, np.diag([-1, -1, 1, 1])), folder + "/%s.nii" % name)
+    for output in ("m.#.nii", "m.#.vdb", "m.#.ply", "m.nii"):
+        table = folder + "/r.csv"
+        page = morph(folder, folder + "/a.nii", folder + "/b.nii", "-o", folder + "/" + output, "--frames", 3, "--align", "none", "--report", table)
+        rows = list(csv.DictReader(open(table)))
+        assert [(row["frame"], row["label"]) for row in rows] == [(str(f), l) for f in (1, 2, 3) for l in ("4", "9")], rows
+        for frame, name in (("1", "a"), ("3", "b")):
+            labels = np.asanyarray(nib.load(folder + "/%s.nii" % name).dataobj)
+            for row in rows:
+                assert row["frame"] != frame or abs(float(row["volume_ml"]) - (labels == int(row["label"])).sum() / 1000) < 1e-9, row
+    with Browser() as browser:
+        browser.open(page)
+        find = "[...document.querySelectorAll('#curves svg')].find(e => e.querySelector('text').textContent == 'Labels, ml')"
+        assert browser.run("[...%s.querySelectorAll('polyline')].length" % find) == 2
+        # Higher on the page is more: the pixel of each point is a linear function of its volume.
+        y = np.array(browser.run("[...%s.querySelectorAll('circle')].map(c => +c.getAttribute('cy'))" % find)).reshape(2, 3)[::-1].T.ravel()
+        volumes = np.array([float(row["volume_ml"]) for row in rows])
+        fit = np.polyfit(volumes, y, 1)
+        assert fit[0] < 0 and np.abs(np.polyval(fit, volumes) - y).max() < 0.06, (volumes, y)
+        names = browser.run("[...%s.querySelectorAll('text')].map(e => e.textContent)" % find)
+        assert "4" in names and "9" in names, names
+        assert not browser.errors(), browser.errors()
 
 
 def case_without_shapes(folder):

@@ -340,6 +340,77 @@ def case_slicer_segmentation():
     assert keys["Segment1_Name"] == "Ring: a\\\\b"  # NRRD's spelling of one backslash
 
 
+def case_names_are_carried():
+    """Names and colours of the labels of a segmentation or .seg.nrrd go to what is converted and reconstructed of it, unless
+    --names says else."""
+    labels, affine = write_study()
+    run("convert", "labels.nii.gz", "-o", "a.seg.nrrd", "--names", "3=Heart,7=Ring: a,250=Dust")
+    colors = {"Heart": (230, 20, 60), "Ring: a": (1, 254, 128), "Dust": (90, 90, 91)}
+    # As another program would have coloured them.
+    head, _, body = open("a.seg.nrrd", "rb").read().partition(b"\n\n")
+    lines = head.decode().splitlines()
+    for n, color in enumerate(colors.values()):
+        at = next(i for i, line in enumerate(lines) if line.startswith("Segment%d_Color:=" % n))
+        lines[at] = "Segment%d_Color:=%s" % (n, " ".join("%.6f" % (c / 255) for c in color))
+    open("a.seg.nrrd", "wb").write("\n".join(lines).encode() + b"\n\n" + body)
+
+    def of_nrrd(path):
+        keys = read_nrrd(path)[1]
+        count = sum(key.endswith("_ID") for key in keys)
+        return {keys["Segment%d_Name" % n]: tuple(round(255 * float(c)) for c in keys["Segment%d_Color" % n].split())
+                for n in range(count)}
+
+    def of_seg(path):
+        return {s.SegmentLabel: list(s.RecommendedDisplayCIELabValue) for s in pydicom.dcmread(path).SegmentSequence}
+
+    def of_set(path):
+        d = pydicom.dcmread(path)
+        shown = {c.ReferencedROINumber: tuple(map(int, c.ROIDisplayColor)) for c in d.ROIContourSequence}
+        return {s.ROIName: shown[s.ROINumber] for s in d.StructureSetROISequence}
+
+    run("convert", "a.seg.nrrd", "-o", "b.seg.nrrd"), run("convert", "a.seg.nrrd", "-o", "b.rt.dcm"), run("convert", "a.seg.nrrd", "-o", "b.seg.dcm")
+    assert of_nrrd("b.seg.nrrd") == colors and of_set("b.rt.dcm") == {**colors}, (of_nrrd("b.seg.nrrd"), of_set("b.rt.dcm"))
+    assert set(of_seg("b.seg.dcm")) == set(colors)
+    # From DICOM: skimage's CIELab of white D50 is the oracle of the colours.
+    try:
+        from skimage.color import lab2rgb
+        for name, stored in of_seg("b.seg.dcm").items():
+            lab = np.array([stored[0] / 65535 * 100, stored[1] / 65535 * 255 - 128, stored[2] / 65535 * 255 - 128])
+            assert np.abs(255 * lab2rgb(lab[None, None], illuminant="D50")[0, 0] - colors[name]).max() < 30, (name, lab)
+    except ImportError:
+        pass
+    run("convert", "b.seg.dcm", "-o", "c.seg.nrrd"), run("convert", "b.seg.dcm", "-o", "c.rt.dcm"), run("convert", "b.seg.dcm", "-o", "c.seg.dcm")
+    assert of_nrrd("c.seg.nrrd") == colors and of_set("c.rt.dcm") == colors and of_seg("c.seg.dcm") == of_seg("b.seg.dcm")
+    run("convert", "b.seg.dcm", "-o", "d.seg.nrrd", "--names", "2=Other")
+    assert of_nrrd("d.seg.nrrd") == {name.replace("Ring: a", "Other"): color for name, color in colors.items()}
+    # One segment alone, and slices filled in.
+    run("convert", "b.seg.dcm:@Heart", "-o", "e.seg.nrrd")
+    assert of_nrrd("e.seg.nrrd") == {"Heart": colors["Heart"]}
+    run("reconstruct", "b.seg.dcm", "-o", "f.seg.dcm", "--between", 1), run("reconstruct", "a.seg.nrrd", "-o", "f.rt.dcm", "--between", 1)
+    assert of_seg("f.seg.dcm") == of_seg("b.seg.dcm") and of_set("f.rt.dcm") == colors
+    # A later layer has names of its own.
+    dcm_labels = np.stack([labels == 3, labels == 7]).astype("u1")
+    head = [line for line in lines if not line.startswith(("Segment", "type", "dimension", "sizes", "kinds", "space directions"))]
+    directions = next(line for line in lines if line.startswith("space directions")).split(":")[1]
+    head[1:1] = ["type: uint8", "dimension: 4", "sizes: 2 %d %d %d" % labels.shape, "kinds: list domain domain domain"]
+    head += ["space directions: none" + directions]
+    for n, name in enumerate(("One", "Two")):
+        head += ["Segment%d_ID:=s%d" % (n, n), "Segment%d_LabelValue:=1" % n, "Segment%d_Layer:=%d" % (n, n), "Segment%d_Name:=%s" % (n, name)]
+    open("layers.seg.nrrd", "wb").write("\n".join(head).encode() + b"\n\n" + gzip.compress(dcm_labels.tobytes(order="F")))
+    for n, name in enumerate(("One", "Two")):
+        run("convert", "layers.seg.nrrd:%d" % n, "-o", "g.seg.nrrd")
+        assert set(of_nrrd("g.seg.nrrd")) == {name} and np.array_equal(read_nrrd("g.seg.nrrd")[2], dcm_labels[n]), name
+
+
+def case_frames_of_one_type():
+    """All frames of a morph of label maps into a file each have one type, that of the inputs."""
+    labels, affine = write_study()
+    wide = np.where(labels == 250, 9, labels).astype(np.int16)
+    nib.save(nib.Nifti1Image(wide, LPS @ affine), "wide.nii"), nib.save(nib.Nifti1Image(np.roll(wide, 2, 1), LPS @ affine), "later.nii")
+    run("morph", "wide.nii", "later.nii", "--align", "none", "--like", "wide.nii", "--frames", 3, "-o", "m.#.nii")
+    assert [nib.load("m.%d.nii" % n).get_data_dtype() for n in (1, 2, 3)] == [np.int16] * 3
+
+
 def case_overlaps_are_kept():
     """Structures that overlap stay whole: in a segmentation, and in layers of .seg.nrrd."""
     box = lambda x, y, size: [(x, y), (x + size, y), (x + size, y + size), (x, y + size)]

@@ -34,13 +34,26 @@ struct ConvertSettings {
   MeshSpace space = MeshSpace::kUnsaid;  ///< of meshes
 };
 
+/// An image and what is to be said of it.
+struct ImageWithHeader {
+  Image image;
+  ImageHeader header;
+};
+
 /// The image on the lattice that the options ask for; unchanged where they ask for none.
-Image onAskedLattice(Image image, const ConvertSettings& s) {
-  if (s.like.empty() && s.load.voxelSize == 0 && s.load.resolution == 0) return image;
-  const ImageLattice on =
-      s.like.empty() ? cubicLattice(image.lattice, s.load) : readImage(s.like, s.load.image).image.lattice;
+ImageWithHeader onAskedLattice(Image image, ImageHeader header, const ConvertSettings& s) {
+  if (s.like.empty() && s.load.voxelSize == 0 && s.load.resolution == 0)
+    return {std::move(image), std::move(header)};
+  ImageLattice on;
+  if (s.like.empty()) {
+    on = cubicLattice(image.lattice, s.load);
+  } else {
+    const ImageFile like = readImage(s.like, s.load.image);
+    on = like.image.lattice, header.forms = like.header.forms;
+  }
   require(s.load.memory, s.output, needOfImage(on, 1));
-  return isLabelMap(image, s.load.imageKind) ? nearestTo(image, on) : resampledTo(image, on);
+  return {isLabelMap(image, s.load.imageKind) ? nearestTo(image, on) : resampledTo(image, on),
+          std::move(header)};
 }
 
 /// The settings for a file that may say itself that its values are labels.
@@ -96,6 +109,16 @@ Image maskOf(const FloatGrid& levelSet) {
   return distances;
 }
 
+/// The header of a file of some volumes of another: the time between them, where they follow each other evenly.
+ImageHeader headerOfVolumes(ImageHeader header, const std::vector<InputFrame>& volumes) {
+  const int step = volumes[1].number - volumes[0].number;
+  bool even = true;
+  for (size_t n = 1; n < volumes.size(); ++n)
+    even = even && volumes[n].number - volumes[n - 1].number == step;
+  header.timeStep = even ? header.timeStep * std::abs(step) : 0;
+  return header;
+}
+
 /// Several volumes of an image become one file.
 void convertVolumes(const ConvertSettings& s, const std::vector<InputFrame>& volumes) {
   std::optional<ImageSliceWriter> writer;
@@ -104,10 +127,11 @@ void convertVolumes(const ConvertSettings& s, const std::vector<InputFrame>& vol
     ImageFile file = imageToConvert(volume.input, s);
     printNotes(volume.input.text + ": ", file.notes, s.quiet, s.verbose);
     const ConvertSettings own = settingsFor(file, s);
-    const Image image = onAskedLattice(std::move(file.image), own);
+    const auto [image, header] = onAskedLattice(std::move(file.image), std::move(file.header), own);
     if (!writer) {
       first.lattice = image.lattice;
-      writer.emplace(s.output, image.lattice, image.values, int(volumes.size()));
+      writer.emplace(s.output, image.lattice, image.values, int(volumes.size()),
+                     headerOfVolumes(header, volumes));
       first.values =
           std::visit([](const auto& v) { return ImageValues(std::decay_t<decltype(v)>()); }, image.values);
     }
@@ -134,29 +158,34 @@ void convertToImage(const ConvertSettings& s) {
   if (input.isImage()) {
     ImageFile file = imageToConvert(input, s);
     printNotes(s.input + ": ", file.notes, s.quiet, s.verbose);
-    writeImage(s.output, onAskedLattice(std::move(file.image), settingsFor(file, s)));
+    const auto [image, header] =
+        onAskedLattice(std::move(file.image), std::move(file.header), settingsFor(file, s));
+    writeImage(s.output, image, header);
   } else if (parseInput(s.input).isGrids()) {
-    writeImage(s.output, onAskedLattice(imageOfGrid(s), s));
+    const auto [image, header] = onAskedLattice(imageOfGrid(s), {}, s);
+    writeImage(s.output, image, header);
   } else {
     const LoadedObject loaded = loadObject(s.input, s.load);
     printNotes(s.input + ": ", loaded.notes, s.quiet, s.verbose);
     require(s.load.memory, s.input, needOfDenseGrid(*loaded.object.levelSet));
     Image mask = maskOf(*loaded.object.levelSet);
-    writeImage(s.output,
-               s.like.empty() ? mask : nearestTo(mask, readImage(s.like, s.load.image).image.lattice));
+    if (s.like.empty()) return writeImage(s.output, mask);
+    const ImageFile like = readImage(s.like, s.load.image);
+    writeImage(s.output, nearestTo(mask, like.image.lattice), like.header);
   }
 }
 
 /// Labels, or the shape of anything else, as structures.
 void convertToStructures(const ConvertSettings& s) {
-  const StructuresJob job{s.input, s.output, s.source, s.like, s.names, s.load.image};
+  StructuresJob job{s.input, s.output, s.source, s.like, s.names, s.load.image};
   if (isImageInput(s.input)) {
     ImageFile file = readImage(s.input, s.load.image);
     takeLabels(file, s.load.imageKind);
     const ConvertSettings own = settingsFor(file, s);
     if (isLabelMap(file.image, own.load.imageKind)) {
       printNotes(s.input + ": ", file.notes, s.quiet, s.verbose);
-      const auto labels = std::make_shared<const Image>(onAskedLattice(std::move(file.image), own));
+      job.labels = file.header.labels;
+      const auto labels = std::make_shared<const Image>(onAskedLattice(std::move(file.image), {}, own).image);
       printNotes(s.output + ": ", writeLabelStructures(job, labels), s.quiet, s.verbose);
       return;
     }
@@ -199,7 +228,7 @@ void runConvert(const OptionSet& options) {
     ImageFile file = imageToConvert(parseInput(s.input), s);
     printNotes(s.input + ": ", file.notes, s.quiet, s.verbose);
     const ConvertSettings own = settingsFor(file, s);
-    writeGrids(own, onAskedLattice(std::move(file.image), own));
+    writeGrids(own, onAskedLattice(std::move(file.image), {}, own).image);
   } else {
     if (!s.like.empty()) throw InputError("--like is for images; the output " + s.output + " is none");
     const LoadedObject loaded = loadObject(s.input, s.load);

@@ -59,11 +59,11 @@ Json describeImage(const ImageInfo& i) {
   return {{"name", i.name},
           {"format", i.format},
           {"about", i.about},
-          {"type", i.type},
+          {"type", i.type.empty() ? Json() : Json(i.type)},
           {"size", {i.size[0], i.size[1], i.size[2]}},
-          {"spacing", toJson(i.spacing)},
-          {"origin", toJson(i.origin)},
-          {"axes", {toJson(i.axes[0]), toJson(i.axes[1]), toJson(i.axes[2])}},
+          {"spacing", i.placed ? toJson(i.spacing) : Json()},
+          {"origin", i.placed ? toJson(i.origin) : Json()},
+          {"axes", i.placed ? Json{toJson(i.axes[0]), toJson(i.axes[1]), toJson(i.axes[2])} : Json()},
           {"volumes", i.volumes},
           {"minimum", i.looked ? Json(i.minimum) : Json()},
           {"maximum", i.looked ? Json(i.maximum) : Json()},
@@ -141,11 +141,13 @@ void printGrid(const GridInfo& g, bool chosen, const std::string& why) {
 void printImage(const ImageInfo& i) {
   std::printf("image %s%s%s\n", i.name.c_str(), i.about.empty() ? "" : ": ", i.about.c_str());
   printLine("voxels", std::to_string(i.size[0]) + " x " + std::to_string(i.size[1]) + " x " +
-                          std::to_string(i.size[2]) + ", " + i.type +
+                          std::to_string(i.size[2]) + (i.type.empty() ? "" : ", " + i.type) +
                           (i.volumes > 1 ? ", one of " + std::to_string(i.volumes) + " volumes" : ""));
-  printLine("spacing", toText(i.spacing) + " mm");
-  printLine("origin", toText(i.origin) + " (LPS)");
-  for (int d = 0; d < 3; ++d) printLine(d == 0 ? "axes" : "", toText(i.axes[d]));
+  if (i.placed) {
+    printLine("spacing", toText(i.spacing) + " mm");
+    printLine("origin", toText(i.origin) + " (LPS)");
+    for (int d = 0; d < 3; ++d) printLine(d == 0 ? "axes" : "", toText(i.axes[d]));
+  }
   if (i.looked) printLine("values", formatNumber(i.minimum) + " .. " + formatNumber(i.maximum));
   printLine("read as", i.reading);
   for (const Note& note : i.notes) printLine("on reading", note.sentence());

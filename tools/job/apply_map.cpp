@@ -163,15 +163,18 @@ void carryImage(const ApplyJob& job, const TimeMap& map, JobEvents& events) {
   events.notes(about(job.what, file.notes));
   const bool stated = job.load.imageKind == ImageKind::kAuto && isStatedLabels(file);
   const bool labels = stated || isLabelMap(file.image, job.load.imageKind);
-  const ImageLattice on = !job.like.empty() ? readImage(job.like, job.load.image).image.lattice
-                          : map.imageTo()   ? map.imageTo()->lattice
-                                            : file.image.lattice;
+  ImageHeader header = file.header;
+  ImageLattice on = map.imageTo() ? map.imageTo()->lattice : file.image.lattice;
+  if (!job.like.empty()) {
+    ImageFile like = readImage(job.like, job.load.image);
+    on = like.image.lattice, header = std::move(like.header);
+  }
   require(job.load.memory, job.output, needOfImage(on, 1));
   const auto positions = [&](const SliceRange& slices) {
     reportSlices(events, slices, on);
     return map.carriedBack(voxelsOf(on, slices));
   };
-  writeImage(job.output, sampledAt(file.image, on, positions, labels));
+  writeImage(job.output, sampledAt(file.image, on, positions, labels), header);
 }
 
 ImageLattice latticeOver(const openvdb::BBoxd& box, double voxelSize) {

@@ -1,11 +1,25 @@
 #include "tools/job/carry_image.h"
 
+#include "engine/rebuild/common_values.h"
 #include "engine/volume/resample_image.h"
 #include "slicemorph/errors.h"
 #include "slicemorph/io/image_file.h"
 #include "tools/job/image_lattice.h"
 
 namespace slicemorph {
+
+namespace {
+
+/// The frame in the type that holds the values of all inputs, so that all frames have one.
+Image asInputs(Image frame, const FrameTask& task) {
+  std::vector<const Image*> inputs;
+  for (const LoadedObject& object : task.inputs) inputs.push_back(object.image.get());
+  const ImageValues type = commonValues(inputs, 0);
+  if (frame.values.index() != type.index()) frame.values = valuesAs(frame.values, type);
+  return frame;
+}
+
+}  // namespace
 
 ImagePlan planImages(const MorphSettings& settings, const std::vector<LoadedObject>& inputs) {
   const bool labels = inputs[0].labels;
@@ -18,8 +32,10 @@ ImagePlan planImages(const MorphSettings& settings, const std::vector<LoadedObje
   if (labels)
     for (const LoadedObject& input : inputs) plan.labels.emplace_back(*input.image);
   if (!settings.like.empty()) {
-    plan.lattice = readImage(settings.like, settings.load.image).image.lattice;
+    ImageFile like = readImage(settings.like, settings.load.image);
+    plan.lattice = like.image.lattice, plan.header = std::move(like.header);
   } else {
+    plan.header = inputs[0].imageHeader;
     LatticeChoice choice = latticeAround(inputs);
     plan.lattice = choice.lattice, plan.notes = std::move(choice.notes);
   }
@@ -36,14 +52,14 @@ Image imageBetween(const FrameTask& task) {
     std::vector<double> isos;
     for (const LoadedObject& input : task.inputs)
       images.push_back(input.image.get()), isos.push_back(input.iso);
-    return pullback.carry(images, plan.lattice, isos);
+    return asInputs(pullback.carry(images, plan.lattice, isos), task);
   }
   // At the weights of one input alone that input's labels are taken as they are.
   if (const std::optional<size_t> alone = aloneIn(task.job.weights))
-    return nearestTo(*task.inputs[*alone].image, plan.lattice);
+    return asInputs(nearestTo(*task.inputs[*alone].image, plan.lattice), task);
   std::vector<const LabelField*> fields;
   for (const LabelField& field : plan.labels) fields.push_back(&field);
-  return pullback.carryLabels(fields, plan.lattice);
+  return asInputs(pullback.carryLabels(fields, plan.lattice), task);
 }
 
 }  // namespace slicemorph

@@ -79,6 +79,7 @@ Json describeJob(const MorphSettings& s) {
   job["furtherIsos"] = s.load.furtherIsos;
   job["isosByInput"] = s.load.isosByInput;
   job["spacing"] = {s.load.image.spacing[0], s.load.image.spacing[1], s.load.image.spacing[2]};
+  job["force"] = s.load.image.force;
   job["like"] = s.like;
   job["glb"] = {{"metres", s.glb.metres}, {"zUp", s.glb.zUp}};
   if (s.toFrameImages()) {

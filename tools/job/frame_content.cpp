@@ -34,6 +34,9 @@ FrameContent contentOfImages(const MorphSettings& settings, const Inputs& inputs
   if (!content.surface && !asked(name)) refuseSurface(settings);
   content.images =
       !settings.toPictures() && (settings.holdsGrids() ? asked(name) : isImageOutput(settings.output));
+  content.labelFigures =
+      !settings.reports.empty() &&
+      std::all_of(inputs.begin(), inputs.end(), [](const LoadedObject& input) { return input.labels; });
   return content;
 }
 

@@ -15,6 +15,7 @@ struct FrameContent {
   bool surface = true;                  ///< as a grid of the output, a mesh or a picture
   std::string surfaceName = "surface";  ///< of its grid
   bool images = false;                  ///< all inputs are images, and the result shows their values
+  bool labelFigures = false;            ///< a report tells of the inputs' labels
   std::vector<GridSet> sets;            ///< the other grids, and the shapes' own where these are fog
   std::optional<size_t> shapeSet;       ///< index in `sets` of the shapes' fog; none: no fog
   std::string colorName;  ///< name of the grid of the surface's colours; empty: no input has any

@@ -60,10 +60,10 @@ void FrameMaker::planFor(size_t inputFrame, int number, double from, double to) 
   if (settings_.can().guided) require(settings_.load.memory, "", needOfMorph(inputs()));
   plan_.content = contentOf(settings_, inputs(), !planned_);
   events_.notes(plan_.content.notes);
-  plan_.images = plan_.content.images ? planImages(settings_, inputs()) : ImagePlan();
+  const bool images = plan_.content.images || plan_.content.labelFigures;
+  plan_.images = images ? planImages(settings_, inputs()) : ImagePlan();
   events_.notes(plan_.images.notes);
-  if (plan_.content.images)
-    require(settings_.load.memory, settings_.output, needOfImage(plan_.images.lattice, 1));
+  if (images) require(settings_.load.memory, settings_.output, needOfImage(plan_.images.lattice, 1));
   planning.report("planning", 0);
   const MethodPlan* before = planned_ && !settings_.eachAlone ? &plan_.method : nullptr;
   MethodTask task{settings_, inputs(), number, before, planning, &options_};

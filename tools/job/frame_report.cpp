@@ -31,8 +31,8 @@ GridFigures figuresOf(const openvdb::GridBase& grid) {
 }
 
 std::vector<LabelMeasures> labelsOf(const FrameTask& task, const MorphFrame& frame) {
+  if (task.plan.content.labelFigures) return frame.labels;
   if (!frame.image) return {};
-  if (task.inputs[0].labels) return measureLabels(*frame.image);
   return {measureAbove(*frame.image, isoOf(task))};
 }
 

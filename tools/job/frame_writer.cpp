@@ -1,6 +1,5 @@
 #include "tools/job/frame_writer.h"
 
-#include "engine/rebuild/common_values.h"
 #include "engine/volume/same_image.h"
 #include "engine/volume/surface_colors.h"
 #include "engine/volume/voxelise.h"
@@ -75,7 +74,7 @@ void FrameWriter::write(const FrameTask& task, const MorphFrame& frame) {
   } else if (frame.image && settings_.oneImage()) {
     addVolume(task, *frame.image);
   } else if (frame.image) {
-    writeImage(task.job.path, *frame.image);
+    writeImage(task.job.path, *frame.image, task.plan.images.header);
   } else if (settings_.oneGlb()) {
     surfaces_.push_back({frame.shape.surface, task.job.weights, frame.colors});
     numbers_.push_back(task.job.number);
@@ -92,21 +91,19 @@ void FrameWriter::write(const FrameTask& task, const MorphFrame& frame) {
 }
 
 void FrameWriter::addVolume(const FrameTask& task, const Image& image) {
-  // In-betweens have a type of their own, where those of the inputs differ or are larger than labels need.
-  std::vector<const Image*> inputs;
-  for (const LoadedObject& object : task.inputs) inputs.push_back(object.image.get());
-  const ImageValues type = commonValues(inputs, 0);
   if (!volumes_) {
     const int volumes = int(settings_.wantedFrames().size());
-    volumes_ = std::make_unique<ImageSliceWriter>(settings_.output, image.lattice, type, volumes,
-                                                  1 / settings_.framesPerSecond);
+    ImageHeader header = task.plan.images.header;
+    header.timeStep = 1 / settings_.framesPerSecond, header.inSeconds = true;
+    volumes_ =
+        std::make_unique<ImageSliceWriter>(settings_.output, image.lattice, image.values, volumes, header);
     lattice_ = image.lattice;
   }
   if (!sameLattice(image.lattice, *lattice_))
     throw InputError(settings_.output,
                      "its frames do not have the same voxels, so that one file cannot hold them; put "
                      "#### into the name, or give --like IMAGE");
-  volumes_->add(valuesAs(image.values, type));
+  volumes_->add(image.values);
 }
 
 void FrameWriter::finish(const MorphPlan* plan, double from) {

@@ -33,6 +33,7 @@ struct JobOptions {
   std::optional<std::string> configText;  ///< likewise: the content of `config`, which is then only its name
   std::string iso, imageKind = "auto", spacing, upright = "auto", glbUp = "y", unit = "m", fit = "none";
   LoadOptions load;
+  bool force = false;  ///< images whose geometry is not certain are read all the same
 
   // Shape and matching
   std::string method = "slices", pictureResolution;

@@ -29,24 +29,28 @@ Image maskOf(const Image& labels, std::int64_t label) {
 
 }  // namespace
 
-void writeLabelImage(const ReconstructJob& job, Image dense, const Notes& notes, JobEvents& events) {
+void writeLabelImage(const ReconstructJob& job, Image dense, ImageHeader header, const Notes& notes,
+                     JobEvents& events) {
   const OutputName name(job.output);
   const bool structures = isStructureOutput(job.output);
-  if (!job.like.empty()) dense = nearestTo(dense, readImage(job.like, job.image).image.lattice);
+  if (!job.like.empty()) {
+    const ImageFile like = readImage(job.like, job.image);
+    dense = nearestTo(dense, like.image.lattice), header.forms = like.header.forms;
+  }
   if (job.takeImage) return job.takeImage(std::move(dense));
   const auto labels = std::make_shared<const Image>(std::move(dense));
   if (structures) {
-    events.notes(
-        writeLabelStructures({job.input, job.output, job.source, job.like, job.names, job.image}, labels));
+    events.notes(writeLabelStructures(
+        {job.input, job.output, job.source, job.like, job.names, job.image, header.labels}, labels));
     events.fileWritten(job.output, false);
   } else if (name.isSequence()) {
     for (const std::int64_t label : labelsOf(*labels)) {
       const std::string path = name.path(int(label));
-      writeImage(path, maskOf(*labels, label));
+      writeImage(path, maskOf(*labels, label), header);
       events.fileWritten(path, false);
     }
   } else {
-    writeImage(job.output, *labels);
+    writeImage(job.output, *labels, header);
     events.fileWritten(job.output, false);
   }
   if (job.reports.empty()) return;

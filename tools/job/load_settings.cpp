@@ -91,6 +91,7 @@ LoadOptions loadSettings(const OptionSet& options) {
   load.imageKind = given.imageKind == "grey"     ? ImageKind::kGrey
                    : given.imageKind == "labels" ? ImageKind::kLabels
                                                  : ImageKind::kAuto;
+  load.image.force = given.force;
   if (!given.spacing.empty())
     load.image.spacing = options.about("spacing", [&] { return parseSpacing(given.spacing); });
   return load;

@@ -73,7 +73,9 @@ MorphFrame makeFrame(const FrameTask& task, const Progress& cancel) {
   const FrameContent& content = task.plan.content;
   MorphFrame frame;
   if (needsShape(task)) frame = coloredShape(task);
-  if (content.images) frame.image = imageBetween(task);
+  if (content.images || content.labelFigures) frame.image = imageBetween(task);
+  if (content.labelFigures) frame.labels = measureLabels(*frame.image);
+  if (!content.images) frame.image.reset();
   if (!s.holdsGrids()) return frame;
   const bool half = std::all_of(task.inputs.begin(), task.inputs.end(),
                                 [](const LoadedObject& input) { return input.halfFloat; });

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/measure/label_measures.h"
 #include "slicemorph/label_field.h"
 #include "slicemorph/slicemorph.h"
 #include "tools/job/frame_content.h"
@@ -14,6 +15,7 @@ namespace slicemorph {
 /// What in-between images need of the inputs.
 struct ImagePlan {
   ImageLattice lattice;            ///< of the results
+  ImageHeader header;              ///< of the results' files
   std::vector<LabelField> labels;  ///< per input; none where these hold grey values
   Notes notes;
 };
@@ -40,6 +42,7 @@ struct MorphFrame {
   openvdb::Vec3SGrid::ConstPtr colors;  ///< of the shape's surface; null: it has none
   openvdb::GridBase::ConstPtr density;  ///< one of the grids: the shapes' fog; null: none
   std::optional<Image> image;           ///< of an image output
+  std::vector<LabelMeasures> labels;    ///< of a map of labels, for a report
 };
 
 /// The shape, with its colours if it has some.

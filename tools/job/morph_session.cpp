@@ -19,7 +19,7 @@ namespace {
 enum class FileKind { kGrids, kImage, kMesh };
 
 FileKind kindOfFile(const std::string& path) {
-  if (extensionOf(path) == ".vdb") return FileKind::kGrids;
+  if (isGridOutput(path)) return FileKind::kGrids;
   return isImageOutput(path) ? FileKind::kImage : FileKind::kMesh;
 }
 

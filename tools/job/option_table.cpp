@@ -384,6 +384,10 @@ Rows imageRows() {
           "pictures")
           .as(OptionType::kNumbers)
           .unit("millimetres"),
+      Row(kReaders, "force", at<&J::force>, "",
+          "Read images all the same whose geometry is not certain (no positions, directions, spacing, gaps, "
+          "mixed "
+          "slices), as well as can be told; warnings say what is assumed"),
       Row(kMorph, "like", at<&J::like>, "IMAGE", "Put in-between images on the voxels of this one")
           .fallback("those of the first input, and more where shapes reach beyond"),
       Row(kApply, "like", at<&J::like>, "IMAGE", "Put the image or field on the voxels of this one")

@@ -46,8 +46,8 @@ double voxelSizeOf(const ContourSet& set, const ImageLattice& lattice) {
 
 }  // namespace
 
-bool reconstructCross(const ReconstructJob& job, const Image& labels, const Notes& before,
-                      JobEvents& events) {
+bool reconstructCross(const ReconstructJob& job, const Image& labels, const ImageHeader& header,
+                      const Notes& before, JobEvents& events) {
   const std::vector<CrossLabel> cross = findCrossSlices(labels);
   if (cross.empty()) return false;
   Notes notes = before;
@@ -82,7 +82,7 @@ bool reconstructCross(const ReconstructJob& job, const Image& labels, const Note
     return true;
   }
   const Image between = contourLabels(surfaces, numbers, labels.lattice, SharedVoxel::deepest);
-  writeLabelImage(job, withGiven(labels, cross, between), notes, events);
+  writeLabelImage(job, withGiven(labels, cross, between), header, notes, events);
   return true;
 }
 

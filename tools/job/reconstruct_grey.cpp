@@ -74,9 +74,12 @@ void reconstructGrey(const ReconstructJob& job, ImageFile file, JobEvents& event
   events.notes(about(job.input, notes));
   Image image = job.between > 0 ? expandedStack(file.image, given.axis, job.between) : std::move(file.image);
   image = interpolateGrey(std::move(image), given);
-  if (!job.like.empty()) image = resampledTo(image, readImage(job.like, job.image).image.lattice);
+  if (!job.like.empty()) {
+    const ImageFile like = readImage(job.like, job.image);
+    image = resampledTo(image, like.image.lattice), file.header.forms = like.header.forms;
+  }
   if (job.takeImage) return job.takeImage(std::move(image));
-  writeImage(job.output, image);
+  writeImage(job.output, image, file.header);
   events.fileWritten(job.output, false);
 }
 

@@ -100,7 +100,7 @@ LabelSurvey surveyed(const ReconstructJob& job, ImageSlices slices, JobEvents& e
 void writeDense(const ReconstructJob& job, ImageSlices slices, const LabelSurvey& survey, JobEvents& events) {
   const std::vector<int>& given = survey.given.at;
   const SliceLayout layout = layoutOf(survey.lattice, 2);
-  ImageSliceWriter writer(job.output, survey.lattice, survey.like);
+  ImageSliceWriter writer(job.output, survey.lattice, survey.like, 1, slices.file.header);
   std::map<size_t, ImageValues> waiting;  // given slices by their number, until they are written
   int read = 0;                           // slices of the file
   const auto readGiven = [&](size_t count) {

@@ -146,14 +146,14 @@ void reconstructImage(const ReconstructJob& job, JobEvents& events) {
     throw InputError(job.input, error.what());
   }
   if (areFound(job) && job.axis < 0 && !inSteps(labelled) &&
-      reconstructCross(job, file.image, file.notes, events))
+      reconstructCross(job, file.image, file.header, file.notes, events))
     return;
   SparseLabels sparse = sparseLabels(job, std::move(file.image), labelled, std::move(file.notes));
   events.notes(about(job.input, sparse.notes));
   if (!isImageOutput(job.output) && !isStructureOutput(job.output))
     return writeLabelSurfaces(job, sparse, events);
   Image dense = interpolateLabels(std::move(sparse.image), sparse.given);
-  writeLabelImage(job, std::move(dense), sparse.notes, events);
+  writeLabelImage(job, std::move(dense), std::move(file.header), sparse.notes, events);
 }
 
 }  // namespace slicemorph

@@ -16,6 +16,7 @@ struct StructuresJob {
   std::string like;    ///< an image; empty: none
   std::string names;   ///< "1=Heart,2=Left lung"; empty: none
   ImageOptions image;
+  std::vector<LabelName> labels = {};  ///< what the input calls its labels
 };
 
 /// As checkOutput, of commands that also write structures. Throws InputError for a name of several files, as one holds all,

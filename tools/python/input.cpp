@@ -220,7 +220,7 @@ py::tuple ownMesh(const PyInput& input) {
   return arraysOf(std::move(triangles));
 }
 
-/// Grids as .vdb, an image as an image file.
+/// Grids as .vdb or .nvdb, an image as an image file.
 void save(const PyInput& input, const std::string& path) {
   const HeldInput& held = inMemory(input, "content");
   CallEvents events;
@@ -229,7 +229,7 @@ void save(const PyInput& input, const std::string& path) {
     for (const PyGrid& grid : gridsIn(input)) grids.push_back(grid.grid);
     VdbOutput options;
     options.metadata = (*file)->metadata(), options.compression = (*file)->compression();
-    return runCall(events, py::none(), [&] { writeVdb(path, grids, options); });
+    return runCall(events, py::none(), [&] { writeGridFile(path, grids, options); });
   }
   const ImagePtr& image = imageIn(input);
   runCall(events, py::none(), [&] { writeImage(path, image->image); });

@@ -206,10 +206,29 @@ function curve(title, series, options = {}) {
   });
 }
 
+/// Volumes of the labels of a map, of many those that get largest.
+function labelCurve() {
+  const colours = ['#0072b2', '#d55e00', '#009e73', '#cc79a7', '#e69f00', '#56b4e9', '#8a6d3b', '#1d2126'];
+  const volumes = new Map();
+  frames.forEach((frame, i) => {
+    for (const label of frame.labels ?? []) {
+      if (label.label === null || label.label === undefined) continue;
+      if (!volumes.has(label.label)) volumes.set(label.label, frames.map(f => f.labels ? 0 : null));
+      volumes.get(label.label)[i] = label.volumeMl;
+    }
+  });
+  if (volumes.size === 1 && volumes.has(1)) return;  // the shape itself, whose volume has a curve
+  const largest = list => Math.max(...list.filter(v => v !== null));
+  const shown = [...volumes].sort((a, b) => largest(b[1]) - largest(a[1])).slice(0, colours.length).sort((a, b) => a[0] - b[0]);
+  const title = volumes.size > shown.length ? `Largest ${shown.length} of ${volumes.size} labels, ml` : 'Labels, ml';
+  curve(title, shown.map(([label, list], i) => [String(label), colours[i], list]).reverse(), { from: 0 });
+}
+
 function drawCurves() {
   const blue = '#0072b2', orange = '#d55e00', green = '#009e73', grey = '#8a929b';
   const of = name => frames.map(f => f[name]);
   curve('Volume', [['frame', blue, of('volume')], ['linear', grey, frames.map(f => f.volume === null ? null : f.volumeLinear), true]], { from: 0 });
+  labelCurve();
   curve('Area', [['frame', blue, of('area')]], { from: 0 });
   curve('Pieces', [['pieces', blue, of('pieces')]], { whole: true });
   curve('Genus', [['genus', blue, of('genus')]], { whole: true });

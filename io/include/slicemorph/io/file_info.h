@@ -52,11 +52,13 @@ struct VdbInfo {
 struct ImageInfo {
   std::string name;           ///< as an input selects it, for example `folder:2`
   std::string format, about;  ///< "NIfTI" ...; what the file says of itself
-  std::string type;  ///< of its values as read: "uint8", "int16", "uint16", "int32", "float", "double"
+  /// Of its values as read: "uint8", "int16", "uint16", "int32", "float", "double"; empty: it is refused.
+  std::string type;
   openvdb::Coord size{0, 0, 0};
   Vec3d spacing{0, 0, 0}, origin{0, 0, 0};  ///< LPS millimetres; origin: centre of the first voxel
   Vec3d axes[3];                            ///< unit directions of i, j, k
   int volumes = 1;                          ///< times or components in the file
+  bool placed = true;               ///< it is known where it lies; else spacing, origin and axes mean nothing
   bool looked = true;               ///< values were read; else minimum, maximum and labels mean nothing
   double minimum = 0, maximum = 0;  ///< of the finite values
   size_t labels = 0;                ///< of a label map; 0: grey values

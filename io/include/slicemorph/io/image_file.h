@@ -1,6 +1,7 @@
 #pragma once
 
 #include "slicemorph/image.h"
+#include "slicemorph/io/image_header.h"
 #include "slicemorph/io/input_spec.h"
 #include "slicemorph/io/memory.h"
 #include "slicemorph/note.h"
@@ -17,14 +18,17 @@ struct ImageFile {
   std::string format;  ///< "NIfTI", "NRRD", "MetaImage", "DICOM series", "image stack"
   std::string about;   ///< what the file says of itself, for example modality and series; may be empty
   int volumes = 1;     ///< the file holds: times of a 4D file, or components of a voxel
-  Notes notes;         ///< what was repaired, chosen or assumed, one sentence each
+  ImageHeader header;
+  Notes notes;  ///< what was repaired, chosen or assumed, one sentence each
 };
 
 struct ImageOptions {
   Vec3d spacing{
       0, 0,
       0};  ///< millimetres between voxels along i, j, k, for image stacks, which hold none; zero: none given
-  char up = 'y';       ///< the axis that points up in the job, to which one in braces behind a name is turned
+  bool force =
+      false;      ///< where voxels lie is taken as well as it can be told, with warnings, instead of refused
+  char up = 'y';  ///< the axis that points up in the job, to which one in braces behind a name is turned
   MemoryLimit memory;  ///< what does not fit is refused before its values are read
 };
 

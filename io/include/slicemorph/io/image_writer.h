@@ -1,6 +1,6 @@
 #pragma once
 
-#include "slicemorph/image.h"
+#include "slicemorph/io/image_header.h"
 
 #include <memory>
 #include <string>
@@ -12,9 +12,10 @@ namespace slicemorph {
 bool isImageOutput(const std::string& path);
 
 /// Writes an image whole or not at all, with its own value type, compressed unless .nii; LPS is converted to
-/// the format's axes. NIfTI gets an sform, and a qform where the axes are at right angles. The same bytes for
+/// the format's axes. NIfTI gets both transforms of `header` where the voxels are those that they place; else an sform,
+/// and a qform where the axes are at right angles, of the space that they are of. The same bytes for
 /// any thread count. Throws InputError for another extension, and IoError.
-void writeImage(const std::string& path, const Image& image);
+void writeImage(const std::string& path, const Image& image, const ImageHeader& header = {});
 
 class VoxelFile;
 
@@ -22,10 +23,10 @@ class VoxelFile;
 /// other: a fourth axis of times in the file.
 class ImageSliceWriter {
  public:
-  /// `like`: values of the type that follows. Several volumes, `seconds` apart (0: not
-  /// known), follow each other slice by slice. Throws as writeImage().
+  /// `like`: values of the type that follows. Several volumes follow each other slice by slice. Throws as
+  /// writeImage().
   ImageSliceWriter(const std::string& path, const ImageLattice& lattice, const ImageValues& like,
-                   int volumes = 1, double seconds = 0);
+                   int volumes = 1, const ImageHeader& header = {});
   ~ImageSliceWriter();
   /// The next slices along k. Throws IoError, and std::logic_error for another type or too many.
   void add(const ImageValues& slices);

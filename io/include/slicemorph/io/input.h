@@ -60,6 +60,7 @@ struct LoadedObject {
   /// The file holds nothing, and the shape stands for where something will be, or was: see asNothing().
   bool nothing = false;
   std::shared_ptr<const Image> image;  ///< null for meshes and VDBs
+  ImageHeader imageHeader;             ///< of that image's file
   Placing placing;                     ///< what was done to all of it
   bool labels = false;                 ///< the image is a map of labels; the shape is that of all of them
   double iso = 0;                      ///< the surface's value in a grey image
