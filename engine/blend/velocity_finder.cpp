@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace slicemorph {
 
@@ -36,7 +37,9 @@ void VelocityFinder::place(NodeMap& map, const std::vector<char>& wanted) {
     });
   if (std::find(left.begin(), left.end(), 1) == left.end()) return;
   if (!places_) places_.emplace(lattice_, pose_, transform_, step_);
-  const NodeMap found = places_->find(map, left);
+  NodeMap box;
+  box.step = map.step, box.origin = map.origin, box.size = map.size;
+  const NodeMap found = places_->find(std::move(box), left);
   for (size_t n = 0; n < left.size(); ++n)
     if (left[n]) map.place[n] = found.place[n];
 }

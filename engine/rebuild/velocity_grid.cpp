@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace slicemorph {
 
@@ -34,16 +35,26 @@ size_t countOf(const NodeMap& nodes) { return size_t(nodes.size[0]) * nodes.size
 
 /// The cells that hold active voxels.
 CellFlags cellsOf(const openvdb::MaskTree& body, const NodeMap& nodes) {
+  using Leaf = openvdb::MaskTree::LeafNodeType;
   CellFlags cells(countOf(nodes), 0);
-  std::vector<const openvdb::MaskTree::LeafNodeType*> leaves;
+  std::vector<const Leaf*> leaves;
   body.getNodes(leaves);
-  const int shift = nodes.step == 8 ? 3 : 2;
+  const int step = nodes.step;
+  // The bits of a cell in a word of a leaf's mask, which holds 8 x 8 voxels of one x, z fastest.
+  std::uint64_t square = 0;
+  for (int y = 0; y < step; ++y)
+    for (int z = 0; z < step; ++z) square |= std::uint64_t(1) << (y * kLeaf + z);
   // A cell is in one leaf: leaves write to no common one.
   tbb::parallel_for(size_t(0), leaves.size(), [&](size_t l) {
-    for (auto v = leaves[l]->cbeginValueOn(); v; ++v) {
-      const Coord voxel = v.getCoord();
-      const Coord c = voxel >> shift;
-      if (isInner(nodes, c)) cells[nodes.index(c[0], c[1], c[2])] = 1;
+    const auto& mask = leaves[l]->getValueMask();
+    for (int x = 0; x < kLeaf; ++x) {
+      const std::uint64_t word = mask.getWord<std::uint64_t>(openvdb::Index(x));
+      for (int y = 0; y < kLeaf && word; y += step)
+        for (int z = 0; z < kLeaf; z += step) {
+          if (!(word & square << (y * kLeaf + z))) continue;
+          const Coord c = leaves[l]->origin().offsetBy(x, y, z) >> (step == 8 ? 3 : 2);
+          if (isInner(nodes, c)) cells[nodes.index(c[0], c[1], c[2])] = 1;
+        }
     }
   });
   return cells;
@@ -124,21 +135,22 @@ CellFlags sweptCells(const NodeMap& nodes, const CellFlags& cells, const openvdb
   return swept;
 }
 
-/// The nodes of the cells and their neighbours, which splines need; none of those in `but`. Axis by axis: each flag also
-/// stands for the node before and the two after.
-CellFlags nodesOf(const NodeMap& nodes, const CellFlags& cells, const CellFlags& but) {
+/// The nodes of the cells, and as many further ones on every side; none of those in `but`. Axis by axis: a flag of a cell
+/// stands for these nodes along it.
+CellFlags nodesOf(const NodeMap& nodes, const CellFlags& cells, int further, const CellFlags& but) {
   CellFlags wanted = cells;
   const size_t row = size_t(nodes.size[0]), slab = row * size_t(nodes.size[1]);
   for (const size_t stride : {size_t(1), row, slab}) {
     const CellFlags from = wanted;
-    tbb::parallel_for(tbb::blocked_range<size_t>(0, from.size()),
-                      [&](const tbb::blocked_range<size_t>& range) {
-                        const size_t first = std::max(range.begin(), 2 * stride);
-                        const size_t end = std::min(range.end(), from.size() - std::min(from.size(), stride));
-                        // Cells that are marked are two nodes or more from the ends.
-                        for (size_t n = first; n < end; ++n)
-                          wanted[n] = from[n + stride] | from[n] | from[n - stride] | from[n - 2 * stride];
-                      });
+    tbb::parallel_for(
+        tbb::blocked_range<size_t>(0, from.size()), [&](const tbb::blocked_range<size_t>& range) {
+          for (int by = -further; by <= 1 + further; ++by) {
+            const size_t back = by > 0 ? size_t(by) * stride : 0, on = by < 0 ? size_t(-by) * stride : 0;
+            const size_t first = std::max(range.begin(), back),
+                         end = std::min(range.end() + on, from.size()) - on;
+            for (size_t n = first; n < end; ++n) wanted[n] |= from[n + on - back];
+          }
+        });
   }
   for (size_t n = 0; n < but.size(); ++n)
     if (but[n]) wanted[n] = 0;
@@ -275,14 +287,15 @@ openvdb::Vec3SGrid::Ptr velocityGrid(int step, const NodeVelocities& velocities,
   box.expand(step);
   NodeMap nodes = emptyNodes(box, step);
   CellFlags cells = cellsOf(body, nodes);
-  nodes = velocities(nodes, nodesOf(nodes, cells, {}));
+  nodes = velocities(nodes, nodesOf(nodes, cells, 0, {}));
   if (const int reach = farthest(nodes, cells, transform, options.reach); reach > 0) {
     box.expand(reach);
     nodes = enlarged(nodes, emptyNodes(box, step));
     cells = cellsOf(body, nodes);
   }
   const CellFlags swept = sweptCells(nodes, cells, transform, options.reach);
-  if (swept != cells) addKnown(nodes, velocities(nodes, nodesOf(nodes, swept, nodes.known)));
+  // Splines need another node on every side.
+  addKnown(nodes, velocities(nodes, nodesOf(nodes, swept, 1, nodes.known)));
   const int factor = coarsening(nodes, swept, options.tolerance);
   const openvdb::MaskTree voxels = voxelsOf(nodes, body, cells, swept, factor);
   const auto grid = openvdb::Vec3SGrid::create(
