@@ -85,8 +85,7 @@ PosedLattice::PosedLattice(const Lattice& lattice, const LatticePose& pose,
     for (size_t i = 0; i < used.size(); ++i)
       if (used[i]) boxes[size_t(z)].expand(node_[layer + i] = inNodes(pose, layer + i, transform, step));
   });
-  for (const openvdb::BBoxd& box : boxes)
-    if (!box.empty()) box_.expand(box);
+  for (const openvdb::BBoxd& box : boxes) box_.expand(box);
 }
 
 void PosedLattice::place(NodeMap& map) const {
