@@ -7,13 +7,34 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <utility>
 
 /// Implementation of the library's public class MorphPlan on top of a Plan.
 namespace slicemorph {
 
 struct MorphPlan::Impl {
+  explicit Impl(Plan p) : plan(std::move(p)) {}
+
   Plan plan;
+
+  /// The map of the frame that was made last: its grids follow it mostly.
+  struct LastMap {
+    Weights weights;  ///< of the objects
+    std::shared_ptr<const SurfaceMap> map;
+  };
+  LastMap last() const {
+    const std::lock_guard lock(mutex_);
+    return last_;
+  }
+  void setLast(LastMap last) const {
+    const std::lock_guard lock(mutex_);
+    last_ = std::move(last);
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  mutable LastMap last_;
 };
 
 namespace {
@@ -42,7 +63,7 @@ std::unique_ptr<RegionShares> sharesOfObjects(const Plan& plan) {
 
 MorphPlan::MorphPlan(std::vector<Object> objects, const MorphOptions& options, Progress* progress) {
   Progress none;
-  impl_.reset(new Impl{planMorph(objects, options, progress ? *progress : none)});
+  impl_.reset(new Impl(planMorph(objects, options, progress ? *progress : none)));
 }
 
 MorphPlan::MorphPlan(std::vector<Object> objects, const MorphPlan& before, Progress* progress) {
@@ -52,7 +73,7 @@ MorphPlan::MorphPlan(std::vector<Object> objects, const MorphPlan& before, Progr
   if (before.impl_->plan.lattice && before.impl_->plan.registration.base.of.empty())
     throw InputError("a plan that was decided before cannot be followed by another");
   Progress none;
-  impl_.reset(new Impl{planNext(objects, before.impl_->plan, progress ? *progress : none)});
+  impl_.reset(new Impl(planNext(objects, before.impl_->plan, progress ? *progress : none)));
 }
 
 MorphPlan::MorphPlan(Made, std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -61,7 +82,7 @@ MorphPlan MorphPlan::decidedBefore(std::vector<Object> objects, const MorphOptio
                                    const std::string& decisions, Progress* progress) {
   Progress none;
   Plan plan = planDecided(objects, options, decisions, progress ? *progress : none);
-  return MorphPlan(Made(), std::unique_ptr<Impl>(new Impl{std::move(plan)}));
+  return MorphPlan(Made(), std::unique_ptr<Impl>(new Impl(std::move(plan))));
 }
 
 std::string MorphPlan::decisions() const { return bytesOfDecisions(impl_->plan); }
@@ -70,7 +91,12 @@ MorphPlan::~MorphPlan() = default;
 MorphPlan::MorphPlan(MorphPlan&&) noexcept = default;
 MorphPlan& MorphPlan::operator=(MorphPlan&&) noexcept = default;
 
-InBetween MorphPlan::frame(const Weights& weights) const { return makeInBetween(impl_->plan, weights); }
+InBetween MorphPlan::frame(const Weights& weights) const {
+  impl_->setLast({});  // frees its memory first
+  RebuiltShape made = makeInBetween(impl_->plan, weights);
+  impl_->setLast({weights, std::move(made.map)});
+  return std::move(made.shape);
+}
 
 Pullback MorphPlan::pullback(const Weights& weights) const {
   const Plan& plan = impl_->plan;
@@ -89,8 +115,12 @@ Pullback MorphPlan::pullback(const Weights& weights) const {
   pullback->fields = shapes.fields;
   pullback->imageSpacing = shapes.fields[0]->box().extents().length() / kImageNodes;
   if (plan.lattice) {
-    pullback->carrying.pose = plan.lattice->poseAt(pullback->shapeWeights);
-    const Chart& chart = pullback->carrying.pose.chart;
+    if (const Impl::LastMap last = impl_->last(); last.map && last.weights == weights)
+      pullback->surface = last.map, pullback->carrying.pose = last.map->pose;
+    else
+      pullback->carrying.pose =
+          std::make_shared<const LatticePose>(plan.lattice->poseAt(pullback->shapeWeights));
+    const Chart& chart = pullback->carrying.pose->chart;
     for (size_t k = 0; k < shapes.fields.size(); ++k)
       pullback->sizes[k] = chart.meanScale() / plan.frames.charts[k].meanScale();
     pullback->imageSpacing = plan.registration.map.lattice.spacing * chart.meanScale() * kImageShare;
@@ -141,6 +171,7 @@ void MorphPlan::passSmoothly(const Stretch& before, const Stretch& after) {
   std::array<PathTangents::Neighbour, 2> of;
   of[plan.shapes.shapeOf[0]] = along(before, 1, 0), of[plan.shapes.shapeOf[1]] = along(after, 0, 1);
   plan.lattice->passSmoothly(of);
+  impl_->setLast({});
 }
 
 FrameStrain MorphPlan::strain(const Weights& weights) const {

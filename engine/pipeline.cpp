@@ -6,7 +6,6 @@
 #include "engine/match/match_densities.h"
 #include "engine/mean/match_through_mean.h"
 #include "engine/plan_decisions.h"
-#include "engine/rebuild/in_between.h"
 #include "engine/rebuild/small_components.h"
 #include "engine/volume/same_grid.h"
 
@@ -154,16 +153,16 @@ Plan planDecided(const std::vector<Object>& objects, const MorphOptions& options
   return withLattice(std::move(plan), shares);
 }
 
-InBetween makeInBetween(const Plan& plan, const Weights& ofObjects) {
+RebuiltShape makeInBetween(const Plan& plan, const Weights& ofObjects) {
   const Shapes& shapes = plan.shapes;
   const double wanted = plan.options.voxelSize;
   const Weights weights = shapes.weightsFrom(ofObjects);
   if (const std::optional<size_t> alone = shapes.aloneAt(weights))
-    return {resampledTo(shapes.levelSets[*alone], shapes.voxelSizeAt(weights, wanted))};
-  const MovingLattice::Pose pose = plan.lattice->poseAt(weights);  // blend
-  InBetween result = rebuildInBetween({*plan.lattice, shapes.fields, plan.frames}, weights, pose,
-                                      shapes.voxelSizeAt(pose.mean, wanted));
-  result.smallComponents = removeSmallComponents(*result.surface, shapes.piecesAt(pose.mean));
+    return {{resampledTo(shapes.levelSets[*alone], shapes.voxelSizeAt(weights, wanted))}, nullptr};
+  const auto pose = std::make_shared<const LatticePose>(plan.lattice->poseAt(weights));  // blend
+  RebuiltShape result = rebuildInBetween({*plan.lattice, shapes.fields, plan.frames}, weights, pose,
+                                         shapes.voxelSizeAt(pose->mean, wanted));
+  result.shape.smallComponents = removeSmallComponents(*result.shape.surface, shapes.piecesAt(pose->mean));
   return result;
 }
 

@@ -2,6 +2,7 @@
 
 #include "engine/blend/moving_lattice.h"
 #include "engine/match/register.h"
+#include "engine/rebuild/in_between.h"
 #include "engine/shapes.h"
 
 namespace slicemorph {
@@ -32,6 +33,6 @@ Plan planDecided(const std::vector<Object>& objects, const MorphOptions& options
 bool laysDensities(const Plan& plan);
 
 /// The in-between of these weights of the objects.
-InBetween makeInBetween(const Plan& plan, const Weights& weights);
+RebuiltShape makeInBetween(const Plan& plan, const Weights& weights);
 
 }  // namespace slicemorph

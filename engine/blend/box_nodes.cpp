@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <utility>
 
 namespace slicemorph {
 
@@ -49,31 +48,6 @@ class NodeCounts {
   std::vector<std::int32_t> sums_;
 };
 
-/// The box of the nodes of `cells` along each side from the one with this first node on.
-openvdb::BBoxd boxOfCells(const PosedLattice& posed, const openvdb::Coord& first, int cells) {
-  openvdb::Coord last = first + openvdb::Coord(cells);
-  last.minComponent(posed.lattice.size - openvdb::Coord(1));
-  Vec3d low(1e30), high(-1e30);
-  for (int z = first[2]; z <= last[2]; ++z)
-    for (int y = first[1]; y <= last[1]; ++y)
-      for (int x = first[0]; x <= last[0]; ++x) {
-        const Vec3d& p = posed.node[posed.lattice.index(x, y, z)];
-        low = openvdb::math::minComponent(low, p), high = openvdb::math::maxComponent(high, p);
-      }
-  return {low, high};
-}
-
-void evaluateBeyond(NodeMap& map, const std::vector<char>& wanted, const LatticePose& pose,
-                    const openvdb::math::Transform& transform, const NodeFields& fields) {
-  for (size_t n = 0; n < map.known.size() && !wanted.empty(); ++n)
-    if (!wanted[n]) map.known[n] = 1;
-  forUnknownNodes(map, pose.chart, transform, [&](const Vec3d& q, size_t n) {
-    for (size_t f = 0; f < map.objects; ++f) map.at[n * map.objects + f] = fields.beyond(q, f);
-    map.known[n] = 1;
-  });
-  for (size_t n = 0; n < map.known.size() && !wanted.empty(); ++n) map.known[n] = wanted[n];
-}
-
 }  // namespace
 
 NodeMap emptyNodes(const openvdb::CoordBBox& box, int step) {
@@ -87,52 +61,68 @@ NodeMap emptyNodes(const openvdb::CoordBBox& box, int step) {
 NodeMap boxNodes(const openvdb::CoordBBox& box, const Lattice& lattice, const LatticePose& pose,
                  const openvdb::math::Transform& transform, int step, const NodeFields& fields) {
   NodeMap map = emptyNodes(box, step);
-  PosedLattice posed = posedLattice(lattice, pose, fields.onLattice, transform, step);
-  std::fill(posed.near.begin(), posed.near.end(), 1);
-  findNodes(posed, map);
-  evaluateBeyond(map, {}, pose, transform, fields);
+  PosedLattice(lattice, pose, transform, step, std::vector<char>(lattice.count(), 1)).place(map);
+  evaluateAtPlaces(lattice, fields.onLattice, map);
+  forUnknownNodes(map, pose.chart, transform, [&](const Vec3d& q, size_t n) {
+    for (size_t f = 0; f < map.objects; ++f) map.at[n * map.objects + f] = fields.beyond(q, f);
+    map.known[n] = 1;
+  });
   return map;
 }
 
-NodeFinder::NodeFinder(const Lattice& lattice, const LatticePose& pose,
-                       const openvdb::math::Transform& transform, int step, NodeFields fields)
-    : transform_(transform),
-      fields_(std::move(fields)),
-      posed_(posedLattice(lattice, pose, fields_.onLattice, transform, step)) {
+PlaceFinder::PlaceFinder(const Lattice& lattice, const LatticePose& pose,
+                         const openvdb::math::Transform& transform, int step)
+    : lattice_(lattice), pose_(pose), transform_(transform), step_(step) {
   for (int axis = 0; axis < 3; ++axis)
     blockCount_[axis] = std::max((lattice.size[axis] - 1 + kBlockCells - 1) / kBlockCells, 0);
   blocks_.resize(size_t(blockCount_[0]) * blockCount_[1] * blockCount_[2]);
   tbb::parallel_for(0, int(blocks_.size()), [&](int i) {
     const openvdb::Coord block(i % blockCount_[0], i / blockCount_[0] % blockCount_[1],
                                i / (blockCount_[0] * blockCount_[1]));
-    blocks_[size_t(i)] = boxOfCells(
-        posed_, {block[0] * kBlockCells, block[1] * kBlockCells, block[2] * kBlockCells}, kBlockCells);
+    blocks_[size_t(i)] =
+        boxOfCells({block[0] * kBlockCells, block[1] * kBlockCells, block[2] * kBlockCells}, kBlockCells);
   });
 }
 
-/// Marks the cells whose box holds a wanted node, as those to be searched.
-void NodeFinder::markCells(const NodeMap& map, const std::vector<char>& wanted) {
-  const Lattice& lattice = posed_.lattice;
+/// A box, in nodes of a map, of the nodes of `cells` along each side from the one with this first node on.
+openvdb::BBoxd PlaceFinder::boxOfCells(const openvdb::Coord& first, int cells) const {
+  const bool linear = transform_.isLinear();
+  openvdb::Coord last = first + openvdb::Coord(cells);
+  last.minComponent(lattice_.size - openvdb::Coord(1));
+  Vec3d low(1e30), high(-1e30);
+  for (int z = first[2]; z <= last[2]; ++z)
+    for (int y = first[1]; y <= last[1]; ++y)
+      for (int x = first[0]; x <= last[0]; ++x) {
+        const size_t i = lattice_.index(x, y, z);
+        const Vec3d p = linear ? pose_.world[i] : inNodes(pose_, i, transform_, step_);
+        low = openvdb::math::minComponent(low, p), high = openvdb::math::maxComponent(high, p);
+      }
+  if (!linear) return {low, high};
+  const openvdb::BBoxd index = transform_.worldToIndex(openvdb::BBoxd(low, high));
+  return {index.min() / step_, index.max() / step_};
+}
+
+/// The cells whose box holds a wanted node.
+std::vector<char> PlaceFinder::cellsWith(const NodeMap& map, const std::vector<char>& wanted) const {
   const NodeCounts counts(map, wanted);
-  std::fill(posed_.near.begin(), posed_.near.end(), 0);
+  std::vector<char> cells(lattice_.count(), 0);
   tbb::parallel_for(0, int(blocks_.size()), [&](int i) {
     if (!counts.any(blocks_[size_t(i)])) return;
     const openvdb::Coord first(i % blockCount_[0] * kBlockCells,
                                i / blockCount_[0] % blockCount_[1] * kBlockCells,
                                i / (blockCount_[0] * blockCount_[1]) * kBlockCells);
     openvdb::Coord end = first + openvdb::Coord(kBlockCells);
-    end.minComponent(lattice.size - openvdb::Coord(1));
+    end.minComponent(lattice_.size - openvdb::Coord(1));
     for (int z = first[2]; z < end[2]; ++z)
       for (int y = first[1]; y < end[1]; ++y)
         for (int x = first[0]; x < end[0]; ++x)
-          posed_.near[lattice.index(x, y, z)] = counts.any(boxOfCells(posed_, {x, y, z}, 1));
+          cells[lattice_.index(x, y, z)] = counts.any(boxOfCells({x, y, z}, 1));
   });
+  return cells;
 }
 
-NodeMap NodeFinder::find(NodeMap map, const std::vector<char>& wanted) {
-  markCells(map, wanted);
-  findNodes(posed_, map);
-  evaluateBeyond(map, wanted, posed_.pose, transform_, fields_);
+NodeMap PlaceFinder::find(NodeMap map, const std::vector<char>& wanted) const {
+  PosedLattice(lattice_, pose_, transform_, step_, cellsWith(map, wanted)).place(map);
   return map;
 }
 

@@ -21,21 +21,23 @@ NodeMap emptyNodes(const openvdb::CoordBBox& box, int step);
 NodeMap boxNodes(const openvdb::CoordBBox& box, const Lattice& lattice, const LatticePose& pose,
                  const openvdb::math::Transform& transform, int step, const NodeFields& fields);
 
-/// Evaluates fields at some nodes of an in-between's maps; for several sets of nodes of one transform and step.
-class NodeFinder {
+/// Finds where nodes of an in-between's maps lie in its lattice; for several sets of nodes of one transform and step.
+class PlaceFinder {
  public:
-  /// All but `fields` must outlive this.
-  NodeFinder(const Lattice& lattice, const LatticePose& pose, const openvdb::math::Transform& transform,
-             int step, NodeFields fields);
-  /// Evaluates them at those nodes of a map that `wanted` marks, one flag a node; the others become unknown.
-  NodeMap find(NodeMap map, const std::vector<char>& wanted);
+  /// All must outlive this.
+  PlaceFinder(const Lattice& lattice, const LatticePose& pose, const openvdb::math::Transform& transform,
+              int step);
+  /// Places those nodes of a map that `wanted` marks, one flag a node, and some others; what is placed is known.
+  NodeMap find(NodeMap map, const std::vector<char>& wanted) const;
 
  private:
-  void markCells(const NodeMap& map, const std::vector<char>& wanted);
+  openvdb::BBoxd boxOfCells(const openvdb::Coord& first, int cells) const;
+  std::vector<char> cellsWith(const NodeMap& map, const std::vector<char>& wanted) const;
 
+  const Lattice& lattice_;
+  const LatticePose& pose_;
   const openvdb::math::Transform& transform_;
-  NodeFields fields_;
-  PosedLattice posed_;
+  int step_;
   openvdb::Coord blockCount_;
   std::vector<openvdb::BBoxd> blocks_;  ///< of each block of cells: the box of its nodes, in nodes of the map
 };

@@ -5,27 +5,44 @@
 
 #include <tbb/parallel_for.h>
 
+#include <memory>
+
 namespace slicemorph {
 
-/// An in-between's lattice in a frame's index space, and the fields to interpolate between its nodes.
-struct PosedLattice {
-  const Lattice& lattice;
-  const LatticePose& pose;
-  std::vector<const VectorField*> fields;  ///< one vector per lattice node
-  std::vector<Vec3d> node;                 ///< index-space position over the map's step
-  std::vector<char> near;                  ///< per cell (at its first node): whether to search it
-  double handed = 1;  ///< -1: the frame's index space is mirrored, and so is every tetrahedron
+/// The cells of an in-between's lattice that are searched for the nodes of a map, in the frame's index space.
+class PosedLattice {
+ public:
+  /// `near`: per cell (at its first node) whether to search it. `step`: voxels between a map's nodes. All but `near` must
+  /// outlive this.
+  PosedLattice(const Lattice& lattice, const LatticePose& pose, const openvdb::math::Transform& transform,
+               int step, std::vector<char> near);
+
+  /// Of the cells' nodes, in nodes of the map.
+  const openvdb::BBoxd& box() const { return box_; }
+  /// Finds the nodes of a map's box that lie in one of the cells' tetrahedra: sets their places and marks them as known,
+  /// and no others. Where slices of a bent chart cross, several tetrahedra hold a node: the one with the smallest blended
+  /// distance wins.
+  void place(NodeMap& map) const;
+
+ private:
+  class SlabNodes;
+
+  const Lattice& lattice_;
+  const LatticePose& pose_;
+  std::vector<char> near_;
+  std::unique_ptr<Vec3d[]> node_;  ///< position in nodes of the map; only of the cells' nodes
+  openvdb::BBoxd box_;
+  double handed_ = 1;  ///< -1: the frame's index space is mirrored, and so is every tetrahedron
 };
 
-/// `step`: voxels between a map's nodes.
-PosedLattice posedLattice(const Lattice& lattice, const LatticePose& pose,
-                          std::vector<const VectorField*> fields, const openvdb::math::Transform& transform,
-                          int step);
+/// Position of a lattice's node in nodes of a map.
+inline Vec3d inNodes(const LatticePose& pose, size_t node, const openvdb::math::Transform& transform,
+                     int step) {
+  return transform.worldToIndex(pose.world[node]) / step;
+}
 
-/// Interpolates the fields at the nodes of a map's box that lie in one of the lattice's tetrahedra, by
-/// barycentric coordinates. Where slices of a bent chart cross, several tetrahedra hold a node: the one with
-/// the smallest blended distance wins.
-void findNodes(const PosedLattice& posed, NodeMap& map);
+/// Evaluates fields (one vector per lattice node) at the known nodes of a map by their places.
+void evaluateAtPlaces(const Lattice& lattice, const std::vector<const VectorField*>& fields, NodeMap& map);
 
 /// Calls `action(q, n)` in parallel for every node n that is not known, with its chart point q; `action` may
 /// mark the node as known.

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace slicemorph {
 
@@ -223,22 +224,17 @@ LatticeMotion MovingLattice::plainMotion(const Weights& earlier, const Weights& 
     for (int round = 0; round < straightening; ++round) straighten(end.offsets);
     return end;
   };
-  const End from = endAt(earlier), to = endAt(later);
-  LatticeMotion motion{VectorField(on_.lattice.count()), from.chart, to.chart, unit};
-  const auto world = [&](const End& end, size_t i, const Vec3d& middle) {
-    Vec3d q = onPath(on_, i, middle, end.path);
-    if (!end.offsets.empty()) q += Vec3d(end.offsets[i]);
-    return end.chart.toWorld(q);
+  const auto ends = std::make_shared<const std::pair<End, End>>(endAt(earlier), endAt(later));
+  const auto velocity = [this, ends, unit](size_t i) {
+    const Vec3d middle = on_.lattice.position(on_.lattice.coordOf(i));
+    const auto world = [&](const End& end) {
+      Vec3d q = onPath(on_, i, middle, end.path);
+      if (!end.offsets.empty()) q += Vec3d(end.offsets[i]);
+      return end.chart.toWorld(q);
+    };
+    return openvdb::Vec3s(unit * (world(ends->second) - world(ends->first)));
   };
-  tbb::parallel_for(0, int(on_.lattice.size[2]), [&](int z) {
-    for (int y = 0; y < on_.lattice.size[1]; ++y)
-      for (int x = 0; x < on_.lattice.size[0]; ++x) {
-        const size_t i = on_.lattice.index(x, y, z);
-        const Vec3d middle = on_.lattice.position(x, y, z);
-        motion.velocity[i] = openvdb::Vec3s(unit * (world(to, i, middle) - world(from, i, middle)));
-      }
-  });
-  return motion;
+  return {velocity, ends->first.chart, ends->second.chart, unit};
 }
 
 LatticeMotion MovingLattice::motionAt(const Weights& weights, const Weights& rate, const Pose& pose) const {
@@ -257,20 +253,12 @@ LatticeMotion MovingLattice::motionAt(const Weights& weights, const Weights& rat
   Pose from = posed(earlier), to = posed(later);
   const Vec3d fromShift = shiftToCentre(from, from.world), toShift = shiftToCentre(to, to.world);
   from.chart.center += fromShift, to.chart.center += toShift;
-  LatticeMotion motion{VectorField(on_.lattice.count()), from.chart, to.chart, unit};
+  const auto velocity = std::make_shared<VectorField>(on_.lattice.count());
   const Vec3d shift = toShift - fromShift;
-  tbb::parallel_for(size_t(0), motion.velocity.size(), [&](size_t i) {
-    motion.velocity[i] = openvdb::Vec3s(unit * (to.world[i] - from.world[i] + shift));
+  tbb::parallel_for(size_t(0), velocity->size(), [&](size_t i) {
+    (*velocity)[i] = openvdb::Vec3s(unit * (to.world[i] - from.world[i] + shift));
   });
-  return motion;
-}
-
-NodeFinder MovingLattice::velocityFinder(const LatticeMotion& motion, const Pose& pose,
-                                         const openvdb::math::Transform& transform, int step) const {
-  const auto beyond = [&motion](const Vec3d& q, size_t) {
-    return openvdb::Vec3s(motion.unit * (motion.to.toWorld(q) - motion.from.toWorld(q)));
-  };
-  return NodeFinder(on_.lattice, pose, transform, step, {{&motion.velocity}, beyond});
+  return {[velocity](size_t i) { return (*velocity)[i]; }, from.chart, to.chart, unit};
 }
 
 }  // namespace slicemorph

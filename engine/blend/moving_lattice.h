@@ -1,23 +1,16 @@
 #pragma once
 
-#include "engine/blend/box_nodes.h"
 #include "engine/blend/contour_paths.h"
 #include "engine/blend/lattice_pose.h"
 #include "engine/blend/local_weights.h"
 #include "engine/blend/node_map.h"
 #include "engine/blend/path_tangents.h"
 #include "engine/blend/swing_paths.h"
+#include "engine/blend/velocity_finder.h"
 
 #include <optional>
 
 namespace slicemorph {
-
-/// Velocities of a lattice, world units per unit of time.
-struct LatticeMotion {
-  VectorField velocity;  ///< of its nodes
-  Chart from, to;        ///< of the in-betweens a little earlier and later, for points beyond the lattice
-  double unit = 0;       ///< one over the time between these; 0: nothing moves
-};
 
 /// The map of in-betweens: the matching's lattice, whose nodes have a position on every object and so on
 /// every in-between. Between the nodes the map is linear on tetrahedra [Kuh60]; without folds it is one to
@@ -53,11 +46,13 @@ class MovingLattice {
   /// lattice by the map, beyond it by the charts alone.
   NodeMap nodesWithin(const openvdb::CoordBBox& box, const Pose& pose,
                       const openvdb::math::Transform& transform, int step) const;
-  /// How the lattice moves while the weights change by `rate` (sum 0) per unit of time.
+  /// How the lattice moves while the weights change by `rate` (sum 0) per unit of time. This must outlive it.
   LatticeMotion motionAt(const Weights& weights, const Weights& rate, const Pose& pose) const;
-  /// Finds velocities at nodes; its maps have a single "object". `motion`, `pose` and `transform` must outlive it.
-  NodeFinder velocityFinder(const LatticeMotion& motion, const Pose& pose,
-                            const openvdb::math::Transform& transform, int step) const;
+  /// Finds velocities at nodes. All must outlive it.
+  VelocityFinder velocityFinder(const LatticeMotion& motion, const Pose& pose,
+                                const openvdb::math::Transform& transform, int step) const {
+    return VelocityFinder(motion, on_.lattice, pose, transform, step);
+  }
 
  private:
   NodeWeights nodeWeights(const Weights& weights) const;

@@ -19,7 +19,6 @@ constexpr double kMostStretch = 4;
 /// Cells of the lattice near the surface.
 struct NearCells {
   std::vector<char> near;  ///< per cell, at its first node
-  openvdb::BBoxd box;      ///< of their nodes, index-space position over the map's step
   size_t crossed = 0;      ///< number of cells that the surface goes through
   size_t folded = 0;       ///< number of these that fold on some object
 };
@@ -40,11 +39,9 @@ bool cellFolds(const LatticeOnObjects& on, const LatticePose& pose, const size_t
 }
 
 /// The cells within `reach` (chart units) of the surface.
-NearCells nearCells(const LatticeOnObjects& on, const PosedLattice& posed, float reach) {
+NearCells nearCells(const LatticeOnObjects& on, const LatticePose& pose, float reach) {
   const Lattice& lattice = on.lattice;
-  const LatticePose& pose = posed.pose;
-  NearCells cells{std::vector<char>(lattice.count(), 0), {}};
-  std::vector<openvdb::BBoxd> boxes(lattice.size[2]);
+  NearCells cells{std::vector<char>(lattice.count(), 0)};
   std::vector<size_t> crossed(lattice.size[2], 0), folded(lattice.size[2], 0);
   tbb::parallel_for(0, int(lattice.size[2]) - 1, [&](int z) {
     for (int y = 0; y + 1 < lattice.size[1]; ++y)
@@ -57,16 +54,12 @@ NearCells nearCells(const LatticeOnObjects& on, const PosedLattice& posed, float
         }
         if (low > reach || high < -reach) continue;
         cells.near[corner[0]] = 1;
-        for (size_t i : corner) boxes[z].expand(posed.node[i]);
         if (low > 0 || high < 0) continue;
         ++crossed[z];
         folded[z] += cellFolds(on, pose, corner);
       }
   });
-  for (int z = 0; z < lattice.size[2]; ++z) {
-    if (!boxes[z].empty()) cells.box.expand(boxes[z]);
-    cells.crossed += crossed[z], cells.folded += folded[z];
-  }
+  for (int z = 0; z < lattice.size[2]; ++z) cells.crossed += crossed[z], cells.folded += folded[z];
   return cells;
 }
 
@@ -128,15 +121,14 @@ NodeMap surfaceNodes(const LatticeOnObjects& on, const LatticePose& pose,
   map.step = step;
   map.objects = on.objects();
   map.jump = longestJumps(on, pose.chart, transform, step);
-  PosedLattice posed = posedLattice(on.lattice, pose, positionFields(on), transform, step);
   // Nodes are needed throughout the band, and two more for the splines.
   const double voxel = transform.voxelSize()[0] / pose.chart.meanScale();
   const float reach = float((kHalfWidth + 2 * step * std::sqrt(3.0)) * voxel);
-  NearCells cells = nearCells(on, posed, reach);
+  NearCells cells = nearCells(on, pose, reach);
   map.foldShare = cells.crossed ? double(cells.folded) / double(cells.crossed) : 0;
   if (cells.crossed == 0) return map;
-  posed.near = std::move(cells.near);
-  openvdb::BBoxd box = cells.box;
+  const PosedLattice posed(on.lattice, pose, transform, step, std::move(cells.near));
+  openvdb::BBoxd box = posed.box();
   // The lattice's margin is a fraction of the objects' size; with large voxels the band may reach beyond it.
   const bool ends =
       endsWithin(on.lattice, pose, float((kHalfWidth + kSteepest * step * std::sqrt(3.0)) * voxel));
@@ -146,7 +138,8 @@ NodeMap surfaceNodes(const LatticeOnObjects& on, const LatticePose& pose,
   }
   map.origin = openvdb::Coord::floor(box.min());
   map.size = openvdb::Coord::ceil(box.max()) - map.origin + openvdb::Coord(1);
-  findNodes(posed, map);
+  posed.place(map);
+  evaluateAtPlaces(on.lattice, positionFields(on), map);
   if (ends) continueBeyond(on, pose, transform, reach, map);
   return map;
 }

@@ -29,13 +29,14 @@ Mean meanOf(const Displacements& map, const MatchObjects& objects, const Frames&
   const Fields& fields = objects.shape.fields;
   const Weights equal(fields.size(), 1.0 / double(fields.size()));
   const MovingLattice lattice(map, fields, frames.charts);
-  const MovingLattice::Pose pose = lattice.poseAt(equal);
+  const auto pose = std::make_shared<const MovingLattice::Pose>(lattice.poseAt(equal));
   const openvdb::Coord& n = map.lattice.size;
   const double finest = map.lattice.spacing * std::max({n[0], n[1], n[2]}) / kMeanVoxels;
-  const double voxelSize = pose.chart.meanScale() * std::max(finest, objects.smallestVoxel());
-  const FloatGrid::Ptr surface = rebuildInBetween({lattice, fields, frames}, equal, pose, voxelSize).surface;
-  if (surface->empty()) return {pose.chart, nullptr};
-  return {pose.chart, std::make_shared<DistanceField>(surface)};
+  const double voxelSize = pose->chart.meanScale() * std::max(finest, objects.smallestVoxel());
+  const FloatGrid::Ptr surface =
+      rebuildInBetween({lattice, fields, frames}, equal, pose, voxelSize).shape.surface;
+  if (surface->empty()) return {pose->chart, nullptr};
+  return {pose->chart, std::make_shared<DistanceField>(surface)};
 }
 
 /// Per node of `nodes` the point that a displacement takes there (inverse of the displacement).

@@ -2,6 +2,8 @@
 
 #include "engine/rebuild/rebuild.h"
 
+#include <utility>
+
 namespace slicemorph {
 
 namespace {
@@ -15,14 +17,17 @@ int nodeStepOf(const Chart& chart, double halfLength, double voxelSize) {
 
 }  // namespace
 
-InBetween rebuildInBetween(const MorphParts& parts, const Weights& weights, const MovingLattice::Pose& pose,
-                           double voxelSize) {
-  const auto transform = openvdb::math::Transform::createLinearTransform(voxelSize);
-  const int step = nodeStepOf(pose.chart, parts.frames.halfLength, voxelSize);
-  const NodeMap nodes = parts.lattice.nodesNearSurface(pose, *transform, step);
-  DistanceBlend blend{parts.lattice.localWeights(weights), {}, pose.chart.meanScale()};
+RebuiltShape rebuildInBetween(const MorphParts& parts, const Weights& weights,
+                              std::shared_ptr<const MovingLattice::Pose> pose, double voxelSize) {
+  const openvdb::math::Transform::ConstPtr transform =
+      openvdb::math::Transform::createLinearTransform(voxelSize);
+  const int step = nodeStepOf(pose->chart, parts.frames.halfLength, voxelSize);
+  NodeMap nodes = parts.lattice.nodesNearSurface(*pose, *transform, step);
+  DistanceBlend blend{parts.lattice.localWeights(weights), {}, pose->chart.meanScale()};
   for (const Chart& chart : parts.frames.charts) blend.sizes.push_back(chart.meanScale());
-  return {rebuildLevelSet(nodes, parts.fields, blend, *transform), nodes.foldShare};
+  InBetween shape{rebuildLevelSet(nodes, parts.fields, blend, *transform), nodes.foldShare};
+  return {std::move(shape),
+          std::make_shared<const SurfaceMap>(SurfaceMap{std::move(pose), transform, std::move(nodes)})};
 }
 
 }  // namespace slicemorph

@@ -11,8 +11,6 @@
 #include "engine/volume/surface_colors.h"
 #include "slicemorph/errors.h"
 
-#include <tbb/parallel_reduce.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -74,27 +72,6 @@ void checkRate(const Weights& rate, size_t objects) {
   }
   if (std::abs(sum) > kRateTolerance * (1 + all))
     throw InputError("the rates sum to " + std::to_string(sum) + "; they must sum to 0, as weights sum to 1");
-}
-
-/// The box of a body in index space, and around it as far as the lattice's nodes in it move within `reach`.
-openvdb::CoordBBox sweptBox(const openvdb::CoordBBox& body, const LatticeMotion& motion,
-                            const MovingLattice::Pose& pose, const Transform& transform, double reach) {
-  const openvdb::BBoxd box(body.min().asVec3d() - Vec3d(kMostReach),
-                           body.max().asVec3d() + Vec3d(kMostReach));
-  const auto squares = [&](const tbb::blocked_range<size_t>& nodes, double most) {
-    for (size_t i = nodes.begin(); i < nodes.end(); ++i)
-      if (box.isInside(transform.worldToIndex(pose.world[i])))
-        most = std::max(most, double(motion.velocity[i].lengthSqr()));
-    return most;
-  };
-  const tbb::blocked_range<size_t> all(0, reach > 0 ? motion.velocity.size() : 0);
-  const double most =
-      tbb::parallel_reduce(all, 0.0, squares, [](double a, double b) { return std::max(a, b); });
-  const Vec3d size = transform.voxelSize();
-  const double far = reach * std::sqrt(most) / std::min({size[0], size[1], size[2]});
-  openvdb::CoordBBox swept = body;
-  swept.expand(int(std::ceil(std::min(far, double(kMostReach)))));
-  return swept;
 }
 
 }  // namespace
@@ -241,16 +218,18 @@ openvdb::Vec3SGrid::Ptr Pullback::velocity(const GridBase& where, const Weights&
     Weights shapeRate(p.shapeWeights.size(), 0);
     for (size_t k = 0; k < rate.size(); ++k) shapeRate[p.shapeOf[k]] += rate[k];
     const MovingLattice& lattice = *p.carrying.lattice;
-    const MovingLattice::Pose& pose = p.carrying.pose;
+    const MovingLattice::Pose& pose = *p.carrying.pose;
     const LatticeMotion motion = lattice.motionAt(p.shapeWeights, shapeRate, pose);
     const int step = carryingStep(box);
-    box = sweptBox(box, motion, pose, where.transform(), options.reach);
-    box.expand(step);
-    NodeFinder finder = lattice.velocityFinder(motion, pose, where.transform(), step);
+    VelocityFinder finder = lattice.velocityFinder(motion, pose, where.transform(), step);
+    if (p.surface && p.surface->nodes.step == step && *p.surface->transform == where.transform())
+      finder.knows(p.surface->nodes);
+    for (const Impl::Nodes& made : p.nodes)
+      if (made.map.step == step && *made.transform == where.transform()) finder.knows(made.map);
     const auto velocities = [&](const NodeMap& nodes, const std::vector<char>& wanted) {
       return finder.find(nodes, wanted);
     };
-    result = velocityGrid(emptyNodes(box, step), velocities, *body, where.transform(), options);
+    result = velocityGrid(step, velocities, *body, where.transform(), options);
   }
   result->setName("vel");
   result->setVectorType(openvdb::VEC_CONTRAVARIANT_RELATIVE);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/rebuild/in_between.h"
 #include "engine/rebuild/warp_grid.h"
 #include "slicemorph/slicemorph.h"
 
@@ -21,6 +22,7 @@ struct Pullback::Impl {
   bool densities = false;     ///< two objects whose densities lie on each other: see flowing_density.h
   std::vector<double> sizes;  ///< per shape: size of the in-between over the object's
   double imageSpacing = 1;    ///< world units between map nodes for images
+  std::shared_ptr<const SurfaceMap> surface;  ///< of the same in-between; null: it was not made
 
   /// Node maps of recently used transforms; the grids of one file mostly share a transform.
   struct Nodes {

@@ -1,5 +1,6 @@
 #include "engine/rebuild/velocity_grid.h"
 
+#include "engine/blend/box_nodes.h"
 #include "engine/blend/node_positions.h"
 #include "slicemorph/errors.h"
 
@@ -10,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace slicemorph {
 
@@ -33,16 +35,26 @@ size_t countOf(const NodeMap& nodes) { return size_t(nodes.size[0]) * nodes.size
 
 /// The cells that hold active voxels.
 CellFlags cellsOf(const openvdb::MaskTree& body, const NodeMap& nodes) {
+  using Leaf = openvdb::MaskTree::LeafNodeType;
   CellFlags cells(countOf(nodes), 0);
-  std::vector<const openvdb::MaskTree::LeafNodeType*> leaves;
+  std::vector<const Leaf*> leaves;
   body.getNodes(leaves);
-  const int shift = nodes.step == 8 ? 3 : 2;
+  const int step = nodes.step;
+  // The bits of a cell in a word of a leaf's mask, which holds 8 x 8 voxels of one x, z fastest.
+  std::uint64_t square = 0;
+  for (int y = 0; y < step; ++y)
+    for (int z = 0; z < step; ++z) square |= std::uint64_t(1) << (y * kLeaf + z);
   // A cell is in one leaf: leaves write to no common one.
   tbb::parallel_for(size_t(0), leaves.size(), [&](size_t l) {
-    for (auto v = leaves[l]->cbeginValueOn(); v; ++v) {
-      const Coord voxel = v.getCoord();
-      const Coord c = voxel >> shift;
-      if (isInner(nodes, c)) cells[nodes.index(c[0], c[1], c[2])] = 1;
+    const auto& mask = leaves[l]->getValueMask();
+    for (int x = 0; x < kLeaf; ++x) {
+      const std::uint64_t word = mask.getWord<std::uint64_t>(openvdb::Index(x));
+      for (int y = 0; y < kLeaf && word; y += step)
+        for (int z = 0; z < kLeaf; z += step) {
+          if (!(word & square << (y * kLeaf + z))) continue;
+          const Coord c = leaves[l]->origin().offsetBy(x, y, z) >> (step == 8 ? 3 : 2);
+          if (isInner(nodes, c)) cells[nodes.index(c[0], c[1], c[2])] = 1;
+        }
     }
   });
   return cells;
@@ -76,32 +88,70 @@ void markMoved(const NodeMap& nodes, const Coord& cell, const Vec3d& by, CellFla
         if (isInner(nodes, {i, j, k})) cells[nodes.index(i, j, k)] = 1;
 }
 
+/// The way of a cell within `reach` units of time, in cells.
+Vec3d pathOf(const NodeMap& nodes, const Coord& cell, const openvdb::math::Transform& transform,
+             double reach) {
+  const Vec3d velocity(meanVelocity(nodes, cell));
+  Vec3d path = transform.baseMap()->applyInverseJacobian(velocity) * (reach / nodes.step);
+  const double length = path.length(), most = double(kMostReach) / nodes.step;
+  return length > most ? path * (most / length) : path;
+}
+
+/// How far the cells move at most within `reach` units of time, in voxels, rounded up.
+int farthest(const NodeMap& nodes, const CellFlags& cells, const openvdb::math::Transform& transform,
+             double reach) {
+  double most = 0;
+  if (reach > 0)
+    forCells(nodes, cells,
+             [&](const Coord& c) { most = std::max(most, pathOf(nodes, c, transform, reach).lengthSqr()); });
+  return int(std::ceil(std::sqrt(most) * nodes.step));
+}
+
+/// A map with the same nodes in a larger box.
+NodeMap enlarged(const NodeMap& nodes, NodeMap box) {
+  box.objects = 1;
+  box.at.resize(countOf(box)), box.known.assign(countOf(box), 0);
+  for (int z = 0; z < nodes.size[2]; ++z)
+    for (int y = 0; y < nodes.size[1]; ++y) {
+      const Coord c = nodes.origin + Coord(0, y, z);
+      const size_t from = nodes.index(c[0], c[1], c[2]), to = box.index(c[0], c[1], c[2]);
+      std::copy_n(&nodes.at[from], nodes.size[0], &box.at[to]);
+      std::copy_n(&nodes.known[from], nodes.size[0], &box.known[to]);
+    }
+  return box;
+}
+
 /// The cells, and those that they sweep while they move by their velocity for `reach` units of time, both ways.
 CellFlags sweptCells(const NodeMap& nodes, const CellFlags& cells, const openvdb::math::Transform& transform,
                      double reach) {
   CellFlags swept = cells;
   if (reach == 0) return swept;
-  const double most = double(kMostReach) / nodes.step;
   forCells(nodes, cells, [&](const Coord& c) {
-    const Vec3d velocity(meanVelocity(nodes, c));
-    Vec3d path = transform.baseMap()->applyInverseJacobian(velocity) * (reach / nodes.step);
-    const double length = path.length();
-    if (length > most) path *= most / length;
-    const int steps = int(std::ceil(std::min(length, most)));
+    const Vec3d path = pathOf(nodes, c, transform, reach);
+    const int steps = int(std::ceil(path.length()));
     for (int s = 1; s <= steps; ++s)
       for (int side : {-1, 1}) markMoved(nodes, c, path * (side * double(s) / steps), swept);
   });
   return swept;
 }
 
-/// The nodes of the cells and their neighbours, which splines need; none of those in `but`.
-CellFlags nodesOf(const NodeMap& nodes, const CellFlags& cells, const CellFlags& but) {
-  CellFlags wanted(cells.size(), 0);
-  forCells(nodes, cells, [&](const Coord& c) {
-    for (int z = -1; z <= 2; ++z)
-      for (int y = -1; y <= 2; ++y)
-        for (int x = -1; x <= 2; ++x) wanted[nodes.index(c[0] + x, c[1] + y, c[2] + z)] = 1;
-  });
+/// The nodes of the cells, and as many further ones on every side; none of those in `but`. Axis by axis: a flag of a cell
+/// stands for these nodes along it.
+CellFlags nodesOf(const NodeMap& nodes, const CellFlags& cells, int further, const CellFlags& but) {
+  CellFlags wanted = cells;
+  const size_t row = size_t(nodes.size[0]), slab = row * size_t(nodes.size[1]);
+  for (const size_t stride : {size_t(1), row, slab}) {
+    const CellFlags from = wanted;
+    tbb::parallel_for(
+        tbb::blocked_range<size_t>(0, from.size()), [&](const tbb::blocked_range<size_t>& range) {
+          for (int by = -further; by <= 1 + further; ++by) {
+            const size_t back = by > 0 ? size_t(by) * stride : 0, on = by < 0 ? size_t(-by) * stride : 0;
+            const size_t first = std::max(range.begin(), back),
+                         end = std::min(range.end() + on, from.size()) - on;
+            for (size_t n = first; n < end; ++n) wanted[n] |= from[n + on - back];
+          }
+        });
+  }
   for (size_t n = 0; n < but.size(); ++n)
     if (but[n]) wanted[n] = 0;
   return wanted;
@@ -116,28 +166,34 @@ void addKnown(NodeMap& nodes, const NodeMap& more) {
 /// The most by which trilinear interpolation between the nodes around the cells can be wrong: an eighth of the second
 /// differences along each axis.
 double interpolationError(const NodeMap& nodes, const CellFlags& cells) {
-  const auto vector = [&](const Coord& c) { return nodes.at[nodes.index(c[0], c[1], c[2])]; };
+  const size_t row = size_t(nodes.size[0]), slab = row * size_t(nodes.size[1]), stride[3] = {1, row, slab};
+  // Per node that a cell has, and axis.
+  CellFlags corner(cells.size(), 0);
+  std::vector<Vec3s> bend(cells.size());
+  tbb::parallel_for(0, nodes.size[2], [&](int z) {
+    for (size_t n = slab * size_t(z); n < slab * size_t(z + 1); ++n) {
+      for (size_t c = 0; c < 8 && !corner[n]; ++c) {
+        const size_t back = (c & 1) + (c >> 1 & 1) * row + (c >> 2) * slab;
+        corner[n] = n >= back && cells[n - back];
+      }
+      for (int axis = 0; axis < 3 && corner[n]; ++axis)
+        bend[n][axis] =
+            (nodes.at[n - stride[axis]] - 2.f * nodes.at[n] + nodes.at[n + stride[axis]]).lengthSqr();
+    }
+  });
   return tbb::parallel_reduce(
-      tbb::blocked_range<int>(0, nodes.size[2]), 0.0,
-      [&](const tbb::blocked_range<int>& slabs, double most) {
-        for (int z = slabs.begin(); z < slabs.end(); ++z)
-          for (int y = 0; y < nodes.size[1]; ++y)
-            for (int x = 0; x < nodes.size[0]; ++x) {
-              const Coord c = nodes.origin + Coord(x, y, z);
-              if (!cells[nodes.index(c[0], c[1], c[2])]) continue;
-              double sum = 0;
-              for (int axis = 0; axis < 3; ++axis) {
-                float bend = 0;
-                for (int corner = 0; corner < 8; ++corner) {
-                  const Coord n = c + Coord(corner & 1, corner >> 1 & 1, corner >> 2);
-                  Coord before = n, after = n;
-                  --before[axis], ++after[axis];
-                  bend = std::max(bend, (vector(before) - 2.f * vector(n) + vector(after)).lengthSqr());
-                }
-                sum += std::sqrt(double(bend)) / 8;
-              }
-              most = std::max(most, sum);
-            }
+      tbb::blocked_range<size_t>(0, cells.size()), 0.0,
+      [&](const tbb::blocked_range<size_t>& range, double most) {
+        for (size_t n = range.begin(); n < range.end(); ++n) {
+          if (!cells[n]) continue;
+          Vec3s worst(0.f);
+          for (size_t c = 0; c < 8; ++c)
+            worst =
+                openvdb::math::maxComponent(worst, bend[n + (c & 1) + (c >> 1 & 1) * row + (c >> 2) * slab]);
+          double sum = 0;
+          for (int axis = 0; axis < 3; ++axis) sum += std::sqrt(double(worst[axis])) / 8;
+          most = std::max(most, sum);
+        }
         return most;
       },
       [](double a, double b) { return std::max(a, b); });
@@ -223,13 +279,23 @@ openvdb::MaskTree::Ptr activeVoxels(const openvdb::GridBase& where) {
   return tree;
 }
 
-openvdb::Vec3SGrid::Ptr velocityGrid(const NodeMap& box, const NodeVelocities& velocities,
+openvdb::Vec3SGrid::Ptr velocityGrid(int step, const NodeVelocities& velocities,
                                      const openvdb::MaskTree& body, const openvdb::math::Transform& transform,
                                      const VelocityOptions& options) {
-  const CellFlags cells = cellsOf(body, box), first = nodesOf(box, cells, {});
-  NodeMap nodes = velocities(box, first);
+  openvdb::CoordBBox box;
+  body.evalActiveVoxelBoundingBox(box);
+  box.expand(step);
+  NodeMap nodes = emptyNodes(box, step);
+  CellFlags cells = cellsOf(body, nodes);
+  nodes = velocities(nodes, nodesOf(nodes, cells, 0, {}));
+  if (const int reach = farthest(nodes, cells, transform, options.reach); reach > 0) {
+    box.expand(reach);
+    nodes = enlarged(nodes, emptyNodes(box, step));
+    cells = cellsOf(body, nodes);
+  }
   const CellFlags swept = sweptCells(nodes, cells, transform, options.reach);
-  if (swept != cells) addKnown(nodes, velocities(box, nodesOf(box, swept, first)));
+  // Splines need another node on every side.
+  addKnown(nodes, velocities(nodes, nodesOf(nodes, swept, 1, nodes.known)));
   const int factor = coarsening(nodes, swept, options.tolerance);
   const openvdb::MaskTree voxels = voxelsOf(nodes, body, cells, swept, factor);
   const auto grid = openvdb::Vec3SGrid::create(

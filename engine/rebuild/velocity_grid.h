@@ -21,9 +21,9 @@ openvdb::MaskTree::Ptr activeVoxels(const openvdb::GridBase& where);
 /// velocities, both ways, as `options.reach` says, so that a trilinear look-up there sees active voxels and rests on
 /// nothing else. What does not move is left out: it has the background's value, 0. The voxels are `transform`'s, or as
 /// coarse as options.tolerance allows: 2 or 4 times as large, with every second or fourth voxel's centre.
-/// `box`: nodes without values around all of this, and two more on every side; `velocities` gives those of a map's nodes
-/// that are marked, world units per unit of time.
-openvdb::Vec3SGrid::Ptr velocityGrid(const NodeMap& box, const NodeVelocities& velocities,
+/// `velocities` gives those of a map's nodes that are marked, world units per unit of time; the map's nodes are `step`
+/// voxels apart.
+openvdb::Vec3SGrid::Ptr velocityGrid(int step, const NodeVelocities& velocities,
                                      const openvdb::MaskTree& body, const openvdb::math::Transform& transform,
                                      const VelocityOptions& options);
 

@@ -463,7 +463,7 @@ openvdb::CoordBBox boxOf(const std::vector<CarriedGrid>& grids, const Carrying& 
     if (active.empty()) continue;
     const openvdb::BBoxd reach(active.min().asVec3d() - Vec3d(1.0), active.max().asVec3d() + Vec3d(1.0));
     const openvdb::BBoxd world = g.grid->transform().indexToWorld(reach);
-    box.expand(carrying.lattice ? carrying.lattice->boxOf(g.shape, world, carrying.pose, transform)
+    box.expand(carrying.lattice ? carrying.lattice->boxOf(g.shape, world, *carrying.pose, transform)
                                 : transform.worldToIndex(world));
   }
   if (box.empty()) return {};
@@ -476,7 +476,7 @@ int carryingStep(const openvdb::CoordBBox& box) {
 
 NodeMap carryingNodes(const openvdb::CoordBBox& box, const Carrying& carrying, const Transform& transform,
                       int step) {
-  if (carrying.lattice) return carrying.lattice->nodesWithin(box, carrying.pose, transform, step);
+  if (carrying.lattice) return carrying.lattice->nodesWithin(box, *carrying.pose, transform, step);
   NodeMap nodes;
   nodes.step = step;
   nodes.objects = 1;

@@ -24,9 +24,9 @@ openvdb::math::Transform::Ptr commonTransform(const std::vector<CarriedGrid>& gr
 
 /// The map of an in-between.
 struct Carrying {
-  const MovingLattice* lattice = nullptr;  ///< null: one object that does not move
-  MovingLattice::Pose pose;
-  Vec3d anchor{0, 0, 0};  ///< without a lattice: the object's anchor, world
+  const MovingLattice* lattice = nullptr;           ///< null: one object that does not move
+  std::shared_ptr<const MovingLattice::Pose> pose;  ///< of the lattice
+  Vec3d anchor{0, 0, 0};                            ///< without a lattice: the object's anchor, world
 };
 
 /// Index-space box of the in-between that holds the carried active voxels of all grids.

@@ -80,6 +80,17 @@ def case_sequences(o):
     os.remove(o + "/x.0002.plan")
     run(parts, "morph", "--plan", o + "/x.####.plan", "--range", 3, "-o", "m.####.vdb")
     assert sums(parts, ".vdb") == {"m.0003.vdb": sums(whole, ".vdb")["m.0003.vdb"]}
+    # Plans belong to the inputs' frames, whatever the numbers of the frames that are made, or of the plans.
+    later, numbered = folder(o, "later"), folder(o, "numbered")
+    run(later, "morph", *words, "--start", 1001, "-o", "m.####.vdb")
+    run(numbered, "morph", "--plan", o + "/x.####.plan", "--start", 1001, "--range", 1003, "-o", "m.####.vdb")
+    assert sums(numbered, ".vdb") == {"m.1003.vdb": sums(later, ".vdb")["m.1003.vdb"]}
+    run(later, "morph", *words, "--at", 1, "-o", "last.####.vdb")
+    run(numbered, "morph", "--plan", o + "/x.####.plan", "--at", 1, "-o", "last.####.vdb")
+    assert sums(numbered, ".vdb")["last.0001.vdb"] == sums(later, ".vdb")["last.0001.vdb"]
+    run(o, "plan", *words, "--start", 501, "-o", "y.####.plan")
+    run(numbered, "morph", "--plan", o + "/y.####.plan", "--range", 2, "-o", "m.####.vdb")
+    assert sums(numbered, ".vdb")["m.0002.vdb"] == sums(whole, ".vdb")["m.0002.vdb"]
     error = run(parts, "morph", "--plan", o + "/x.####.plan", "-o", "m.####.vdb", code=1).stderr
     assert "x.0002.plan" in error, error
 

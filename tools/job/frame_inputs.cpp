@@ -60,6 +60,12 @@ Notes FrameInputs::fitted(size_t frame) {
   return notes;
 }
 
+void FrameInputs::takeFrom(const FrameInputs& other) {
+  for (size_t k = 0; k < other.open_.size(); ++k)
+    if (!other.open_[k].empty() && !other.loaded_[k].nothing)
+      known_.emplace(other.open_[k], other.loaded_[k]);
+}
+
 FrameInputs::Step FrameInputs::moveTo(size_t frame, Progress& progress) {
   Step step;
   for (size_t k = 0; k < files_.size(); ++k) {
@@ -67,12 +73,14 @@ FrameInputs::Step FrameInputs::moveTo(size_t frame, Progress& progress) {
     if (open_[k] == file.text) continue;
     if (progress.cancelled()) throw Cancelled();
     progress.report("reading", double(k) / double(files_.size()));
-    loaded_[k] = load(k, frame);
+    const auto known = known_.find(file.text);
+    loaded_[k] = known == known_.end() ? load(k, frame) : known->second;
     open_[k] = file.text;
     step.changed = true;
     for (Note& note : about(file.text, loaded_[k].notes))
       (loaded_[k].nothing ? step.nothing : step.notes).push_back(std::move(note));
   }
+  known_.clear();
   if (step.changed && !fitted_)
     for (Note& note : fitted(frame)) step.notes.push_back(std::move(note));
   if (step.changed) addLabelSurfaces(loaded_);

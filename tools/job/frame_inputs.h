@@ -4,6 +4,7 @@
 #include "slicemorph/note.h"
 #include "tools/job/morph_settings.h"
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,9 @@ class FrameInputs {
 
   /// Notes on the sequences that have fewer files than the job has frames, or gaps.
   Notes notes(size_t frames) const;
+
+  /// Spares reading the files that the inputs of another part of the same sequences have just loaded, at the next step.
+  void takeFrom(const FrameInputs& other);
 
   /// What a step from one frame to another changed.
   struct Step {
@@ -42,6 +46,7 @@ class FrameInputs {
   std::vector<MovingInput> files_;  ///< per input
   std::vector<std::string> open_;   ///< per input: the file that is loaded
   std::vector<LoadedObject> loaded_;
+  std::map<std::string, LoadedObject> known_;  ///< by file: what need not be read at the next step
 };
 
 }  // namespace slicemorph

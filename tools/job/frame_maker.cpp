@@ -69,7 +69,10 @@ void FrameMaker::planFor(size_t inputFrame, int number, double from, double to) 
   MethodTask task{settings_, inputs(), number, before, planning, &options_};
   std::string decisions;
   if (!settings_.planFile.empty()) {
-    const std::string file = OutputName(settings_.planFile).path(number);
+    // Plans count the inputs' frames, whatever numbers the job's have.
+    const OutputName name(settings_.planFile);
+    if (name.isSequence() && !firstPlan_) firstPlan_ = firstPlanNumber(settings_.planFile);
+    const std::string file = name.path(firstPlan_.value_or(0) + int(inputFrame));
     decisions = readPlanFile(file).decisions, task.decisions = &decisions;
     plan_.method = inFile(file, [&] { return methodNamed(settings_.method).plan(task); });
   } else {

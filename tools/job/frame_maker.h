@@ -21,6 +21,9 @@ class FrameMaker {
   /// The same of a frame of the inputs, whether a frame of the job shows it or not. `number`: for messages.
   void planFor(size_t inputFrame, int number, double from, double to);
 
+  /// Spares reading the files that another stretch of the same sequences has just loaded.
+  void takeFilesFrom(const FrameMaker& other) { inputs_.takeFrom(other.inputs_); }
+
   /// A neighbouring stretch of a sequence; null: there is none. `ratio`: how long this stretch is against it.
   struct Neighbour {
     const FrameMaker* maker;
@@ -53,7 +56,8 @@ class FrameMaker {
   FrameInputs inputs_;
   MorphOptions options_;
   size_t index_ = 0;
-  bool planned_ = false;  ///< there is a plan
+  bool planned_ = false;          ///< there is a plan
+  std::optional<int> firstPlan_;  ///< of plans in numbered files, the number of the first frame's
   FramePlan plan_;
   Seconds seconds_;
 };

@@ -1,6 +1,5 @@
 #include "tools/job/morph_session.h"
 
-#include "io/paths.h"
 #include "slicemorph/errors.h"
 #include "slicemorph/io/image_writer.h"
 #include "tools/job/carry_image.h"

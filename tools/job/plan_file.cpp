@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 /// Begins the file; the number is raised whenever what follows changes.
-const std::string kPlanMark = "slicemorph plan ", kPlanVersion = "1\n";
+const std::string kPlanMark = "slicemorph plan ", kPlanVersion = "2\n";
 /// Most bytes of decisions: a lattice of a million nodes and ten objects takes 120 million.
 constexpr std::uint64_t kMostDecisions = std::uint64_t(1) << 31;
 
@@ -82,7 +82,10 @@ PlanFile planFileOf(const OptionSet& options) {
 }
 
 void writePlanFile(const std::string& path, const PlanFile& plan) {
-  Json head = {{"program", plan.program}, {"options", Json::object()}, {"bytes", plan.decisions.size()}};
+  Json head = {{"program", plan.program},
+               {"frame", plan.frame},
+               {"options", Json::object()},
+               {"bytes", plan.decisions.size()}};
   for (const auto& [name, texts] : plan.options) head["options"][name] = texts;
   if (plan.decisions.size() > kMostDecisions)
     throw IoError(path, "would hold more than 2 GiB; plan fewer inputs at once");
@@ -106,10 +109,12 @@ PlanFile readPlanFile(const std::string& path) {
   if (end == std::string::npos) throw damaged();
   const Json head = Json::parse(bytes.substr(from, end - from), nullptr, false);
   if (!head.is_object() || !head.contains("options") || !head["options"].is_object() ||
-      !head.contains("bytes") || !head["bytes"].is_number_unsigned())
+      !head.contains("bytes") || !head["bytes"].is_number_unsigned() || !head.contains("frame") ||
+      !head["frame"].is_number_unsigned())
     throw damaged();
   PlanFile plan;
   plan.program = head.value("program", std::string("unknown"));
+  plan.frame = head["frame"].get<size_t>();
   for (const auto& [name, texts] : head["options"].items()) {
     if (!texts.is_array() ||
         !std::all_of(texts.begin(), texts.end(), [](const Json& t) { return t.is_string(); }))
@@ -126,6 +131,11 @@ PlanFile readPlanFile(const std::string& path) {
                  reinterpret_cast<const Bytef*>(bytes.data() + end + 1), uLong(bytes.size() - end - 1));
   if (state != Z_OK || size != whole) throw damaged();
   return plan;
+}
+
+int firstPlanNumber(const std::string& name) {
+  const InputFrame first = framesOf(parseInput(name)).front();
+  return first.number - int(readPlanFile(first.input.path).frame);
 }
 
 Notes applyPlanFile(OptionSet& options, size_t beside) {

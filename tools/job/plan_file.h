@@ -13,6 +13,7 @@ namespace slicemorph {
 /// the format, a line of JSON, and the compressed decisions.
 struct PlanFile {
   std::string program;  ///< version and build that made it
+  size_t frame = 0;     ///< of inputs that are sequences: of which of their frames it is, from 0
   /// Options on which the plan depends and that were given, with their texts; files by their whole paths.
   std::vector<std::pair<std::string, std::vector<std::string>>> options;
   std::string decisions;  ///< see MorphPlan::decisions
@@ -26,6 +27,10 @@ void writePlanFile(const std::string& path, const PlanFile& plan);
 
 /// Throws IoError for what is no plan, is damaged, or is of another version of the format.
 PlanFile readPlanFile(const std::string& path);
+
+/// Of a numbered sequence of plans the number that the plan of the inputs' first frame has, or would have, by the first
+/// file that is there. Throws IoError as readPlanFile.
+int firstPlanNumber(const std::string& name);
 
 /// Sets the options of the plan named by --plan, where there is one; of a numbered sequence of plans those of the first
 /// file that is there. Objects that were given stay, as they may have moved; `beside`: the number of inputs that are no

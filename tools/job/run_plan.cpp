@@ -20,7 +20,7 @@ void runPlan(const MorphSettings& settings, PlanFile like, const std::string& ou
     events.throwIfCancelled();
     const FrameJob& job = settings.frames[i];
     if (settings.moving() && !job.wanted) continue;
-    like.decisions = maker.plan().slices->decisions();
+    like.decisions = maker.plan().slices->decisions(), like.frame = job.inputFrame;
     const std::string path = settings.moving() ? name.path(job.number) : output;
     writePlanFile(path, like);
     events.fileWritten(path, false);

@@ -49,6 +49,9 @@ class PairPlans {
     JobEvents& events = told_ ? quiet_ : events_;
     told_ = true;
     maker = std::make_unique<FrameMaker>(job_.settings, events);
+    // A file is the end of one pair and the beginning of the next.
+    for (const auto& [other, made] : makers_)
+      if (other + 1 == pair || other == pair + 1) maker->takeFilesFrom(*made);
     maker->planFor(pair, job_.numbers[pair], done, done);
     return *maker;
   }

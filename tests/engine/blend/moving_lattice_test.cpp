@@ -220,7 +220,7 @@ TEST(MovingLattice, SomeNodesAreAsAllAre) {
   std::vector<char> some = allNodes(empty);
   for (size_t n = 0; n < some.size(); ++n) some[n] = n % 7 == 0;
   const Transform::Ptr transform = voxels(0.1);
-  NodeFinder finder = lattice.velocityFinder(motion, pose, *transform, 4);
+  VelocityFinder finder = lattice.velocityFinder(motion, pose, *transform, 4);
   const NodeMap whole = finder.find(empty, allNodes(empty)), part = finder.find(empty, some);
   for (size_t n = 0; n < some.size(); ++n) {
     EXPECT_EQ(bool(part.known[n]), bool(some[n]));
