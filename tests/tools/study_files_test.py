@@ -409,6 +409,13 @@ def case_frames_of_one_type():
     nib.save(nib.Nifti1Image(wide, LPS @ affine), "wide.nii"), nib.save(nib.Nifti1Image(np.roll(wide, 2, 1), LPS @ affine), "later.nii")
     run("morph", "wide.nii", "later.nii", "--align", "none", "--like", "wide.nii", "--frames", 3, "-o", "m.#.nii")
     assert [nib.load("m.%d.nii" % n).get_data_dtype() for n in (1, 2, 3)] == [np.int16] * 3
+    # Grey scans of unlike types: the type that holds both, in one file as in several.
+    grey = np.where(labels > 0, 700, 20) + labels
+    nib.save(nib.Nifti1Image(grey.astype(np.int16), LPS @ affine), "int.nii"), nib.save(nib.Nifti1Image(grey * np.float32(1.5), LPS @ affine), "float.nii")
+    for output in ("g.#.nii", "g.nii"):
+        run("morph", "int.nii", "float.nii", "--align", "none", "--image", "grey", "--like", "int.nii", "--frames", 3, "-o", output)
+    assert [nib.load(name).get_data_dtype() for name in ("g.1.nii", "g.2.nii", "g.3.nii", "g.nii")] == [np.float64] * 4
+    assert np.array_equal(np.asanyarray(nib.load("g.1.nii").dataobj), grey)
 
 
 def case_overlaps_are_kept():
@@ -605,6 +612,23 @@ def case_info_of_structures():
     box = json.loads(run("info", "box.csl", "--json").stdout)["structures"]
     # The slabs: half a usual gap (3: the middle one of 2 and 3, the larger) beyond the outermost planes.
     assert len(box) == 1 and box[0]["planes"] == 3 and abs(box[0]["volumeMl"] - 0.2 * (5 + 3)) < 1e-6, box
+
+
+def case_approval():
+    """The approval of structures is optional, and not yet given mostly: only a rejection is a warning."""
+    write_study()
+    run("convert", "labels.nii.gz", "-o", "x.rt.dcm", "--source", "ct")
+    d = pydicom.dcmread("x.rt.dcm")
+    for status in (None, "APPROVED", "UNAPPROVED", "REJECTED"):
+        if "ApprovalStatus" in d:
+            del d.ApprovalStatus
+        if status:
+            d.ApprovalStatus = status
+        d.save_as("y.dcm")
+        for options in ((), ("--verbose",)):
+            said = run("reconstruct", "y.dcm:label_3", "-o", "y.ply", *options).stderr
+            assert ("warning" in said) == (status == "REJECTED"), (status, said)
+            assert ("REJECTED" in said) == (status == "REJECTED") and ("UNAPPROVED" in said) == (status == "UNAPPROVED" and bool(options)), (status, said)
 
 
 def case_refused():

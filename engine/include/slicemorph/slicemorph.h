@@ -120,7 +120,8 @@ class Pullback {
   /// value. Has the images' number type if they share one (integers are rounded), else one that holds all. At
   /// weight 1 it is that image itself, resampled only if its lattice differs. `images`: one per object, none
   /// null. `isos`: the value at each object's surface, or empty; if given, the in-between has their weighted
-  /// mean at its own surface and larger values only inside. Throws InputError.
+  /// mean at its own surface: values beside it that are on the wrong side of that mean, smaller ones inside and larger
+  /// ones outside, are mirrored at it, as far as depths there had to be matched; others stay. Throws InputError.
   Image carry(const std::vector<const Image*>& images, const ImageLattice& on,
               const std::vector<double>& isos = {}) const;
 
