@@ -1,7 +1,6 @@
 """The program's other commands."""
 from __future__ import annotations
 
-import os
 from typing import Any, Dict, List, NamedTuple, TYPE_CHECKING, Union
 
 import numpy as np
@@ -39,12 +38,12 @@ def options(command: str = "morph") -> Dict[str, Dict[str, Any]]:
     return dict(_options.table(command))
 
 
-def morph(*inputs: Any, output: Any, progress: Any = None, **options: Unpack[MorphOptions]) -> List[str]:
+def morph(*inputs: Any, progress: Any = None, **options: Unpack[MorphOptions]) -> List[str]:
     """Makes a sequence as `slicemorph morph` does: frames, reports, pictures. Returns the files that were written.
 
     inputs: as of plan(). output: by extension, #### stands for the frame's number. progress: as of plan().
     """
-    pairs = _options.texts_of("morph", dict(options, output=os.fspath(output)), ours=("progress",))
+    pairs = _options.texts_of("morph", options, ours=("progress",))
     outcome = _core._morph(given_inputs(inputs), pairs, reporter(progress))
     warn_of(outcome.notes, options)
     return outcome.files
@@ -57,7 +56,7 @@ def compare(a: Any, b: Any, *, progress: Any = None, **options: Unpack[CompareOp
     p95, p99, max), dice, intersection, symmetricDifference, labels. World units; of scans millimetres.
     """
     pairs = _options.texts_of("compare", options, ours=("progress",))
-    result, outcome = _core._compare(*given_inputs((a, b)), pairs, reporter(progress))
+    result, outcome = _core._compare(as_volume(a)._core, as_volume(b)._core, pairs, reporter(progress))
     warn_of(outcome.notes, options)
     return result
 
@@ -88,8 +87,8 @@ def slice(volume: Any, *, progress: Any = None, **options: Unpack[SliceOptions])
     warn_of(outcome.notes, options)
     if made is None:
         return outcome.files
-    return [Slice(values, *(np.array(plane[key]) for key in ("origin", "x_axis", "y_axis", "normal")), plane["pixel_size"])
-            for values, plane in made]
+    return [Slice(values, np.array(plane["origin"]), np.array(plane["x_axis"]), np.array(plane["y_axis"]),
+                  np.array(plane["normal"]), plane["pixel_size"]) for values, plane in made]
 
 
 def reconstruct(volume: Any, *, surfaces: bool = False, progress: Any = None, **options: Unpack[ReconstructOptions]) -> Union[Volume, Dict[str, Mesh], List[str]]:
@@ -98,12 +97,16 @@ def reconstruct(volume: Any, *, surfaces: bool = False, progress: Any = None, **
     Returns a dense image, with `surfaces` the closed surface of each label by its name; with output="x.nii.gz" writes the
     result by its extension, and returns the files' names.
     """
-    in_memory = options.get("output") is None
+    given: Dict[str, Any] = dict(options)
+    in_memory = given.get("output") is None
     if in_memory:
-        options = dict(options, output="made.####.ply" if surfaces else "made.nrrd")
-    pairs = _options.texts_of("reconstruct", options, ours=("progress", "surfaces"))
+        given["output"] = "made.####.ply" if surfaces else "made.nrrd"
+    pairs = _options.texts_of("reconstruct", given, ours=("progress", "surfaces"))
     image, meshes, outcome = _core._reconstruct(as_volume(volume)._core, pairs, in_memory, reporter(progress))
     warn_of(outcome.notes, options)
     if not in_memory:
         return outcome.files
-    return {name: Mesh(*arrays) for name, arrays in meshes.items()} if surfaces else Volume(image)
+    if surfaces:
+        return {name: Mesh(*arrays) for name, arrays in meshes.items()}
+    assert image is not None  # it was asked for
+    return Volume(image)
