@@ -8,7 +8,7 @@ import numpy as np
 from . import _core, _options
 from ._grid import Mesh
 from ._plan import given_inputs, warn_of
-from ._progress import reporter
+from ._progress import reporting
 from ._volume import Volume, as_volume
 
 if TYPE_CHECKING:
@@ -44,7 +44,8 @@ def morph(*inputs: Any, progress: Any = None, **options: Unpack[MorphOptions]) -
     inputs: as of plan(). output: by extension, #### stands for the frame's number. progress: as of plan().
     """
     pairs = _options.texts_of("morph", options, ours=("progress",))
-    outcome = _core._morph(given_inputs(inputs), pairs, reporter(progress))
+    with reporting(progress) as report:
+        outcome = _core._morph(given_inputs(inputs), pairs, report)
     warn_of(outcome.notes, options)
     return outcome.files
 
@@ -56,7 +57,8 @@ def compare(a: Any, b: Any, *, progress: Any = None, **options: Unpack[CompareOp
     p95, p99, max), dice, intersection, symmetricDifference, labels. World units; of scans millimetres.
     """
     pairs = _options.texts_of("compare", options, ours=("progress",))
-    result, outcome = _core._compare(as_volume(a)._core, as_volume(b)._core, pairs, reporter(progress))
+    with reporting(progress) as report:
+        result, outcome = _core._compare(as_volume(a)._core, as_volume(b)._core, pairs, report)
     warn_of(outcome.notes, options)
     return result
 
@@ -68,7 +70,8 @@ def render(*inputs: Any, progress: Any = None, **options: Unpack[RenderOptions])
     For matplotlib: imshow(slicemorph.srgb(picture)).
     """
     pairs = _options.texts_of("render", options, ours=("progress",))
-    pictures, outcome = _core._render(given_inputs(inputs), pairs, reporter(progress))
+    with reporting(progress) as report:
+        pictures, outcome = _core._render(given_inputs(inputs), pairs, report)
     warn_of(outcome.notes, options)
     return pictures[0] if len(pictures) == 1 else np.stack(pictures)
 
@@ -83,7 +86,8 @@ def srgb(picture: np.ndarray) -> np.ndarray:
 def slice(volume: Any, *, progress: Any = None, **options: Unpack[SliceOptions]) -> Union[List[Slice], List[str]]:
     """Oriented slices of all grids of a volume; with output="x.####.exr" writes them, and returns the files' names."""
     pairs = _options.texts_of("slice", options, ours=("progress",))
-    made, outcome = _core._slice(as_volume(volume)._core, pairs, reporter(progress))
+    with reporting(progress) as report:
+        made, outcome = _core._slice(as_volume(volume)._core, pairs, report)
     warn_of(outcome.notes, options)
     if made is None:
         return outcome.files
@@ -102,7 +106,8 @@ def reconstruct(volume: Any, *, surfaces: bool = False, progress: Any = None, **
     if in_memory:
         given["output"] = "made.####.ply" if surfaces else "made.nrrd"
     pairs = _options.texts_of("reconstruct", given, ours=("progress", "surfaces"))
-    image, meshes, outcome = _core._reconstruct(as_volume(volume)._core, pairs, in_memory, reporter(progress))
+    with reporting(progress) as report:
+        image, meshes, outcome = _core._reconstruct(as_volume(volume)._core, pairs, in_memory, report)
     warn_of(outcome.notes, options)
     if not in_memory:
         return outcome.files

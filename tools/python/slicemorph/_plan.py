@@ -10,7 +10,7 @@ import numpy as np
 from . import _convert, _core, _options
 from ._errors import InputError
 from ._grid import Grid, Mesh
-from ._progress import reporter
+from ._progress import reporting
 from ._volume import Volume, as_volume
 
 if TYPE_CHECKING:
@@ -193,7 +193,8 @@ class Plan:
         self._core._save(os.fspath(path))
 
     def _make(self, job: _core.FrameJob, progress: Any) -> Frame:
-        return Frame(_core.Plan._frame(self._core, job, reporter(progress)))
+        with reporting(progress) as report:
+            return Frame(_core.Plan._frame(self._core, job, report))
 
     def __repr__(self):
         return "<slicemorph.Plan of %s>" % ", ".join(self.inputs)
@@ -231,6 +232,7 @@ def plan(*inputs: Any, progress: Any = None, **options: Unpack[MorphOptions]) ->
     else:
         images = bool(cores) and all(core.kind == "image" for core in cores) and "grids" not in options
         pairs.append(("output", [_IMAGES if images else _GRIDS]))
-    made = Plan(_core.Plan(cores, pairs, reporter(progress)))
+    with reporting(progress) as report:
+        made = Plan(_core.Plan(cores, pairs, report))
     warn_of(made.notes, options)
     return made
