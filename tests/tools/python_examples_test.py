@@ -4,7 +4,7 @@
 usage: python_examples_test.py PATH/TO/slicemorph FOLDER REPOSITORY [NAME...]
 FOLDER: that holds the package; NAME: only the cases whose name contains it
 
-Needs Debian's python3-openvdb, python3-nibabel and python3-matplotlib, and their Python.
+Needs Debian's python3-openvdb, python3-nibabel, python3-matplotlib and mypy, and their Python.
 """
 import os
 import re
@@ -59,6 +59,20 @@ def case_draw():
     shapes = picture[60:280, :, :3]
     assert all((part.std(axis=-1) < 0.2).mean() > 0.3 and part.min(axis=-1).mean() < 0.95
                for part in (shapes[:, 220 * n:220 * n + 220] for n in range(5)))
+
+
+def case_types():
+    """The package has types, those of all options too: mypy finds no fault in it, and faults in what uses it wrongly."""
+    mypy = ["/usr/bin/mypy", "--enable-incomplete-feature=Unpack", "--ignore-missing-imports", "--cache-dir", "cache"]
+    with open("use.py", "w") as file:
+        file.write("import slicemorph\nplan = slicemorph.plan('a', 'b', voxel_size=0.1, align='none', at=[0.5])\n"
+                   "plan.frame(0.5).to_mesh().vertices.shape\nslicemorph.load('x', spacing=(1, 1, 2)).affine\n"
+                   "slicemorph.plan('a', 'b', align='sideways')\nslicemorph.plan('a', 'b', frames='many')\nplan.frame('x')\n")
+    environment = dict(os.environ, MYPYPATH=PACKAGE)
+    package = subprocess.run([*mypy, "-p", "slicemorph"], capture_output=True, text=True, env=environment)
+    assert package.returncode == 0, package.stdout + package.stderr
+    told = subprocess.run([*mypy, "use.py"], capture_output=True, text=True, env=environment).stdout
+    assert [int(n) for n in re.findall(r"^use.py:(\d+): error", told, re.M)] == [5, 6, 7], told
 
 
 def case_all_examples_run():

@@ -4,7 +4,7 @@
 usage: python_module_test.py PATH/TO/slicemorph FOLDER REPOSITORY [NAME...]
 FOLDER: that holds the package; NAME: only the cases whose name contains it
 
-Needs Debian's python3-openvdb and python3-nibabel, and their Python.
+Needs Debian's python3-openvdb, python3-nibabel and python3-tqdm, and their Python.
 """
 import gc
 import json
@@ -463,7 +463,13 @@ def case_progress_bars():
 
     bar = Bar(total=10)
     slicemorph.plan(*[slicemorph.from_mesh(*cube(size)) for size in (2.0, 3.0)], resolution=96, progress=bar)
-    assert 0 < bar.n <= 10.001 and bar.stages, (bar.n, bar.stages)
+    assert bar.n == 10 and bar.stages, (bar.n, bar.stages)
+    from tqdm import tqdm
+    with open("bar.txt", "w") as out:
+        real = tqdm(total=100, file=out)
+        slicemorph.plan(*[slicemorph.from_mesh(*cube(size)) for size in (2.0, 3.0)], resolution=24, progress=real, **SMALL)
+        assert real.n == 100
+        real.close()
 
 
 def case_other_threads_run():
@@ -499,6 +505,11 @@ def case_sequences():
     for frame in (*plan.frames(), plan.frame(0.5), plan.frame(0)):
         frame.save("n.vdb")
         assert read("n.vdb") == read("m.%04d.vdb" % frame.number), frame
+    # A frame that is kept has its own inputs, wherever the plan has gone since.
+    for frame in list(plan.frames()):
+        frame.save("n.vdb")
+        assert read("n.vdb") == read("m.%04d.vdb" % frame.number), frame
+    raises(slicemorph.InputError, lambda: plan.apply([[0, 0, 0]]), "sequences")
 
 
 def case_plan_files():

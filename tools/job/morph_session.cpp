@@ -59,6 +59,8 @@ void MorphSession::moveTo(size_t inputFrame, JobEvents& events) {
 }
 
 const MorphPlan& MorphSession::plan() const {
+  if (settings().moving())
+    throw InputError("of inputs that are sequences each frame has a map of its own; plan still ones");
   if (method().slices) return *method().slices;
   throw InputError("--method " + settings().method + " has no map that carries points");
 }
@@ -114,14 +116,19 @@ MorphFrame MorphSession::make(const FrameJob& job, JobEvents& events) {
   return makeFrame(maker_->taskOf(job), events);
 }
 
-MorphFrame MorphSession::shapeOf(const FrameJob& job) {
-  if (!settings().can().surface)
-    throw InputError("--method " + settings().method + " blends values and makes no surface");
+void MorphSession::refuseShape() const {
+  throw InputError("--method " + settings().method + " blends values and makes no surface");
+}
+
+MorphFrame MorphSession::shapeOf(const FrameJob& job, JobEvents& events) {
+  if (!settings().can().surface) refuseShape();
+  moveTo(job.inputFrame, events);
   return coloredShape(maker_->taskOf(job));
 }
 
 void MorphSession::save(const std::string& path, const FrameJob& given, const MorphFrame& frame,
                         JobEvents& events) {
+  moveTo(given.inputFrame, events);
   const Relayed<Relay> relayed(events_, events);
   MorphSettings s = settings();
   s.output = path;
@@ -133,7 +140,8 @@ void MorphSession::save(const std::string& path, const FrameJob& given, const Mo
   const FileKind kind = kindOfFile(path);
   MorphFrame made = frame;
   if (kind == FileKind::kMesh) {
-    if (!made.shape.surface) made = shapeOf(job);
+    if (!s.can().surface) refuseShape();
+    if (!made.shape.surface) made = coloredShape(as);
     made.grids.clear(), made.image.reset();
   } else if (kind != kindOfFile(settings().output)) {
     plan.content = contentOf(s, as.inputs, true);

@@ -22,7 +22,7 @@ class MorphSession {
   const MorphSettings& settings() const { return job_.settings; }
   const std::vector<LoadedObject>& inputs() const { return maker_->inputs(); }
   const MethodPlan& method() const { return maker_->plan(); }
-  /// The map of points; throws InputError where the method has none.
+  /// The map of points; throws InputError where the method has none, and of sequences, where each frame has its own.
   const MorphPlan& plan() const;
 
   /// The frame at a time, 0 to 1. Its speed is that of a sequence of as many frames as the options say. Throws InputError.
@@ -38,7 +38,7 @@ class MorphSession {
   /// runMorph.
   MorphFrame make(const FrameJob& job, JobEvents& events);
   /// The shape of a frame, whether the output holds it or not. Throws InputError where the method makes none.
-  MorphFrame shapeOf(const FrameJob& job);
+  MorphFrame shapeOf(const FrameJob& job, JobEvents& events);
   /// Writes a frame as grids, a mesh or an image by the path's extension. Throws as runMorph.
   void save(const std::string& path, const FrameJob& job, const MorphFrame& frame, JobEvents& events);
 
@@ -58,6 +58,7 @@ class MorphSession {
 
   void moveTo(size_t inputFrame, JobEvents& events);
   void checkTime(double t) const;
+  [[noreturn]] void refuseShape() const;
 
   MorphJob job_;
   size_t length_ = 1;  ///< frames of the inputs

@@ -95,6 +95,8 @@ PyGrid carry(const PlanPtr& plan, const std::vector<std::optional<PyGrid>>& give
   MorphSession& session = *plan->session;
   const Weights weights = weightsOf(session, when);
   const auto grids = gridsOf(session, given);
+  if (session.settings().moving())
+    throw InputError("of inputs that are sequences each frame has a map of its own; plan still ones");
   if (!session.method().pullback)
     throw InputError("--method " + session.settings().method + " carries no grids");
   return plan->run([&](CallEvents&) {
@@ -140,7 +142,7 @@ std::optional<PyGrid> velocityOf(const PyFrame& frame) {
 /// The shape: made with the frame, or, where its output needs none, now.
 MorphFrame shapeOf(const PyFrame& frame) {
   if (frame.frame.shape.surface) return frame.frame;
-  return frame.plan->run([&](CallEvents&) { return frame.plan->session->shapeOf(frame.job); });
+  return frame.plan->run([&](CallEvents& events) { return frame.plan->session->shapeOf(frame.job, events); });
 }
 
 py::tuple meshOfFrame(const PyFrame& frame) {

@@ -1,7 +1,6 @@
 """The program's other commands."""
 from __future__ import annotations
 
-import os
 from typing import Any, Dict, List, NamedTuple, TYPE_CHECKING, Union
 
 import numpy as np
@@ -9,7 +8,7 @@ import numpy as np
 from . import _core, _options
 from ._grid import Mesh
 from ._plan import given_inputs, warn_of
-from ._progress import reporter
+from ._progress import reporting
 from ._volume import Volume, as_volume
 
 if TYPE_CHECKING:
@@ -39,13 +38,14 @@ def options(command: str = "morph") -> Dict[str, Dict[str, Any]]:
     return dict(_options.table(command))
 
 
-def morph(*inputs: Any, output: Any, progress: Any = None, **options: Unpack[MorphOptions]) -> List[str]:
+def morph(*inputs: Any, progress: Any = None, **options: Unpack[MorphOptions]) -> List[str]:
     """Makes a sequence as `slicemorph morph` does: frames, reports, pictures. Returns the files that were written.
 
     inputs: as of plan(). output: by extension, #### stands for the frame's number. progress: as of plan().
     """
-    pairs = _options.texts_of("morph", dict(options, output=os.fspath(output)), ours=("progress",))
-    outcome = _core._morph(given_inputs(inputs), pairs, reporter(progress))
+    pairs = _options.texts_of("morph", options, ours=("progress",))
+    with reporting(progress) as report:
+        outcome = _core._morph(given_inputs(inputs), pairs, report)
     warn_of(outcome.notes, options)
     return outcome.files
 
@@ -57,7 +57,8 @@ def compare(a: Any, b: Any, *, progress: Any = None, **options: Unpack[CompareOp
     p95, p99, max), dice, intersection, symmetricDifference, labels. World units; of scans millimetres.
     """
     pairs = _options.texts_of("compare", options, ours=("progress",))
-    result, outcome = _core._compare(*given_inputs((a, b)), pairs, reporter(progress))
+    with reporting(progress) as report:
+        result, outcome = _core._compare(as_volume(a)._core, as_volume(b)._core, pairs, report)
     warn_of(outcome.notes, options)
     return result
 
@@ -69,7 +70,8 @@ def render(*inputs: Any, progress: Any = None, **options: Unpack[RenderOptions])
     For matplotlib: imshow(slicemorph.srgb(picture)).
     """
     pairs = _options.texts_of("render", options, ours=("progress",))
-    pictures, outcome = _core._render(given_inputs(inputs), pairs, reporter(progress))
+    with reporting(progress) as report:
+        pictures, outcome = _core._render(given_inputs(inputs), pairs, report)
     warn_of(outcome.notes, options)
     return pictures[0] if len(pictures) == 1 else np.stack(pictures)
 
@@ -84,12 +86,13 @@ def srgb(picture: np.ndarray) -> np.ndarray:
 def slice(volume: Any, *, progress: Any = None, **options: Unpack[SliceOptions]) -> Union[List[Slice], List[str]]:
     """Oriented slices of all grids of a volume; with output="x.####.exr" writes them, and returns the files' names."""
     pairs = _options.texts_of("slice", options, ours=("progress",))
-    made, outcome = _core._slice(as_volume(volume)._core, pairs, reporter(progress))
+    with reporting(progress) as report:
+        made, outcome = _core._slice(as_volume(volume)._core, pairs, report)
     warn_of(outcome.notes, options)
     if made is None:
         return outcome.files
-    return [Slice(values, *(np.array(plane[key]) for key in ("origin", "x_axis", "y_axis", "normal")), plane["pixel_size"])
-            for values, plane in made]
+    return [Slice(values, np.array(plane["origin"]), np.array(plane["x_axis"]), np.array(plane["y_axis"]),
+                  np.array(plane["normal"]), plane["pixel_size"]) for values, plane in made]
 
 
 def reconstruct(volume: Any, *, surfaces: bool = False, progress: Any = None, **options: Unpack[ReconstructOptions]) -> Union[Volume, Dict[str, Mesh], List[str]]:
@@ -98,12 +101,17 @@ def reconstruct(volume: Any, *, surfaces: bool = False, progress: Any = None, **
     Returns a dense image, with `surfaces` the closed surface of each label by its name; with output="x.nii.gz" writes the
     result by its extension, and returns the files' names.
     """
-    in_memory = options.get("output") is None
+    given: Dict[str, Any] = dict(options)
+    in_memory = given.get("output") is None
     if in_memory:
-        options = dict(options, output="made.####.ply" if surfaces else "made.nrrd")
-    pairs = _options.texts_of("reconstruct", options, ours=("progress", "surfaces"))
-    image, meshes, outcome = _core._reconstruct(as_volume(volume)._core, pairs, in_memory, reporter(progress))
+        given["output"] = "made.####.ply" if surfaces else "made.nrrd"
+    pairs = _options.texts_of("reconstruct", given, ours=("progress", "surfaces"))
+    with reporting(progress) as report:
+        image, meshes, outcome = _core._reconstruct(as_volume(volume)._core, pairs, in_memory, report)
     warn_of(outcome.notes, options)
     if not in_memory:
         return outcome.files
-    return {name: Mesh(*arrays) for name, arrays in meshes.items()} if surfaces else Volume(image)
+    if surfaces:
+        return {name: Mesh(*arrays) for name, arrays in meshes.items()}
+    assert image is not None  # it was asked for
+    return Volume(image)

@@ -76,7 +76,7 @@ def mesh_colors(mesh: Any) -> Any:
     """Colours of a trimesh-like mesh as numbers 0 to 1; None: it has none of its own."""
     if getattr(mesh, "colors", None) is not None:
         return np.asarray(mesh.colors)
-    visual = getattr(mesh, "visual", None)
+    visual: Any = getattr(mesh, "visual", None)
     if getattr(visual, "kind", None) == "vertex":
         return np.asarray(visual.vertex_colors, np.float32)[:, :3] / 255
     return None

@@ -3,14 +3,14 @@ from __future__ import annotations
 
 import os
 import warnings
-from typing import Any, Dict, Iterator, List, Optional, Sequence, TYPE_CHECKING, Tuple, Union
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, TYPE_CHECKING, Tuple, Union
 
 import numpy as np
 
 from . import _convert, _core, _options
 from ._errors import InputError
 from ._grid import Grid, Mesh
-from ._progress import reporter
+from ._progress import reporting
 from ._volume import Volume, as_volume
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ class SlicemorphWarning(UserWarning):
     """What is probably wrong with an input, and what can be done about it."""
 
 
-def warn_of(notes: Sequence[_core.Note], options: Dict[str, Any]) -> None:
+def warn_of(notes: Sequence[_core.Note], options: Mapping[str, Any]) -> None:
     """Shows warnings among notes, unless `quiet`."""
     for note in notes:
         if note.severity == "warning" and not options.get("quiet"):
@@ -36,21 +36,36 @@ def warn_of(notes: Sequence[_core.Note], options: Dict[str, Any]) -> None:
 
 
 class Frame:
-    """One in-between.
-
-    number: as the program would number it; t: its time, 0 to 1, or None of a blend; weights: one for each input;
-    notes: what was found while it was made; fold_share: share of the map near the surface that is folded.
-    """
+    """One in-between."""
     __slots__ = ("_core",)
 
     def __init__(self, core: _core.Frame):
         self._core = core
 
-    number = property(lambda self: self._core.number)
-    t = property(lambda self: self._core.t)
-    weights = property(lambda self: self._core.weights)
-    notes = property(lambda self: self._core.notes)
-    fold_share = property(lambda self: self._core.fold_share)
+    @property
+    def number(self) -> int:
+        """As the program would number it."""
+        return self._core.number
+
+    @property
+    def t(self) -> Optional[float]:
+        """Its time, 0 to 1; None of a blend."""
+        return self._core.t
+
+    @property
+    def weights(self) -> List[float]:
+        """One for each input."""
+        return self._core.weights
+
+    @property
+    def notes(self) -> List[_core.Note]:
+        """What was found while it was made."""
+        return self._core.notes
+
+    @property
+    def fold_share(self) -> float:
+        """Share of the map near the surface that is folded."""
+        return self._core.fold_share
 
     @property
     def grids(self) -> Dict[str, Grid]:
@@ -109,20 +124,31 @@ class Frame:
 
 
 class Plan:
-    """How inputs belong together. Frames are made of it in any order.
+    """How inputs belong together. Frames are made of it in any order."""
+    __slots__ = ("_core",)
 
-    notes: what was found and decided; inputs: their names; overlap: of the matched shapes, 0 to 1; turns: for each input
-    but the first, degrees by which it was turned and the margin to the next best turn (below 0: unknown).
-    """
-    __slots__ = ("_core", "_progress")
+    def __init__(self, core: _core.Plan):
+        self._core = core
 
-    def __init__(self, core: _core.Plan, progress: Any = None):
-        self._core, self._progress = core, progress
+    @property
+    def notes(self) -> List[_core.Note]:
+        """What was found and decided."""
+        return self._core.notes
 
-    notes = property(lambda self: self._core.notes)
-    inputs = property(lambda self: self._core.inputs)
-    overlap = property(lambda self: self._core.overlap)
-    turns = property(lambda self: self._core.turns)
+    @property
+    def inputs(self) -> List[str]:
+        """Names of the inputs."""
+        return self._core.inputs
+
+    @property
+    def overlap(self) -> float:
+        """Of the matched shapes, intersection over union, 0 to 1."""
+        return self._core.overlap
+
+    @property
+    def turns(self) -> List[Tuple[float, float]]:
+        """For each input but the first: degrees by which it is turned, margin to the next best turn (below 0: unknown)."""
+        return self._core.turns
 
     def weights_at(self, t: float) -> List[float]:
         """The weights of a time, 0 to 1, by keys, timing and ease."""
@@ -133,9 +159,8 @@ class Plan:
 
         Velocities of a time are those of a sequence of as many frames as `frames` says; a blend has none.
         """
-        if (t is None) == (weights is None):
-            raise InputError("give a time or weights", "frame")
-        job = self._core._at(float(t)) if weights is None else self._core._blend([float(w) for w in weights])
+        when = _when(t, weights)
+        job = self._core._blend(when) if isinstance(when, list) else self._core._at(when)
         return self._make(job, progress)
 
     def frames(self, n: Optional[int] = None, *, progress: Any = None) -> Iterator[Frame]:
@@ -150,9 +175,9 @@ class Plan:
         grids: one for each input, None where it has none; of one alone it is the first input's. All of one type.
         voxel_size: world units; 0: the grids' own. conserve: the total goes straight from the one to the other.
         """
-        if isinstance(grids, Grid) or _convert.is_pyopenvdb(grids):
-            grids = [grids] + [None] * (len(self.inputs) - 1)
-        cores = [None if g is None else (g if isinstance(g, Grid) else Grid.from_pyopenvdb(g))._core for g in grids]
+        listed: List[Any] = [grids] + [None] * (len(self.inputs) - 1) \
+            if isinstance(grids, Grid) or _convert.is_pyopenvdb(grids) else list(grids)
+        cores = [None if g is None else (g if isinstance(g, Grid) else Grid.from_pyopenvdb(g))._core for g in listed]
         return Grid(self._core._carry(cores, _when(t, weights), voxel_size, conserve))
 
     def apply(self, points: Any, from_: When = 0.0, to: When = 1.0) -> np.ndarray:
@@ -168,7 +193,8 @@ class Plan:
         self._core._save(os.fspath(path))
 
     def _make(self, job: _core.FrameJob, progress: Any) -> Frame:
-        return Frame(_core.Plan._frame(self._core, job, reporter(progress)))
+        with reporting(progress) as report:
+            return Frame(_core.Plan._frame(self._core, job, report))
 
     def __repr__(self):
         return "<slicemorph.Plan of %s>" % ", ".join(self.inputs)
@@ -177,7 +203,7 @@ class Plan:
 def _when(t: Optional[When], weights: Optional[Sequence[float]]) -> Union[float, List[float]]:
     if (t is None) == (weights is None):
         raise InputError("give a time or weights", "t")
-    value = t if weights is None else weights
+    value: Any = t if weights is None else weights
     return float(value) if np.ndim(value) == 0 else [float(w) for w in value]
 
 
@@ -198,13 +224,15 @@ def plan(*inputs: Any, progress: Any = None, **options: Unpack[MorphOptions]) ->
     """
     cores = given_inputs(inputs)
     pairs = _options.texts_of("morph", options, ours=("progress",))
-    if options.get("output") is not None:
+    output: Any = options.get("output")
+    if output is not None:
         # Not the name counts, but the kind; and frames may be many.
-        extension = os.path.basename(os.fspath(options["output"])).partition(".")[2]
+        extension = os.path.basename(os.fspath(output)).partition(".")[2]
         pairs = [pair for pair in pairs if pair[0] != "output"] + [("output", ["frame.####." + extension])]
     else:
         images = bool(cores) and all(core.kind == "image" for core in cores) and "grids" not in options
         pairs.append(("output", [_IMAGES if images else _GRIDS]))
-    made = Plan(_core.Plan(cores, pairs, reporter(progress)))
+    with reporting(progress) as report:
+        made = Plan(_core.Plan(cores, pairs, report))
     warn_of(made.notes, options)
     return made

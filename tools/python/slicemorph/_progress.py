@@ -1,30 +1,44 @@
 """Progress of long calls, to a function or to a bar as tqdm makes them."""
+from __future__ import annotations
+
+from contextlib import contextmanager
+from typing import Any, Iterator
 
 
-def reporter(progress):
-    """A function of a stage and a share, 0 to 1, or None.
+@contextmanager
+def reporting(progress: Any) -> Iterator[Any]:
+    """Gives a function of a stage and a share, 0 to 1, or None. A bar is full where the call ends well.
 
-    progress: such a function; a bar with `update` and `total` (tqdm); a class of bars; None.
+    progress: such a function; a bar with `update` and `total` (tqdm); a class of bars, of which one is made, and closed; None.
     """
-    if progress is None:
-        return None
-    if isinstance(progress, type):
+    own = isinstance(progress, type)
+    if own:
         progress = progress(total=100)
-    if hasattr(progress, "update") and hasattr(progress, "total"):
-        return _Bar(progress)
-    return progress
+    if not (hasattr(progress, "update") and hasattr(progress, "total")):
+        yield progress
+        return
+    bar = _Bar(progress)
+    try:
+        yield bar
+        bar.advance(1.0)
+    finally:
+        if own:
+            progress.close()
 
 
 class _Bar:
-    def __init__(self, bar):
-        self.bar, self.done = bar, 0.0
+    def __init__(self, bar: Any):
+        self.bar, self.done = bar, 0
         if not bar.total:
             bar.total = 100
 
-    def __call__(self, stage, fraction):
+    def __call__(self, stage: str, fraction: float) -> None:
         if hasattr(self.bar, "set_description"):
             self.bar.set_description(stage, refresh=False)
-        step = fraction * self.bar.total - self.done
+        self.advance(fraction)
+
+    def advance(self, fraction: float) -> None:
+        step = int(fraction * self.bar.total) - self.done
         if step > 0:
             self.bar.update(step)
             self.done += step
