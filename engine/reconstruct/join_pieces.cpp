@@ -45,11 +45,6 @@ constexpr int kFromBroad = 6;
 /// In pixels: scores differ by twice the distance to the border between two labels, which is known to half a pixel.
 constexpr float kNearly = 1;
 
-std::vector<GapLabel>::const_iterator labelOf(const Gap& gap, int label) {
-  return std::lower_bound(gap.labels.begin(), gap.labels.end(), label,
-                          [](const GapLabel& a, int l) { return a.label < l; });
-}
-
 /// One of the gap's planes and the slice next to it.
 struct Side {
   const ScorePlane& plane;
@@ -74,7 +69,7 @@ void joinRegion(const SlicePlan& plan, const Side& side, const GapLabel& l,
         if (!here.touch(x, y, l.label) && !beyond.touch(x, y, l.label)) continue;
         const size_t pixel = domain.index(x, y);
         if (side.slice[pixel] < l.label || here.count(x, y, side.slice[pixel]) < kFromBroad) continue;
-        const GapLabel& owner = *labelOf(plan.gaps[side.moment.gap], side.slice[pixel]);
+        const GapLabel& owner = labelIn(plan.gaps[side.moment.gap], side.slice[pixel]);
         const float margin = wholeScore(plan, owner, side.moment, float(x), float(y)) -
                              wholeScore(plan, l, side.moment, float(x), float(y));
         if (margin < least) least = margin, at = pixel;
@@ -86,10 +81,10 @@ void joinSide(const SlicePlan& plan, const Gap& gap, const Side& side,
               const std::function<Neighbours(int)>& beyond) {
   for (size_t k = 0; k < side.plane.labels.size(); ++k) {
     const LabelRegions& regions = side.regions[k];
-    const auto l = labelOf(gap, side.plane.labels[k].label);
+    const GapLabel& l = labelIn(gap, side.plane.labels[k].label);
     std::vector<std::vector<RegionRun>> runs(regions.regions.size());
     for (const RegionRun& run : regions.runs) runs[size_t(run.region)].push_back(run);
-    for (const std::vector<RegionRun>& own : runs) joinRegion(plan, side, *l, own, beyond(l->label));
+    for (const std::vector<RegionRun>& own : runs) joinRegion(plan, side, l, own, beyond(l.label));
   }
 }
 

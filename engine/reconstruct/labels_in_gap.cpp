@@ -30,15 +30,34 @@ struct GapSlices {
   SliceTile tile;  ///< reused for every tile
 };
 
-/// Positions, half way, of a tile's corner pixels.
-TileCorners halfWay(const SlicePlan& plan, const Moment& m, float t, const PixelBox& tile) {
-  TileCorners c;
+TileCorners cornersOf(const PixelBox& tile) {
+  const float x0 = float(tile.x0), y0 = float(tile.y0), x1 = float(tile.x1 - 1), y1 = float(tile.y1 - 1);
+  return {{x0, x1, x0, x1}, {y0, y0, y1, y1}};
+}
+
+/// Positions, half way, of what is in a tile's corner pixels at moment i.
+TileCorners halfWay(const SlicePlan& plan, const Moments& m, size_t i, const PixelBox& tile) {
+  TileCorners c = cornersOf(tile);
   for (int k = 0; k < 4; ++k) {
-    const float x = float(k & 1 ? tile.x1 - 1 : tile.x0), y = float(k & 2 ? tile.y1 - 1 : tile.y0);
-    const SliceMotion::Vector v = motionAt(plan, m, t, x, y);
-    c.x[k] = x + (.5f - t) * v.x, c.y[k] = y + (.5f - t) * v.y;
+    const float t = m.t[i];
+    const SliceMotion::Vector v = motionAt(plan, m.first, t, c.x[k], c.y[k]);
+    c.x[k] += (.5f - t) * v.x, c.y[k] += (.5f - t) * v.y;
+    const SliceMotion::Vector bend = bendOf(positionsOf(plan, m.first, c.x[k], c.y[k], v), m.path[i]);
+    c.x[k] -= bend.x, c.y[k] -= bend.y;
   }
   return c;
+}
+
+/// How far, in world units, the path of what is at these positions comes from where it is half way.
+float strayOf(const PlanePositions& p, const Moments& m, const float* pixel) {
+  float most = 0;
+  for (size_t i = 0; i < m.count; ++i) {
+    const SliceMotion::Vector bend = bendOf(p, m.path[i]);
+    const float by = m.t[i] - .5f;
+    most = std::max(most, std::hypot((by * (p.x[2] - p.x[1]) + bend.x) * pixel[0],
+                                     (by * (p.y[2] - p.y[1]) + bend.y) * pixel[1]));
+  }
+  return most;
 }
 
 /// Whether the motion within a cell is nearly the bilinear interpolation of that at its corners.
@@ -59,14 +78,13 @@ void placeTile(const SlicePlan& plan, const Moments& m, size_t begin, size_t end
   tile.part = part;
   PixelBox& half = tile.half = {};
   for (size_t i = begin; i < end; ++i) {
-    tile.corners[i] = halfWay(plan, m.first, m.t[i], part);
+    tile.corners[i] = halfWay(plan, m, i, part);
     half = hull(half, tile.corners[i].reach());
   }
-  TileCorners from{{float(half.x0), float(half.x1 - 1), float(half.x0), float(half.x1 - 1)},
-                   {float(half.y0), float(half.y0), float(half.y1 - 1), float(half.y1 - 1)}};
+  TileCorners from = cornersOf(half);
   if (end - begin == 1) {
     half = part, from = tile.corners[begin];
-    tile.corners[begin] = halfWay(plan, m.first, .5f, part);
+    tile.corners[begin] = cornersOf(part);
   }
   // the neighbours after the last pixel have weight 0
   tile.blend.assign(half.count() + size_t(half.width()) + 1, 0);
@@ -141,10 +159,9 @@ void fillCell(const SlicePlan& plan, const Moments& m, const PixelBox& part, siz
   const int w = part.width(), h = part.height(), cx = (part.x0 + part.x1) / 2, cy = (part.y0 + part.y1) / 2;
   const float sx = float(w) * plan.stack.pixel[0], sy = float(h) * plan.stack.pixel[1];
   const size_t mine = rivals.labels.size();
-  const SliceMotion::Vector v = gap.motion.at(float(cx), float(cy));
-  const float reach = .5f * kTileStretch * std::hypot(sx, sy) +
-                      m.apart * std::hypot(v.x * plan.stack.pixel[0], v.y * plan.stack.pixel[1]);
-  rivals.narrow(gap.labels, from, part, m, positionsOf(plan, m.first, float(cx), float(cy)), reach);
+  const PlanePositions middle = positionsOf(plan, m.first, float(cx), float(cy));
+  const float reach = .5f * kTileStretch * std::hypot(sx, sy) + strayOf(middle, m, plan.stack.pixel);
+  rivals.narrow(gap.labels, from, part, m, middle, reach);
   bool alone = rivals.labels.size() == mine + 1;
   if (alone)
     for (const Traveller& t : gap.travellers) alone = alone && intersection(t.box, part).empty();

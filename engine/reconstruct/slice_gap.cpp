@@ -68,6 +68,11 @@ Gap makeGap(const ScoreStack& stack, size_t g, const std::vector<std::vector<Lab
 
 }  // namespace
 
+const GapLabel& labelIn(const Gap& gap, int label) {
+  return *std::lower_bound(gap.labels.begin(), gap.labels.end(), label,
+                           [](const GapLabel& l, int value) { return l.label < value; });
+}
+
 SlicePlan planSlices(ScoreStack stack, const GapRange& wanted) {
   SlicePlan plan{std::move(stack), {}, {}};
   const ScoreStack& s = plan.stack;

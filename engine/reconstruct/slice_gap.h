@@ -31,6 +31,9 @@ struct Gap {
   SliceMotion motion;
 };
 
+/// The gap's entry for one of its labels.
+const GapLabel& labelIn(const Gap& gap, int label);
+
 /// A stack of planes, and what was found about the gaps between them.
 struct SlicePlan {
   ScoreStack stack;

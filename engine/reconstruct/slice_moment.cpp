@@ -17,6 +17,10 @@ constexpr float kRoughSlope = 0.5f;
 /// brain atlases (natbrainlab, brodmann): from a 60th to an 8th of a pixel it makes no difference of 0.001.
 constexpr float kDraw = 0.01f, kRoughDraw = 0.3f;
 
+/// Share of the bending that a cubic through the motions of three gaps has: they are known so well only. Measured on
+/// torsoLabel and aal at every second, fourth and eighth slice: from 0.5 to 1 it makes no difference of 0.001.
+constexpr float kPathBend = 0.5f;
+
 }  // namespace
 
 Moment momentAt(const ScoreStack& stack, double position) {
@@ -34,14 +38,15 @@ Moment momentAt(const ScoreStack& stack, double position) {
   m.cubic[1] = 1 - t, m.cubic[2] = t;
   // Hermite's cubic is the linear blend plus u (slope at a - chord) - v (slope at b - chord). A slope is that
   // of the parabola through three planes, for any gaps.
-  const auto bend = [&](double gapBeyond, float by, int beyond, int here, int there) {
+  const auto bend = [&](double gapBeyond, float by, int side, int beyond, int here, int there) {
     const float k = float(gapBeyond), a = by * h / (k + h), q = h / k;
     m.cubic[beyond] -= a * q, m.cubic[here] += a * (q + 1), m.cubic[there] -= a;
+    m.path.weight[side] = kPathBend * a, m.path.ratio[side] = q;
   };
   if ((m.before = g > 0))
-    bend(planes[g].position - planes[g - 1].position, trust * t * (1 - t) * (1 - t), 0, 1, 2);
+    bend(planes[g].position - planes[g - 1].position, trust * t * (1 - t) * (1 - t), 0, 0, 1, 2);
   if ((m.after = g + 2 < planes.size()))
-    bend(planes[g + 2].position - planes[g + 1].position, trust * t * t * (1 - t), 3, 2, 1);
+    bend(planes[g + 2].position - planes[g + 1].position, trust * t * t * (1 - t), 1, 3, 2, 1);
   return m;
 }
 

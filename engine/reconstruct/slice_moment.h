@@ -7,6 +7,13 @@
 
 namespace slicemorph {
 
+/// How a path through a gap bends at a moment, by the gaps beyond the gap's planes; 0 where there are none.
+struct PathBend {
+  float weight[2] = {
+      0, 0};  ///< of the difference between the motion over the gap before, after, and that over this one
+  float ratio[2] = {0, 0};  ///< length of this gap to that of the one before, after
+};
+
 /// A position along the stack: its gap, the fraction of the gap, and the weights of the four planes' scores.
 struct Moment {
   size_t gap = 0;
@@ -16,6 +23,7 @@ struct Moment {
   float level = 0;
   float draw = 0;                      ///< scores that differ by less are a tie
   bool before = false, after = false;  ///< whether planes 0 and 3 exist
+  PathBend path;
 };
 
 Moment momentAt(const ScoreStack& stack, double position);
@@ -27,13 +35,14 @@ constexpr size_t kMoments = 8;
 struct Moments {
   Moment first;  ///< holds what they share
   size_t count = 0;
-  float apart = 0;  ///< largest distance from the middle of the gap, as a fraction of the gap
   float t[kMoments] = {}, limit[kMoments] = {}, cubic[4][kMoments] = {};
+  PathBend path[kMoments];
 
   void add(const Moment& m) {
     if (!count) first = m;
-    t[count] = m.t, limit[count] = m.limit, apart = std::max(apart, std::abs(m.t - .5f));
+    t[count] = m.t, limit[count] = m.limit;
     for (int k = 0; k < 4; ++k) cubic[k][count] = m.cubic[k];
+    path[count] = m.path;
     ++count;
   }
 };

@@ -3,6 +3,7 @@
 #include "engine/reconstruct/gap_scores.h"
 #include "engine/reconstruct/join_pieces.h"
 #include "engine/reconstruct/labels_in_gap.h"
+#include "engine/reconstruct/spare_pieces.h"
 #include "slicemorph/errors.h"
 
 #include <string>
@@ -66,7 +67,10 @@ LabelScore SliceScores::marginAt(double position, int label) const {
 
 std::vector<int> SliceScores::labelsBetween(const std::vector<double>& positions) const {
   std::vector<int> labels = labelsInGap(*plan_, positions);
-  if (!positions.empty()) joinPieces(*plan_, momentAt(plan_->stack, positions[0]).gap, positions, labels);
+  if (positions.empty()) return labels;
+  const size_t gap = momentAt(plan_->stack, positions[0]).gap;
+  joinPieces(*plan_, gap, positions, labels);
+  dropSparePieces(*plan_, gap, positions, labels);
   return labels;
 }
 

@@ -61,7 +61,8 @@ class SliceScores {
 
   /// The label of highest score for every pixel of the domain, at the ascending positions of all slices of one gap, slice
   /// after slice; near ties go to the lowest label. A label on both neighbouring planes keeps at least the
-  /// pixel where it comes closest to winning, and its regions there are joined as in join_pieces.h.
+  /// pixel where it comes closest to winning, and its regions there are joined as in join_pieces.h. Pieces that the two
+  /// planes do not account for are removed as in spare_pieces.h.
   std::vector<int> labelsBetween(const std::vector<double>& positions) const;
 
  private:
