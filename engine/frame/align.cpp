@@ -144,37 +144,42 @@ Mat3d smallestTurn(const Vec3d& from, const Vec3d& to) {
   return rotationFromVector(axis / s * std::atan2(s, c));
 }
 
-double smallPrice(const Turn& t) { return kSmallPrice * t.angle / (M_PI / 2); }
-double score(const Turn& t) { return t.overlap - smallPrice(t); }
+/// Two objects and what their turns are judged by.
+struct Overlaps {
+  const Normalised &a, &b;
+  double price;  ///< overlap that a turn of 90 degrees must gain
 
-Turn measured(const Normalised& a, const Normalised& b, const Mat3d& rotation) {
-  return {rotation, angleOf(rotation), overlapOf(a, b, rotation)};
-}
+  Turn measured(const Mat3d& rotation) const {
+    return {rotation, angleOf(rotation), overlapOf(a, b, rotation)};
+  }
+  double score(const Turn& t) const { return t.overlap - price * t.angle / (M_PI / 2); }
+};
 
 /// Coordinate ascent over small turns about three axes, from steps of `coarse` to steps of `fine` radians.
-Turn climbed(const Normalised& a, const Normalised& b, const Turn& start, double coarse, double fine) {
+Turn climbed(const Overlaps& pair, const Turn& start, double coarse, double fine) {
   return climbRotation(
-      start, coarse, fine, [&](const Mat3d& rotation) { return measured(a, b, rotation); }, score,
-      [](const Turn&, double step) { return 1e-3 * step; });
+      start, coarse, fine, [&](const Mat3d& rotation) { return pair.measured(rotation); },
+      [&](const Turn& t) { return pair.score(t); }, [](const Turn&, double step) { return 1e-3 * step; });
 }
 
 /// The result of a climb from `start` if it is clearly better, else `start`.
-Turn refined(const Normalised& a, const Normalised& b, const Turn& start, double step) {
-  const Turn best = climbed(a, b, start, step, 0.008);
-  return score(best) > score(start) + kTurnMargin ? best : start;
+Turn refined(const Overlaps& pair, const Turn& start, double step) {
+  const Turn best = climbed(pair, start, step, 0.008);
+  return pair.score(best) > pair.score(start) + kTurnMargin ? best : start;
 }
 
 /// All turns that the principal axes suggest, with their overlaps; no turn comes first, the others by score.
-std::vector<Turn> suggestedTurns(const Normalised& a, const Normalised& b) {
-  const PrincipalAxes pa = principalAxes(a.moments.covariance), pb = principalAxes(b.moments.covariance);
+std::vector<Turn> suggestedTurns(const Overlaps& pair) {
+  const PrincipalAxes pa = principalAxes(pair.a.moments.covariance),
+                      pb = principalAxes(pair.b.moments.covariance);
   std::vector<Mat3d> rotations{Mat3d::identity()};
   for (const Mat3d& p : properAxisAssignments()) rotations.push_back(pb.axes * p * pa.axes.transpose());
   for (double sign : {1.0, -1.0})
     rotations.push_back(smallestTurn(column(pa.axes, 0), sign * column(pb.axes, 0)));
   std::vector<Turn> turns(rotations.size());
-  tbb::parallel_for(size_t(0), turns.size(), [&](size_t i) { turns[i] = measured(a, b, rotations[i]); });
+  tbb::parallel_for(size_t(0), turns.size(), [&](size_t i) { turns[i] = pair.measured(rotations[i]); });
   std::stable_sort(turns.begin() + 1, turns.end(),
-                   [](const Turn& x, const Turn& y) { return score(x) > score(y); });
+                   [&](const Turn& x, const Turn& y) { return pair.score(x) > pair.score(y); });
   return turns;
 }
 
@@ -204,9 +209,9 @@ Mat3d fitted(const Normalised& a, const Normalised& b, Mat3d rotation) {
 }
 
 /// A turn refined until converged, so that noise in the shapes changes it as little as the shapes.
-Turn polished(const Normalised& a, const Normalised& b, const Turn& turn) {
-  const Turn best = climbed(a, b, turn, 0.016, 0.0002);
-  return best.overlap > kSameShape ? measured(a, b, fitted(a, b, best.rotation)) : best;
+Turn polished(const Overlaps& pair, const Turn& turn) {
+  const Turn best = climbed(pair, turn, 0.016, 0.0002);
+  return best.overlap > kSameShape ? pair.measured(fitted(pair.a, pair.b, best.rotation)) : best;
 }
 
 struct Extent {
@@ -289,11 +294,14 @@ Frames worldFrames(const std::vector<Normalised>& objects, const Vec3d& axis) {
 
 std::vector<Turn> proposeTurns(const DistanceField& fieldA, const DistanceField& fieldB, const Vec3d& up) {
   const Normalised a = normalise(fieldA), b = normalise(fieldB);
-  const std::vector<Turn> suggested = suggestedTurns(a, b);
+  // Where nothing is upright, directions in the world mean nothing: only of equals the one that keeps them is taken.
+  const bool anyhow = !(up.length() > 0);
+  const Overlaps pair{a, b, anyhow ? 0 : kSmallPrice};
+  const std::vector<Turn> suggested = suggestedTurns(pair);
   std::vector<Turn> turns(suggested.begin(), suggested.begin() + long(std::min<size_t>(suggested.size(), 9)));
   const Turn world = turns[0];
   tbb::parallel_for(size_t(1), turns.size(), [&](size_t i) {
-    turns[i] = refined(a, b, turns[i], turns[i].overlap < 0.9 ? 0.3 : 0.08);
+    turns[i] = refined(pair, turns[i], turns[i].overlap < 0.9 ? 0.3 : 0.08);
   });
   // A tie between symmetric turns is broken by the spine's direction half way; any rule would do that gives
   // the same when the objects are swapped.
@@ -305,17 +313,17 @@ std::vector<Turn> proposeTurns(const DistanceField& fieldA, const DistanceField&
   const Turn* best = &turns[0];
   for (const Turn& t : turns)
     if (t.overlap > kSameShape && best->overlap > kSameShape
-            ? score(t) > score(*best) + kTie ||
-                  (score(t) > score(*best) - kTie && leaning(t) > leaning(*best) + 1e-3)
-            : score(t) > score(*best))
+            ? pair.score(t) > pair.score(*best) + kTie ||
+                  (pair.score(t) > pair.score(*best) - kTie && leaning(t) > leaning(*best) + 1e-3)
+            : pair.score(t) > pair.score(*best))
       best = &t;
-  const bool worldIsAsGood = score(*best) < world.overlap + kTurnMargin;
+  const bool worldIsAsGood = pair.score(*best) < world.overlap + (anyhow ? kTie : kTurnMargin);
   if (worldIsAsGood && world.overlap > kSureOverlap) return {world};
   if (best->overlap > kDecisive && best->overlap > world.overlap + kDecisiveGain)
-    return {polished(a, b, *best)};
+    return {polished(pair, *best)};
   std::vector<Turn> worthTrying{world, *best};
   std::stable_sort(turns.begin() + 1, turns.end(),
-                   [](const Turn& x, const Turn& y) { return score(x) > score(y); });
+                   [&](const Turn& x, const Turn& y) { return pair.score(x) > pair.score(y); });
   for (size_t i = 1; i < turns.size() && worthTrying.size() <= kTurnsWorthTrying; ++i) {
     bool fresh = turns[i].overlap > 0.75 * best->overlap;
     for (const Turn& t : worthTrying)
@@ -323,10 +331,10 @@ std::vector<Turn> proposeTurns(const DistanceField& fieldA, const DistanceField&
     if (fresh) worthTrying.push_back(turns[i]);
   }
   tbb::parallel_for(size_t(1), worthTrying.size(),
-                    [&](size_t i) { worthTrying[i] = polished(a, b, worthTrying[i]); });
+                    [&](size_t i) { worthTrying[i] = polished(pair, worthTrying[i]); });
   // Models mostly stand upright but face different directions.
   for (int quarter = 1; quarter < 4 && up.length() > 0; ++quarter)
-    worthTrying.push_back(measured(a, b, rotationFromVector(quarter * M_PI / 2 * up.unit())));
+    worthTrying.push_back(pair.measured(rotationFromVector(quarter * M_PI / 2 * up.unit())));
   // Overlap alone misleads where shapes differ: the others may fit better by what lies inside.
   for (const Turn& turn : suggested)
     if (std::none_of(worthTrying.begin(), worthTrying.end(), [&](const Turn& t) {

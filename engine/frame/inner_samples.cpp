@@ -19,7 +19,6 @@ namespace {
 /// Coarse nodes along the longest side and in all, at most.
 constexpr int kInnerAlong = 48;
 constexpr size_t kMostInner = 6000;
-constexpr size_t kInnerSamples = 80;
 /// Blur of the soft matching, in squared radii, and its iterations.
 constexpr double kBlur = 0.02;
 constexpr int kMatchings = 40;
@@ -59,6 +58,19 @@ std::vector<double> sharesOf(const InsideNodes& nodes, const Geodesics& paths) {
   return best;
 }
 
+/// Points' weights are roots of volumes; whole volumes tell shapes' ways round apart by more, and vary less with where
+/// the samples happen to lie.
+void weighByVolume(InnerSamples& samples) {
+  double sum = 0, squares = 0;
+  for (double& w : samples.weight) w *= w, sum += w;
+  for (double& w : samples.weight) w /= sum;
+  for (size_t i = 0; i < samples.weight.size(); ++i)
+    for (size_t j = 0; j < samples.weight.size(); ++j)
+      squares += samples.weight[i] * samples.weight[j] * samples.distance[i][j] * samples.distance[i][j];
+  for (auto& row : samples.distance)
+    for (double& d : row) d /= std::sqrt(squares);
+}
+
 /// The distortion where each iteration scales a's weights first: the other order differs a little, because the
 /// iterations are few.
 double distortionFrom(const InnerSamples& a, const InnerSamples& b, const Mat3d& rotation) {
@@ -86,16 +98,20 @@ double distortionFrom(const InnerSamples& a, const InnerSamples& b, const Mat3d&
   Table plan = kernel;
   plan.colwise() *= u;
   plan.rowwise() *= v.transpose();
+  // The plan's own sums, as iterations that few do not reach the samples' weights: how far they are off depends on the
+  // turn, and the distortion of what is not matched must not count for it.
+  plan /= plan.sum();
+  const Eigen::ArrayXd ofA = plan.rowwise().sum(), ofB = plan.colwise().sum().transpose();
   const Table ca = tableOf(a.distance), cb = tableOf(b.distance);
-  const double own = (p.matrix().transpose() * ca.square().matrix() * p.matrix())(0) +
-                     (q.matrix().transpose() * cb.square().matrix() * q.matrix())(0);
+  const double own = (ofA.matrix().transpose() * ca.square().matrix() * ofA.matrix())(0) +
+                     (ofB.matrix().transpose() * cb.square().matrix() * ofB.matrix())(0);
   const double both = (plan.matrix().array() * (ca.matrix() * plan.matrix() * cb.matrix()).array()).sum();
   return own - 2 * both + kDistancePrice * (plan * squared).sum() + kFullnessPrice * (plan * unlike).sum();
 }
 
 }  // namespace
 
-InnerSamples innerSamples(const DistanceField& field) {
+InnerSamples innerSamples(const DistanceField& field, size_t count) {
   const InsideNodes nodes(field, kMostInner, kInnerAlong);
   InnerSamples samples;
   if (nodes.position.empty()) return samples;
@@ -105,10 +121,11 @@ InnerSamples innerSamples(const DistanceField& field) {
     if (inner.share[i] > 0 &&
         (inner.share[inner.deepest] == 0 || nodes.depth[i] > nodes.depth[inner.deepest]))
       inner.deepest = i;
-  const InnerPoints points = innerPoints(inner, kInnerSamples);
-  const size_t count = points.node.size();
+  const InnerPoints points = innerPoints(inner, count);
+  count = points.node.size();
   if (count == 0) return samples;
   samples.weight = points.weight, samples.distance = points.distance, samples.fullness = points.fullness;
+  weighByVolume(samples);
   Vec3d mean(0.0);
   double radius = 0;
   for (size_t k = 0; k < count; ++k) mean += samples.weight[k] * nodes.position[points.node[k]];

@@ -14,8 +14,12 @@ struct InnerSamples {
   std::vector<std::array<double, 2>> fullness;
 };
 
-/// Fewer samples where there are fewer nodes inside; none where nothing is inside.
-InnerSamples innerSamples(const DistanceField& field);
+/// As many samples as tell the turns about the up direction apart; and as many as it takes among all turns, where the
+/// right one may be ahead by 3 %: with the few the distortion varies by 2 % with how the object lies in its grid.
+constexpr size_t kFewInner = 80, kManyInner = 160;
+
+/// At most `count` samples, fewer where there are fewer nodes inside; none where nothing is inside.
+InnerSamples innerSamples(const DistanceField& field, size_t count = kFewInner);
 
 /// How badly inner distances fit when b's samples are laid on a's, turned by `rotation`: the distortion of a soft
 /// matching by position and fullness [PCS16], with small prices on position and fullness. The same the other way

@@ -1,11 +1,10 @@
 #include "engine/match/choose_frames.h"
 
-#include "engine/frame/climb_rotation.h"
 #include "engine/frame/feature_turns.h"
 #include "engine/frame/inner_samples.h"
+#include "engine/frame/settle_turns.h"
 #include "engine/frame/spine_frames.h"
 #include "engine/match/agreement.h"
-#include "engine/match/couple_bodies.h"
 #include "slicemorph/errors.h"
 
 #include <tbb/parallel_for.h>
@@ -53,34 +52,14 @@ std::vector<Turn> turnsToTry(const Fields& pair, const std::vector<Vec3d>& from,
 /// Turns cost this share of their distortion per right angle, so that what looks the same way stays so.
 constexpr double kAngleShare = 0.04;
 /// What the distortion of a turn that does not keep `up` must come down to, against the best that does; and where it
-/// shows that shapes are alike. Hands that lie anyhow are at .46 to .57 (at 48 to 200 voxels), a rabbit and an armadillo,
-/// which both stand, at .61 to .66, a shark and a cow at .56 to .58 without being alike.
-constexpr double kLeavesUpright = 0.52, kLeavesUprightAlike = 0.59;
+/// shows that shapes are alike. Hands that lie anyhow are at .44 to .49 (at 48 to 160 voxels), a rabbit and an armadillo,
+/// which both stand, at .57 to .60, a shark and a cow at .66 to .67 without being alike.
+constexpr double kLeavesUpright = 0.52, kLeavesUprightAlike = 0.55;
 /// Least cosine between the up direction before and after a turn that keeps it.
 constexpr double kUprightCosine = 0.98;
 
 bool isUpright(const Mat3d& rotation, const Vec3d& up) {
   return up.length() > 0 && (rotation * up).dot(up) > kUprightCosine * up.lengthSqr();
-}
-
-/// What must be left of the distortion for a turn to be moved: turns that overlap suggests fit well already.
-constexpr double kSettledGain = 0.8;
-
-/// A turn moved by small ones to where inner distances are distorted least.
-Turn settled(const InnerSamples& a, const InnerSamples& b, const Turn& start) {
-  struct Placed {
-    Mat3d rotation;
-    double distortion;
-  };
-  const auto at = [&](const Mat3d& rotation) { return Placed{rotation, innerDistortion(a, b, rotation)}; };
-  const Placed before = at(start.rotation);
-  const Placed least = climbRotation(
-      before, 0.3, 0.03, at, [](const Placed& p) { return -p.distortion; },
-      [](const Placed& p, double) { return 1e-3 * p.distortion; });
-  if (!(least.distortion < kSettledGain * before.distortion)) return start;
-  Turn turn = start;
-  turn.rotation = least.rotation, turn.angle = rotationVector(turn.rotation).length();
-  return turn;
 }
 
 /// Of turns between which inner distances do not decide, the one after which a quick, coarse matching overlaps
@@ -102,51 +81,6 @@ size_t bestByAgreement(const Fields& pair, const std::vector<Turn>& turns, const
   return best;
 }
 
-/// Turns that differ by less than this angle, radians, are coupled once; that many, up to this distortion against the
-/// least one.
-constexpr double kSameCoupling = 0.6, kWorthCoupling = 2;
-constexpr size_t kMostCoupled = 6;
-/// From several turns the same coupling may be found, to this share of its distortion: then the first is taken.
-constexpr double kSameDistortion = 0.05;
-
-/// Of turns in order of their distortions the one from which two bodies are coupled with the least distortion of inner
-/// distances, which limbs' swinging does not change; none where no coupling shows one kind of body. Without `up`
-/// there are many turns, and one soft matching may take a running horse's tail for its head.
-std::optional<size_t> bestByCoupling(const Fields& pair, const std::vector<Turn>& turns,
-                                     const std::vector<double>& distortion, const std::vector<size_t>& among,
-                                     const Progress& progress) {
-  std::vector<size_t> few;
-  for (size_t i : among)
-    if (few.size() < kMostCoupled && distortion[i] <= kWorthCoupling * distortion[among[0]] &&
-        std::none_of(few.begin(), few.end(), [&](size_t j) {
-          return rotationVector(turns[i].rotation * turns[j].rotation.transpose()).length() < kSameCoupling;
-        }))
-      few.push_back(i);
-  if (few.size() < 2) return std::nullopt;
-  BodyGraph bodies[2];
-  tbb::parallel_for(0, 2, [&](int k) {
-    Chart chart;
-    const openvdb::BBoxd& box = pair[size_t(k)]->box();
-    const Vec3d e = box.extents();
-    chart.center = box.getCenter(), chart.axes = Mat3d::identity(),
-    chart.scale = Vec3d(std::cbrt(e[0] * e[1] * e[2]));
-    bodies[k] = bodyGraph(*pair[size_t(k)], chart);
-  });
-  std::vector<double> coupled(few.size());
-  tbb::parallel_for(size_t(0), few.size(), [&](size_t n) {
-    if (progress.cancelled()) return;
-    BodyGraph turned = bodies[1];
-    for (Vec3d& p : turned.position) p = turns[few[n]].rotation.transpose() * p;
-    coupled[n] = coupleBodies(bodies[0], turned).distortion;
-  });
-  if (progress.cancelled()) throw Cancelled();
-  const double least = *std::min_element(coupled.begin(), coupled.end());
-  if (!(least < kOneKind)) return std::nullopt;
-  size_t best = 0;
-  while (coupled[best] > (1 + kSameDistortion) * least) ++best;
-  return few[best];
-}
-
 /// Those turns that overlap or the up direction suggest; all where there are none of these.
 std::vector<size_t> likelyOf(const std::vector<Turn>& turns, const std::vector<size_t>& among) {
   std::vector<size_t> likely;
@@ -155,12 +89,14 @@ std::vector<size_t> likelyOf(const std::vector<Turn>& turns, const std::vector<s
   return likely.empty() ? among : likely;
 }
 
-/// Turns whose distortion is within this share of the least one are told apart by quick matchings: a rabbit fits
-/// an armadillo at 0 and at 90 degrees to 6 %, a cow and a horse the right way round by 9 %.
-constexpr double kUndecided = 0.07;
-/// From this distortion on shapes are too different for it to tell which way round: a cow and a horse are at .20 the
+/// Upright turns whose distortion is within this share of the least one are told apart by quick matchings: a rabbit fits
+/// an armadillo at 0 and at 90 degrees to 8 %, a cow and a horse the right way round by 11 to 29 %.
+constexpr double kUndecided = 0.1;
+/// Where another way round fits worse by less than this share, a warning says so.
+constexpr double kUnsure = 0.07;
+/// From this distortion on shapes are too different for it to tell which way round: a cow and a horse are at .16 the
 /// right way round, turned about the up direction; of turns about any axis there are more to be mistaken for each
-/// other: two hands are at .05, a blade and a creature at .14 in several ways.
+/// other: two hands are at .06, a blade and a creature at .13 in several ways.
 constexpr double kNothingAlike = 0.21, kNothingAlikeFreely = 0.12;
 constexpr size_t kMostUndecided = 4;
 
@@ -188,18 +124,31 @@ struct ChosenTurn {
 ChosenTurn unmeasured(const Turn& turn) { return {turn, {turn.angle * 180 / M_PI, -1, -1}}; }
 
 /// How sure a turn is. `rivals`: the turns that might have been chosen instead, those that distort less first.
-TurnChoice choiceOf(const InnerSamples (&samples)[2], const std::vector<Turn>& turns,
-                    const std::vector<size_t>& rivals, const Turn& chosen) {
+TurnChoice choiceOf(const InnerSamples (&samples)[2], const std::vector<Turn>& rivals, const Turn& chosen) {
   TurnChoice choice{chosen.angle * 180 / M_PI, innerDistortion(samples[0], samples[1], chosen.rotation), -1};
-  const auto next = std::find_if(rivals.begin(), rivals.end(), [&](size_t i) {
-    return rotationVector(chosen.rotation.transpose() * turns[i].rotation).length() > kOtherWay;
+  const auto next = std::find_if(rivals.begin(), rivals.end(), [&](const Turn& t) {
+    return rotationVector(chosen.rotation.transpose() * t.rotation).length() > kOtherWay;
   });
   if (next == rivals.end() || !(choice.distortion > 0)) return choice;
-  const double there = innerDistortion(samples[0], samples[1], turns[*next].rotation);
-  const Mat3d between = chosen.rotation.transpose() * turns[*next].rotation;
+  const double there = innerDistortion(samples[0], samples[1], next->rotation);
+  const Mat3d between = chosen.rotation.transpose() * next->rotation;
   if (innerDistortion(samples[0], samples[0], between) < kLooksTheSame * there) return choice;
   choice.margin = std::max(there / choice.distortion - 1, 0.0);
   return choice;
+}
+
+/// The turn where no direction is to be kept. `turns`: those that distort less first, by the samples `few`.
+ChosenTurn chooseFreely(const Fields& pair, const std::vector<Turn>& turns, const InnerSamples (&few)[2],
+                        const Progress& progress) {
+  InnerSamples many[2];
+  tbb::parallel_for(0, 2, [&](int k) { many[k] = innerSamples(*pair[size_t(k)], kManyInner); });
+  if (progress.cancelled()) throw Cancelled();
+  const std::vector<SettledTurn> settled = settleTurns(few, many, turns);
+  std::vector<Turn> rivals;
+  for (const SettledTurn& other : settled) rivals.push_back(other.turn);
+  rivals.insert(rivals.end(), turns.begin(), turns.end());
+  const TurnChoice choice = choiceOf(many, rivals, settled[0].turn);
+  return {settled[0].turn, choice, choice.distortion < kNothingAlikeFreely};
 }
 
 /// The turn from the first object of a pair to the second whose soft matching distorts inner distances least.
@@ -207,13 +156,14 @@ TurnChoice choiceOf(const InnerSamples (&samples)[2], const std::vector<Turn>& t
 ChosenTurn chooseTurn(const Fields& pair, const std::vector<Turn>& turns, const MorphOptions& options,
                       const Progress& progress) {
   if (turns.size() == 1) return unmeasured(turns[0]);
+  const bool standing = options.up.length() > 0;
   InnerSamples samples[2];
   tbb::parallel_for(0, 2, [&](int k) { samples[k] = innerSamples(*pair[size_t(k)]); });
   if (progress.cancelled()) throw Cancelled();
   std::vector<double> distortion(turns.size());
   tbb::parallel_for(size_t(0), turns.size(), [&](size_t i) {
     distortion[i] = innerDistortion(samples[0], samples[1], turns[i].rotation) *
-                    (1 + kAngleShare * turns[i].angle / (M_PI / 2));
+                    (1 + (standing ? kAngleShare * turns[i].angle / (M_PI / 2) : 0));
   });
   std::vector<size_t> upright, other;
   for (size_t i = 0; i < turns.size(); ++i)
@@ -226,28 +176,28 @@ ChosenTurn chooseTurn(const Fields& pair, const std::vector<Turn>& turns, const 
   const bool leaves =
       upright.empty() || (!other.empty() && leavesUpright(distortion[other[0]], distortion[upright[0]]));
   std::vector<size_t> among = leaves ? other : upright;
-  const std::vector<size_t> rivals = among;
-  const auto chosen = [&](const Turn& turn) {
-    const bool kept = !leaves && !other.empty();
-    const TurnChoice choice = choiceOf(samples, turns, rivals, turn);
-    return ChosenTurn{turn, choice, choice.distortion < (leaves ? kNothingAlikeFreely : kNothingAlike),
-                      kept ? distortion[other[0]] / distortion[upright[0]] : 1};
-  };
-  if (distortion[among[0]] > (leaves ? kNothingAlikeFreely : kNothingAlike))
-    return chosen(turns[bestByAgreement(pair, turns, likelyOf(turns, among), options, progress)]);
-  if (leaves)
-    if (const std::optional<size_t> best = bestByCoupling(pair, turns, distortion, among, progress))
-      return chosen(settled(samples[0], samples[1], turns[*best]));
-  const double most = (1 + kUndecided) * distortion[among[0]];
-  size_t count = 1;
-  while (count < std::min(among.size(), kMostUndecided) && distortion[among[count]] <= most) ++count;
-  among.resize(count);
+  std::vector<Turn> rivals;
+  for (size_t i : among) rivals.push_back(turns[i]);
+  const double least = distortion[among[0]];
+  if (leaves && (!standing || least <= kNothingAlikeFreely))
+    return chooseFreely(pair, rivals, samples, progress);
+  if (least > kNothingAlike || leaves) {
+    among = likelyOf(turns, among);
+  } else {
+    const double most = (1 + kUndecided) * least;
+    size_t count = 1;
+    while (count < std::min(among.size(), kMostUndecided) && distortion[among[count]] <= most) ++count;
+    among.resize(count);
+  }
   const Turn& best = turns[bestByAgreement(pair, turns, among, options, progress)];
-  return chosen(leaves ? settled(samples[0], samples[1], best) : best);
+  const TurnChoice choice = choiceOf(samples, rivals, best);
+  return {best, choice, choice.distortion < (leaves ? kNothingAlikeFreely : kNothingAlike),
+          leaves || other.empty() ? 1 : distortion[other[0]] / distortion[upright[0]]};
 }
 
 /// Mean price of the objects' turns relative to the first.
 double turnPrice(const Frames& frames, const Vec3d& up) {
+  if (!(up.length() > 0)) return 0;  // how objects lie means nothing
   double price = 0;
   for (size_t k = 1; k < frames.charts.size(); ++k)
     price += priceOf(frames.charts[k].axes * frames.charts[0].axes.transpose(), up);
@@ -277,7 +227,7 @@ Notes doubtsOf(const ChosenTurn& chosen, const std::string& name) {
     return {{"frame.upright-kept", Severity::kWarning, name,
              "stays upright, though turned freely it would fit better; where it lies anyhow, --upright none "
              "turns it so"}};
-  if (choice.margin < 0 || choice.margin > kUndecided || !chosen.alike) return {};
+  if (choice.margin < 0 || choice.margin > kUnsure || !chosen.alike) return {};
   char text[256];
   std::snprintf(text, sizeof text,
                 "may be the wrong way round: another way fits hardly worse (%.0f %%); where it is, "

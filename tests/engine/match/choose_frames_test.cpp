@@ -1,6 +1,7 @@
 // Which way round the second object lies, where the answer is known.
 #include "engine/match/choose_frames.h"
 
+#include "tests/support/all_tests.h"
 #include "tests/support/fields.h"
 #include "tests/support/quadruped.h"
 
@@ -8,6 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
+#include <utility>
 
 namespace slicemorph {
 namespace {
@@ -16,10 +19,11 @@ constexpr double kFrameVoxel = 0.03;
 /// Turns are climbed by steps down to .03 radians, and samples of a turned shape lie elsewhere in their cells.
 constexpr double kTolerance = 0.05;
 
-/// A standing animal about its middle, z up, turned and moved.
-std::shared_ptr<const DistanceField> animal(const Mat3d& turn) {
+/// An animal about its middle, z up, turned and moved.
+std::shared_ptr<const DistanceField> animal(const Mat3d& turn,
+                                            const shapes::Quadruped::Swing& swing = {0, 0, 0, 0}) {
   const Vec3d middle(0.06, 0, 0.35), offset(3, -2, 1);
-  const shapes::Distance own = shapes::quadruped({0, 0, 0, 0});
+  const shapes::Distance own = shapes::quadruped(swing);
   const shapes::Distance centred = [=](const Vec3d& p) { return own(p + middle); };
   return shapes::fieldOf(shapes::placed(centred, turn, offset), {offset - Vec3d(1.3), offset + Vec3d(1.3)},
                          kFrameVoxel);
@@ -67,6 +71,31 @@ TEST(ChooseFrames, FindsAnyTurnWhereNothingIsUp) {
     const Mat3d turn = rotationFromVector(vector);
     EXPECT_LT(apart(turnOf(chooseFrames({standing, animal(turn)}, kNames, straight(Vec3d(0.0)), {})), turn),
               kTolerance);
+  }
+}
+
+/// A standing animal and a running one, both turned at random, are laid on each other as when neither is turned. Turns
+/// that differ by less than 20 degrees are one way round (kSameTurn in engine/frame/align.cpp).
+TEST(ChooseFrames, FindsTheSameHoweverBothObjectsLie) {
+  constexpr double kSameWay = 0.35;
+  const shapes::Quadruped::Swing running{35, -20, 25, -35};
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  const auto anyTurn = [&] {
+    // Four normal deviates are a random rotation's quaternion but for their length.
+    openvdb::math::Quat<double> q(normal(random), normal(random), normal(random), normal(random));
+    q.normalize();
+    return Mat3d(q);
+  };
+  for (int i = 0; i < (allTests() ? 20 : 4); ++i) {
+    SCOPED_TRACE(i);
+    const Mat3d first = anyTurn(), second = anyTurn();
+    Fields pair{animal(first), animal(second, running)};
+    const Mat3d found = turnOf(chooseFrames(pair, kNames, straight(Vec3d(0.0)), {}));
+    EXPECT_LT(apart(second.transpose() * found * first, Mat3d::identity()), kSameWay);
+    std::swap(pair[0], pair[1]);
+    const Mat3d back = turnOf(chooseFrames(pair, kNames, straight(Vec3d(0.0)), {}));
+    EXPECT_LT(apart(back, found.transpose()), kSameWay);
   }
 }
 
