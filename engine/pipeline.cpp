@@ -7,8 +7,9 @@
 #include "engine/mean/match_through_mean.h"
 #include "engine/plan_decisions.h"
 #include "engine/rebuild/in_between.h"
-#include "engine/rebuild/small_components.h"
+#include "engine/rebuild/rejoin_components.h"
 #include "engine/volume/same_grid.h"
+#include "engine/volume/small_components.h"
 
 #include <cstdio>
 #include <utility>
@@ -89,6 +90,33 @@ Notes plannedAnew(const char* why) {
   return {{"sequence.planned-anew", Severity::kNote, "", std::string("planned anew: ") + why}};
 }
 
+/// Tells whether what some object has at a world point of an in-between is inside, or no farther outside than a voxel.
+class InSomeObject {
+ public:
+  InSomeObject(const Plan& plan, const Weights& weights, const MovingLattice::Pose& pose)
+      : plan_(plan), pose_(pose) {
+    for (size_t k = 0; k < weights.size(); ++k)
+      if (weights[k] > 0) used_.push_back(k);
+  }
+
+  bool operator()(const Vec3d& p) {
+    if (own_.empty())
+      for (size_t k : used_) own_.push_back(plan_.lattice->poseOf(k));
+    for (size_t n = 0; n < used_.size(); ++n) {
+      const DistanceField& field = *plan_.shapes.fields[used_[n]];
+      const Vec3d on = plan_.lattice->carryPoints({p}, pose_, own_[n]).front();
+      if (DistanceField::Sampler(field)(field.relative(on)) < field.voxelSize()) return true;
+    }
+    return false;
+  }
+
+ private:
+  const Plan& plan_;
+  const MovingLattice::Pose& pose_;
+  std::vector<size_t> used_;
+  std::vector<MovingLattice::Pose> own_;  ///< of the used objects; found when first asked for
+};
+
 }  // namespace
 
 bool laysDensities(const Plan& plan) {
@@ -163,7 +191,9 @@ InBetween makeInBetween(const Plan& plan, const Weights& ofObjects) {
   const MovingLattice::Pose pose = plan.lattice->poseAt(weights);  // blend
   InBetween result = rebuildInBetween({*plan.lattice, shapes.fields, plan.frames}, weights, pose,
                                       shapes.voxelSizeAt(pose.mean, wanted));
-  result.smallComponents = removeSmallComponents(*result.surface, shapes.piecesAt(pose.mean));
+  const int pieces = shapes.piecesAt(pose.mean);
+  rejoinComponents(*result.surface, pieces, InSomeObject(plan, weights, pose));
+  result.smallComponents = removeSmallComponents(*result.surface, pieces);
   return result;
 }
 
