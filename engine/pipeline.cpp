@@ -192,6 +192,7 @@ InBetween makeInBetween(const Plan& plan, const Weights& ofObjects) {
   InBetween result = rebuildInBetween({*plan.lattice, shapes.fields, plan.frames}, weights, pose,
                                       shapes.voxelSizeAt(pose.mean, wanted));
   const int pieces = shapes.piecesAt(pose.mean);
+  if (looseComponents(*result.surface, pieces).empty()) return result;
   rejoinComponents(*result.surface, pieces, InSomeObject(plan, weights, pose));
   result.smallComponents = removeSmallComponents(*result.surface, pieces);
   return result;
