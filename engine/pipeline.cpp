@@ -6,8 +6,10 @@
 #include "engine/match/match_densities.h"
 #include "engine/mean/match_through_mean.h"
 #include "engine/plan_decisions.h"
-#include "engine/rebuild/small_components.h"
+#include "engine/rebuild/in_between.h"
+#include "engine/rebuild/rejoin_components.h"
 #include "engine/volume/same_grid.h"
+#include "engine/volume/small_components.h"
 
 #include <cstdio>
 #include <utility>
@@ -88,6 +90,33 @@ Notes plannedAnew(const char* why) {
   return {{"sequence.planned-anew", Severity::kNote, "", std::string("planned anew: ") + why}};
 }
 
+/// Tells whether what some object has at a world point of an in-between is inside, or no farther outside than a voxel.
+class InSomeObject {
+ public:
+  InSomeObject(const Plan& plan, const Weights& weights, const MovingLattice::Pose& pose)
+      : plan_(plan), pose_(pose) {
+    for (size_t k = 0; k < weights.size(); ++k)
+      if (weights[k] > 0) used_.push_back(k);
+  }
+
+  bool operator()(const Vec3d& p) {
+    if (own_.empty())
+      for (size_t k : used_) own_.push_back(plan_.lattice->poseOf(k));
+    for (size_t n = 0; n < used_.size(); ++n) {
+      const DistanceField& field = *plan_.shapes.fields[used_[n]];
+      const Vec3d on = plan_.lattice->carryPoints({p}, pose_, own_[n]).front();
+      if (DistanceField::Sampler(field)(field.relative(on)) < field.voxelSize()) return true;
+    }
+    return false;
+  }
+
+ private:
+  const Plan& plan_;
+  const MovingLattice::Pose& pose_;
+  std::vector<size_t> used_;
+  std::vector<MovingLattice::Pose> own_;  ///< of the used objects; found when first asked for
+};
+
 }  // namespace
 
 bool laysDensities(const Plan& plan) {
@@ -162,7 +191,11 @@ RebuiltShape makeInBetween(const Plan& plan, const Weights& ofObjects) {
   const auto pose = std::make_shared<const LatticePose>(plan.lattice->poseAt(weights));  // blend
   RebuiltShape result = rebuildInBetween({*plan.lattice, shapes.fields, plan.frames}, weights, pose,
                                          shapes.voxelSizeAt(pose->mean, wanted));
-  result.shape.smallComponents = removeSmallComponents(*result.shape.surface, shapes.piecesAt(pose->mean));
+  FloatGrid& surface = *result.shape.surface;
+  const int pieces = shapes.piecesAt(pose->mean);
+  if (looseComponents(surface, pieces).empty()) return result;
+  rejoinComponents(surface, pieces, InSomeObject(plan, weights, *pose));
+  result.shape.smallComponents = removeSmallComponents(surface, pieces);
   return result;
 }
 

@@ -2,8 +2,8 @@
 
 #include "engine/frame/typical_order.h"
 #include "engine/numerics/parallel_each.h"
-#include "engine/rebuild/small_components.h"
 #include "engine/volume/same_grid.h"
+#include "engine/volume/small_components.h"
 #include "slicemorph/errors.h"
 
 #include <algorithm>

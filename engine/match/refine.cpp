@@ -1,6 +1,7 @@
 #include "engine/match/refine.h"
 
 #include "engine/match/closest_points.h"
+#include "engine/match/core_points.h"
 #include "engine/match/fit_map.h"
 #include "engine/match/middle_samples.h"
 #include "engine/match/soft_points.h"
@@ -52,6 +53,10 @@ std::vector<Correspondence> roundPoints(const MatchObjects& objects, const Match
       closestPoints(objects.shape.fields, objects.charts, matching.map, samples, reach);
   const std::vector<Correspondence> inner = innerSurfacePoints(objects, matching, round);
   points.insert(points.end(), inner.begin(), inner.end());
+  if (!matching.swings) return points;
+  // Only bodies bent onto each other are so near that a thin part lies on its own like.
+  const std::vector<Correspondence> cores = corePoints(objects, matching, reach);
+  points.insert(points.end(), cores.begin(), cores.end());
   return points;
 }
 

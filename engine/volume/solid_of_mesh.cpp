@@ -5,6 +5,7 @@
 #include "engine/volume/find_sheets.h"
 #include "engine/volume/mesh_measures.h"
 #include "engine/volume/repair_note.h"
+#include "engine/volume/small_components.h"
 #include "engine/volume/surface_samples.h"
 #include "engine/volume/thin_parts.h"
 #include "engine/volume/turn_outwards.h"
@@ -186,14 +187,22 @@ void noteSheets(SolidMesh& mesh, const SolidOptions& options) {
 /// What walls thinner than a voxel lose of the area is told from this share on. Chosen by hand.
 constexpr double kLostWorthTelling = 0.01;
 
-void noteThinParts(SolidMesh& mesh, const FloatGrid& levelSet) {
-  const double lost = lostShare(mesh.mesh, levelSet);
-  if (lost < kLostWorthTelling) return;
+/// The level set of a mesh with walls thinner than a voxel made thicker where their loss would sever its parts, as a hoof
+/// from a leg that is crumpled flat.
+FloatGrid::Ptr unsevered(FloatGrid::Ptr levelSet, SolidMesh& mesh) {
+  const double lost = lostShare(mesh.mesh, *levelSet);
+  const int pieces = lost > 0 ? countPieces(*levelSet) : 1;
+  FloatGrid::Ptr thick = pieces > 1 ? withThinWalls(*levelSet, mesh.mesh) : nullptr;
+  const bool severed = thick && countPieces(*thick) < pieces;
+  if (!severed && lost < kLostWorthTelling) return levelSet;
   std::ostringstream text;
-  text << "about " << std::lround(100 * lost) << " % of its surface bounds walls thinner than a voxel of "
-       << roughly(levelSet.voxelSize()[0])
-       << ", which are lost in part or wholly: smaller voxels (--resolution, --voxel-size) keep them";
+  text << (lost < kLostWorthTelling ? "less than 1" : "about " + std::to_string(std::lround(100 * lost)))
+       << " % of its surface bounds walls thinner than a voxel of " << roughly(levelSet->voxelSize()[0])
+       << (severed ? ", which join its parts: they are made " + withDigits(kKeptWall, 2) + " voxels thick; "
+                   : ", which are lost in part or wholly: ")
+       << "smaller voxels (--resolution, --voxel-size) keep them" << (severed ? " as they are" : "");
   mesh.notes.push_back(repairNote("mesh.thin-walls", Severity::kNote, text.str()));
+  return severed ? thick : levelSet;
 }
 
 }  // namespace
@@ -276,7 +285,7 @@ MeshSolid solidOf(SolidMesh mesh, const SolidOptions& options) {
     solid.levelSet = voxeliseClosed(mesh, voxelSize);
   else if (!mesh.mesh.triangles.empty())
     solid.levelSet = windingLevelSet(mesh.mesh, WindingNumber(mesh.mesh), voxelSize);
-  if (solid.levelSet) noteThinParts(mesh, *solid.levelSet);
+  if (solid.levelSet) solid.levelSet = unsevered(std::move(solid.levelSet), mesh);
   solid.levelSet = withSheets(std::move(solid.levelSet), mesh, voxelSize, options.shell);
   solid.notes = inOneLine(std::move(mesh.notes));
   return solid;

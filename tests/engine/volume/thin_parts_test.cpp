@@ -1,10 +1,13 @@
 // What of a mesh falls between the voxels, against shares of area that are known.
 #include "engine/volume/thin_parts.h"
 
+#include "engine/volume/small_components.h"
 #include "engine/volume/solid_of_mesh.h"
 #include "engine/volume/voxelise.h"
+#include "tests/support/same_values.h"
 
 #include <gtest/gtest.h>
+#include <openvdb/tools/Interpolation.h>
 
 #include <algorithm>
 
@@ -60,6 +63,41 @@ TEST(ThinParts, PlatesOfMoreThanAVoxelAreNone) {
     const double low = (50 + shift) * kVoxelOfParts;
     EXPECT_LT(lostOf(cubeAndPlate(low, low + 1.5 * kVoxelOfParts)), rim / (8 + rim)) << shift;
   }
+}
+
+/// Two cubes of side .5, too small for inside tiles, joined by a plate of a tenth of a voxel, shifted by this many voxels from their bottom.
+PolygonMesh joinedCubes(double shift) {
+  PolygonMesh mesh;
+  const double low = (6 + shift) * kVoxelOfParts;
+  addBlock(mesh, {0, 0, 0}, {0.5, 0.5, 0.5});
+  addBlock(mesh, {0.4, 0.1, low}, {1.1, 0.4, low + 0.1 * kVoxelOfParts});
+  addBlock(mesh, {1, 0, 0}, {1.5, 0.5, 0.5});
+  return mesh;
+}
+
+/// However it lies between the voxels, a plate that joins two parts is kept, as thick as told to within a voxel.
+TEST(ThinParts, ThatJoinOthersAreKept) {
+  SolidOptions options;
+  options.voxelSize = kVoxelOfParts;
+  for (double shift : {0.1, 0.3, 0.6}) {
+    const FloatGrid::Ptr grid = solidOf(prepareSolid(joinedCubes(shift)), options).levelSet;
+    EXPECT_EQ(countPieces(*grid), 1) << shift;
+    const Vec3d middle(0.75, 0.25, (6.05 + shift) * kVoxelOfParts);
+    for (double z = -2; z <= 2; z += 0.25) {
+      const Vec3d p = middle + Vec3d(0, 0, z * kVoxelOfParts);
+      const double value = openvdb::tools::BoxSampler::sample(grid->tree(), grid->worldToIndex(p));
+      EXPECT_NEAR(value, (std::abs(z) - kKeptWall / 2) * kVoxelOfParts, kVoxelOfParts) << shift << " " << z;
+    }
+  }
+}
+
+/// A plate that joins nothing changes nothing: the level set is OpenVDB's.
+TEST(ThinParts, ThatJoinNothingAreLost) {
+  SolidOptions options;
+  options.voxelSize = kVoxelOfParts;
+  const PolygonMesh polygons = cubeAndPlate(50.4 * kVoxelOfParts, 50.6 * kVoxelOfParts);
+  EXPECT_TRUE(sameValues(*solidOf(prepareSolid(polygons), options).levelSet,
+                         *voxelise(prepareSolid(polygons).mesh, kVoxelOfParts)));
 }
 
 TEST(ThinParts, AreTold) {

@@ -1,4 +1,4 @@
-#include "engine/rebuild/small_components.h"
+#include "engine/volume/small_components.h"
 
 #include "engine/numerics/disjoint_sets.h"
 #include "engine/volume/leaf.h"
@@ -154,30 +154,40 @@ int countPieces(const FloatGrid& levelSet) {
   return std::max(pieces, 1);
 }
 
-int removeSmallComponents(FloatGrid& levelSet, int allowed) {
+std::vector<LooseComponent> looseComponents(const FloatGrid& levelSet, int allowed) {
   const Parts parts = findParts(levelSet);
   std::vector<size_t> roots = parts.roots();
-  if (int(roots.size()) <= allowed) return 0;
+  if (int(roots.size()) <= allowed) return {};
   size_t total = 0;
   for (size_t r : roots) total += parts.sizes[r];
   std::stable_sort(roots.begin(), roots.end(),
                    [&](size_t a, size_t b) { return parts.sizes[a] < parts.sizes[b]; });
-  std::unordered_map<size_t, std::vector<openvdb::Coord>> smallComponents;
-  for (size_t i = 0; i + size_t(allowed) < roots.size(); ++i)
-    if (roots[i] != 0 && double(parts.sizes[roots[i]]) < kSmallComponent * double(total))
-      smallComponents[roots[i]];
+  std::vector<LooseComponent> loose;
+  std::unordered_map<size_t, size_t> number;  // of a root among them
+  for (size_t i = 0; i + size_t(allowed) < roots.size(); ++i) {
+    if (roots[i] == 0) continue;
+    number.emplace(roots[i], loose.size());
+    loose.push_back({{}, double(parts.sizes[roots[i]]) / double(total)});
+  }
   for (size_t i = 0; i < parts.leaves.size(); ++i)
     for (int v = 0; v < kLeafSize; ++v) {
       const short label = parts.inLeaf[i].label[size_t(v)];
       if (label < 0) continue;
-      const auto small = smallComponents.find(parts.root[parts.first[i] + size_t(label)]);
-      if (small != smallComponents.end())
-        small->second.push_back(parts.leaves[i]->offsetToGlobalCoord(openvdb::Index(v)));
+      const auto found = number.find(parts.root[parts.first[i] + size_t(label)]);
+      if (found != number.end())
+        loose[found->second].voxels.push_back(parts.leaves[i]->offsetToGlobalCoord(openvdb::Index(v)));
     }
-  for (size_t r : roots)
-    if (const auto small = smallComponents.find(r); small != smallComponents.end())
-      remove(levelSet, small->second);
-  return int(smallComponents.size());
+  return loose;
+}
+
+int removeSmallComponents(FloatGrid& levelSet, int allowed) {
+  int removed = 0;
+  for (const LooseComponent& component : looseComponents(levelSet, allowed)) {
+    if (!(component.share < kSmallComponent)) continue;
+    remove(levelSet, component.voxels);
+    ++removed;
+  }
+  return removed;
 }
 
 }  // namespace slicemorph

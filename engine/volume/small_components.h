@@ -2,11 +2,22 @@
 
 #include "slicemorph/conventions.h"
 
+#include <vector>
+
 namespace slicemorph {
 
 /// Number of connected components (6-neighbours) of the level set's inside, at least 1. Components below 27
 /// voxels and below 0.1 % of the inside voxels in leaves are not counted: thin tips leave such fragments.
 int countPieces(const FloatGrid& levelSet);
+
+/// A connected component of the inside that is not among the largest.
+struct LooseComponent {
+  std::vector<openvdb::Coord> voxels;  ///< inside
+  double share = 0;                    ///< of the inside voxels in leaves
+};
+
+/// All but the `allowed` largest components, those with inside tiles counted as one, the smallest first; never one with inside tiles.
+std::vector<LooseComponent> looseComponents(const FloatGrid& levelSet, int allowed);
 
 /// Removes the smallest components of the inside while there are more than `allowed`, but only those that
 /// hold less than 3 % of the inside voxels in leaves. Such components break off where a feature gets thinner

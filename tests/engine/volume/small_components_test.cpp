@@ -1,5 +1,5 @@
 // Components of the inside compared with a flood fill voxel by voxel.
-#include "engine/rebuild/small_components.h"
+#include "engine/volume/small_components.h"
 #include "tests/support/same_values.h"
 #include "tests/support/shapes.h"
 
