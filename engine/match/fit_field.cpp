@@ -5,9 +5,11 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 #include <Eigen/Core>
 
 #include <algorithm>
+#include <cstdint>
 
 namespace slicemorph {
 
@@ -30,9 +32,9 @@ using Four = Eigen::Array4f;
 using FourDoubles = Eigen::Array4d;
 using Column = std::vector<Four>;
 
-/// What one task has, so that starting it takes no time against its work: of a lattice's layers, and of all nodes.
+/// What one task has, so that starting it takes no time against its work: of a lattice's layers, of all nodes, of sites.
 constexpr int kLayersPerTask = 8;
-constexpr size_t kNodesPerTask = 16384;
+constexpr size_t kNodesPerTask = 16384, kSitesPerTask = 4096;
 
 /// The operator of the normal equations, W^T W + stiffness L^T L + 1e-5 I; the last term only makes it
 /// definite. W: interpolation at the sites, times the roots of their weights; L: Laplacian. A column holds
@@ -40,7 +42,10 @@ constexpr size_t kNodesPerTask = 16384;
 class NormalOperator {
  public:
   NormalOperator(const Lattice& lattice, const Sites& sites, double stiffness)
-      : lattice_(lattice), weight_(sites.weight), stiffness_(float(stiffness)) {
+      : lattice_(lattice),
+        weight_(sites.weight),
+        stiffness_(float(stiffness)),
+        layers_(size_t(lattice.size[2])) {
     dy_ = lattice.size[0] + 2, dz_ = dy_ * (lattice.size[1] + 2);
     for (int i = 0; i < 8; ++i) offset_[i] = (i & 1 ? 1 : 0) + (i & 2 ? dy_ : 0) + (i & 4 ? dz_ : 0);
     for (const Vec3d& p : sites.position) {
@@ -48,6 +53,8 @@ class NormalOperator {
       const openvdb::Coord c = lattice.coordOf(point.cell);
       Stencil s{index(c[0], c[1], c[2]), {}};
       for (int i = 0; i < 8; ++i) s.w[i] = point.weight(i);
+      for (int above = 0; above < 2; ++above)
+        layers_[size_t(c[2] + above)].push_back({std::uint32_t(stencils_.size()), above});
       stencils_.push_back(s);
     }
   }
@@ -58,29 +65,29 @@ class NormalOperator {
   /// `values(i)`: the four columns' values at site i.
   template <typename Values>
   Column rightHandSide(const Values& values) const {
-    Column b = zero();
-    for (size_t i = 0; i < stencils_.size(); ++i) {
-      const Four v = values(i);
-      for (int c = 0; c < 8; ++c) b[stencils_[i].base + offset_[c]] += (weight_[i] * stencils_[i].w[c]) * v;
-    }
+    Column b = zero(), value(stencils_.size());
+    forEachSite([&](size_t i) { value[i] = values(i); });
+    forEachCorner([&](size_t node, size_t i, float weight) { b[node] += (weight_[i] * weight) * value[i]; });
     return b;
   }
 
-  /// y = this times x; `scratch` and `y` are of the same size and zero in the border.
-  void operator()(const Column& x, Column& scratch, Column& y) const {
+  size_t sites() const { return stencils_.size(); }
+
+  /// y = this times x; `scratch` and `y` are of the same size and zero in the border. `value`: room for one value a site.
+  void operator()(const Column& x, Column& scratch, Column& value, Column& y) const {
     forEachRow([&](size_t n, size_t end) {
       for (; n < end; ++n) scratch[n] = laplacian(x, n);
     });
     forEachRow([&](size_t n, size_t end) {
       for (; n < end; ++n) y[n] = stiffness_ * laplacian(scratch, n) + 1e-5f * x[n];
     });
-    for (size_t i = 0; i < stencils_.size(); ++i) {
+    forEachSite([&](size_t i) {
       const Stencil& s = stencils_[i];
       Four v = Four::Zero();
       for (int c = 0; c < 8; ++c) v += s.w[c] * x[s.base + offset_[c]];
-      v *= weight_[i];
-      for (int c = 0; c < 8; ++c) y[s.base + offset_[c]] += s.w[c] * v;
-    }
+      value[i] = v * weight_[i];
+    });
+    forEachCorner([&](size_t node, size_t i, float weight) { y[node] += weight * value[i]; });
   }
 
  private:
@@ -89,6 +96,36 @@ class NormalOperator {
     size_t base;
     float w[8];
   };
+
+  /// A site that has corners in a layer of the lattice: those of its cell's lower side, or of the upper one.
+  struct SiteInLayer {
+    std::uint32_t site;
+    int above;
+  };
+
+  /// Calls body(i) for every site.
+  template <typename Body>
+  void forEachSite(const Body& body) const {
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, stencils_.size(), kSitesPerTask),
+                      [&](const tbb::blocked_range<size_t>& sites) {
+                        for (size_t i = sites.begin(); i < sites.end(); ++i) body(i);
+                      });
+  }
+
+  /// Calls body(node, site, weight) for every corner of every site's cell: layer by layer of the lattice, so that none
+  /// is written by two tasks, and for each node in the order of the sites.
+  template <typename Body>
+  void forEachCorner(const Body& body) const {
+    tbb::parallel_for(tbb::blocked_range<int>(0, lattice_.size[2], kLayersPerTask),
+                      [&](const tbb::blocked_range<int>& layers) {
+                        for (int z = layers.begin(); z < layers.end(); ++z)
+                          for (const SiteInLayer& in : layers_[size_t(z)]) {
+                            const Stencil& s = stencils_[in.site];
+                            for (int c = 4 * in.above; c < 4 * in.above + 4; ++c)
+                              body(s.base + offset_[c], in.site, s.w[c]);
+                          }
+                      });
+  }
 
   /// Calls body(n, end) for every row, with the index of its first node and the one past its last; a task has a few
   /// layers of rows.
@@ -111,23 +148,24 @@ class NormalOperator {
   float stiffness_;
   size_t dy_, dz_;
   std::vector<Stencil> stencils_;
+  std::vector<std::vector<SiteInLayer>> layers_;  ///< per layer, in the order of the sites
   size_t offset_[8];
 };
 
 /// The normal equations of all nodes in the form that conjugateGradients takes.
 class ColumnSystem {
  public:
-  explicit ColumnSystem(const NormalOperator& op) : op_(op), scratch_(op.zero()) {}
+  explicit ColumnSystem(const NormalOperator& op) : op_(op), scratch_(op.zero()), value_(op.sites()) {}
 
   size_t size() const { return scratch_.size(); }
   size_t node(size_t i) const { return i; }
   float diagonal(size_t) const { return 1; }
   Grain grain() const { return {kNodesPerTask}; }
-  void apply(const Column& x, Column& product) { op_(x, scratch_, product); }
+  void apply(const Column& x, Column& product) { op_(x, scratch_, value_, product); }
 
  private:
   const NormalOperator& op_;
-  Column scratch_;
+  Column scratch_, value_;
 };
 
 /// Solves four columns from `x`, each to a residual of a thousandth of its right-hand side or `most` steps.
@@ -135,12 +173,11 @@ Column solve(const NormalOperator& op, const Column& b, Column x, int most) {
   ColumnSystem system(op);
   Column residual = op.zero();
   system.apply(x, residual);
-  FourDoubles scale = FourDoubles::Zero();
-  for (size_t i = 0; i < b.size(); ++i) {
+  const FourDoubles sum = system.grain().sum(b.size(), FourDoubles(FourDoubles::Zero()), [&](size_t i) {
     residual[i] = b[i] - residual[i];
-    scale += b[i].cast<double>() * b[i].cast<double>();
-  }
-  scale = scale.max(1e-30);
+    return FourDoubles(b[i].cast<double>() * b[i].cast<double>());
+  });
+  const FourDoubles scale = sum.max(1e-30);
   conjugateGradients(system, {most, 1e-6}, std::move(residual), x, &scale);
   return x;
 }
@@ -156,16 +193,23 @@ Displacements fitFields(const Lattice& lattice, const Sites& sites, double stiff
   // is zero unless points move on parabolas.
   std::vector<Vec3d> sums(sites.position.size(), Vec3d(0.0));
   VectorField sum(lattice.count(), openvdb::Vec3s(0.f));
-  double most = 0, largest = 0;
-  for (size_t k = 0; k < objects; ++k) {
+  double largest = 0;
+  for (size_t k = 0; k < objects; ++k)
     for (size_t i = 0; i < sums.size(); ++i) {
       sums[i] += sites.value[k][i];
       largest = std::max(largest, sites.value[k][i].lengthSqr());
     }
-    for (size_t i = 0; i < sum.size(); ++i) sum[i] += start.of[k][i];
-  }
+  double most = tbb::parallel_reduce(
+      tbb::blocked_range<size_t>(0, sum.size()), 0.0,
+      [&](const tbb::blocked_range<size_t>& nodes, double longest) {
+        for (size_t i = nodes.begin(); i < nodes.end(); ++i) {
+          for (size_t k = 0; k < objects; ++k) sum[i] += start.of[k][i];
+          longest = std::max(longest, double(sum[i].lengthSqr()));
+        }
+        return longest;
+      },
+      [](double a, double b) { return std::max(a, b); });
   for (const Vec3d& s : sums) most = std::max(most, s.lengthSqr());
-  for (const auto& s : sum) most = std::max(most, double(s.lengthSqr()));
   const bool bowed = most > 1e-8 * largest;
   if (!bowed) std::fill(sum.begin(), sum.end(), openvdb::Vec3s(0.f));
   const size_t columns = 3 * (objects - 1 + bowed);
@@ -175,9 +219,10 @@ Displacements fitFields(const Lattice& lattice, const Sites& sites, double stiff
         if (const size_t column = 4 * four + lane; column < columns) body(lane, column / 3, int(column % 3));
     };
     const auto forEachNode = [&](const auto& body) {
-      for (int z = 0; z < lattice.size[2]; ++z)
+      tbb::parallel_for(0, int(lattice.size[2]), [&](int z) {
         for (int y = 0; y < lattice.size[1]; ++y)
           for (int x = 0; x < lattice.size[0]; ++x) body(lattice.index(x, y, z), op.index(x, y, z));
+      });
     };
     Column first = op.zero();
     forEachColumn([&](int lane, size_t object, int component) {
@@ -197,10 +242,13 @@ Displacements fitFields(const Lattice& lattice, const Sites& sites, double stiff
       forEachNode([&](size_t node, size_t ringed) { to[node][component] = x[ringed][lane]; });
     });
   });
-  for (size_t i = 0; i < lattice.count(); ++i) {
-    result.of.back()[i] = sum[i];
-    for (size_t k = 0; k + 1 < objects; ++k) result.of.back()[i] -= result.of[k][i];
-  }
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, lattice.count()),
+                    [&](const tbb::blocked_range<size_t>& nodes) {
+                      for (size_t i = nodes.begin(); i < nodes.end(); ++i) {
+                        result.of.back()[i] = sum[i];
+                        for (size_t k = 0; k + 1 < objects; ++k) result.of.back()[i] -= result.of[k][i];
+                      }
+                    });
   return result;
 }
 

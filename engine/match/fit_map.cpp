@@ -3,6 +3,8 @@
 #include "engine/match/fit_field.h"
 #include "engine/match/fold_guard.h"
 
+#include <tbb/parallel_for.h>
+
 namespace slicemorph {
 
 namespace {
@@ -36,7 +38,7 @@ Displacements fittedMap(const MatchObjects& objects, const Matching& matching,
   const Displacements base = resampled(matching.base, lattice);
   Displacements start = resampled(matching.map, lattice);
   for (size_t k = 0; k < objects.count(); ++k)
-    for (size_t i = 0; i < lattice.count(); ++i) start.of[k][i] -= base.of[k][i];
+    tbb::parallel_for(size_t(0), lattice.count(), [&](size_t i) { start.of[k][i] -= base.of[k][i]; });
   Displacements map = fitFields(lattice, sitesOn(matching.base, points), fit.stiffness, start,
                                 fit.spacing < kFineSpacing ? kFineSteps : kCoarseSteps);
   // A base that is finer than the fields, as after limbs were followed, keeps its own lattice.
@@ -44,7 +46,7 @@ Displacements fittedMap(const MatchObjects& objects, const Matching& matching,
   if (finer) map = resampled(map, matching.base.lattice);
   const Displacements& under = finer ? matching.base : base;
   for (size_t k = 0; k < objects.count(); ++k)
-    for (size_t i = 0; i < map.lattice.count(); ++i) map.of[k][i] += under.of[k][i];
+    tbb::parallel_for(size_t(0), map.lattice.count(), [&](size_t i) { map.of[k][i] += under.of[k][i]; });
   removeFolds(map);
   return map;
 }

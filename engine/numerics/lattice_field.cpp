@@ -38,6 +38,31 @@ Vec3d interpolated(const Lattice& lattice, const VectorField& field, const Vec3d
   return Vec3d(near + (far - near) * w[2]);
 }
 
+/// Values on a lattice of this size, at the nodes of `to` along one axis; along the others they stay where they are.
+template <typename To, typename From>
+std::vector<To> resampledAlong(int axis, const std::vector<From>& values, const openvdb::Coord& size,
+                               const Lattice& from, const Lattice& to) {
+  std::vector<Taps> taps;
+  taps.reserve(size_t(to.size[axis]));
+  for (int i = 0; i < to.size[axis]; ++i)
+    taps.push_back(catmullRom((to.position(i, i, i)[axis] - from.origin[axis]) / from.spacing));
+  const size_t stride = axis == 0 ? 1 : axis == 1 ? size_t(size[0]) : size_t(size[0]) * size[1];
+  const size_t lines = values.size() / (stride * size[axis]);
+  std::vector<To> along(stride * to.size[axis] * lines);
+  tbb::parallel_for(size_t(0), lines * to.size[axis], [&](size_t row) {
+    const Taps& t = taps[row % to.size[axis]];
+    const size_t first = row / to.size[axis] * stride * size[axis];
+    for (size_t n = 0; n < stride; ++n) {
+      Vec3d sum(0.0);
+      for (int i = 0; i < 4; ++i)
+        if (const int at = t.base + i; at >= 0 && at < size[axis])
+          sum += t.w[i] * Vec3d(values[first + at * stride + n]);
+      along[row * stride + n] = To(sum);
+    }
+  });
+  return along;
+}
+
 }  // namespace
 
 Vec3d sampleField(const Lattice& lattice, const VectorField& field, const Vec3d& p) {
@@ -55,31 +80,12 @@ Vec3d sampleContinued(const Lattice& lattice, const VectorField& field, const Ve
 
 VectorField resampleField(const Lattice& from, const VectorField& field, const Lattice& to) {
   // One axis after the other; axes not yet resampled keep their size.
-  std::vector<Vec3d> values(field.begin(), field.end());
   openvdb::Coord size = from.size;
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<Taps> taps;
-    taps.reserve(size_t(to.size[axis]));
-    for (int i = 0; i < to.size[axis]; ++i)
-      taps.push_back(catmullRom((to.position(i, i, i)[axis] - from.origin[axis]) / from.spacing));
-    const size_t stride = axis == 0 ? 1 : axis == 1 ? size_t(size[0]) : size_t(size[0]) * size[1];
-    const size_t lines = values.size() / (stride * size[axis]);
-    std::vector<Vec3d> along(stride * to.size[axis] * lines);
-    tbb::parallel_for(size_t(0), lines * to.size[axis], [&](size_t row) {
-      const Taps& t = taps[row % to.size[axis]];
-      const size_t first = row / to.size[axis] * stride * size[axis];
-      for (size_t n = 0; n < stride; ++n) {
-        Vec3d sum(0.0);
-        for (int i = 0; i < 4; ++i)
-          if (const int at = t.base + i; at >= 0 && at < size[axis])
-            sum += t.w[i] * values[first + at * stride + n];
-        along[row * stride + n] = sum;
-      }
-    });
-    values.swap(along);
-    size[axis] = to.size[axis];
-  }
-  return {values.begin(), values.end()};
+  const std::vector<Vec3d> alongX = resampledAlong<Vec3d>(0, field, size, from, to);
+  size[0] = to.size[0];
+  const std::vector<Vec3d> alongXY = resampledAlong<Vec3d>(1, alongX, size, from, to);
+  size[1] = to.size[1];
+  return resampledAlong<openvdb::Vec3s>(2, alongXY, size, from, to);
 }
 
 }  // namespace slicemorph

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 namespace slicemorph {
 
@@ -107,20 +108,6 @@ int farthest(const NodeMap& nodes, const CellFlags& cells, const openvdb::math::
   return int(std::ceil(std::sqrt(most) * nodes.step));
 }
 
-/// A map with the same nodes in a larger box.
-NodeMap enlarged(const NodeMap& nodes, NodeMap box) {
-  box.objects = 1;
-  box.at.resize(countOf(box)), box.known.assign(countOf(box), 0);
-  for (int z = 0; z < nodes.size[2]; ++z)
-    for (int y = 0; y < nodes.size[1]; ++y) {
-      const Coord c = nodes.origin + Coord(0, y, z);
-      const size_t from = nodes.index(c[0], c[1], c[2]), to = box.index(c[0], c[1], c[2]);
-      std::copy_n(&nodes.at[from], nodes.size[0], &box.at[to]);
-      std::copy_n(&nodes.known[from], nodes.size[0], &box.known[to]);
-    }
-  return box;
-}
-
 /// The cells, and those that they sweep while they move by their velocity for `reach` units of time, both ways.
 CellFlags sweptCells(const NodeMap& nodes, const CellFlags& cells, const openvdb::math::Transform& transform,
                      double reach) {
@@ -139,28 +126,29 @@ CellFlags sweptCells(const NodeMap& nodes, const CellFlags& cells, const openvdb
 /// stands for these nodes along it.
 CellFlags nodesOf(const NodeMap& nodes, const CellFlags& cells, int further, const CellFlags& but) {
   CellFlags wanted = cells;
-  const size_t row = size_t(nodes.size[0]), slab = row * size_t(nodes.size[1]);
-  for (const size_t stride : {size_t(1), row, slab}) {
+  const std::ptrdiff_t row = nodes.size[0], slab = row * nodes.size[1], count = slab * nodes.size[2];
+  for (const std::ptrdiff_t stride : {std::ptrdiff_t(1), row, slab}) {
     const CellFlags from = wanted;
-    tbb::parallel_for(
-        tbb::blocked_range<size_t>(0, from.size()), [&](const tbb::blocked_range<size_t>& range) {
-          for (int by = -further; by <= 1 + further; ++by) {
-            const size_t back = by > 0 ? size_t(by) * stride : 0, on = by < 0 ? size_t(-by) * stride : 0;
-            const size_t first = std::max(range.begin(), back),
-                         end = std::min(range.end() + on, from.size()) - on;
-            for (size_t n = first; n < end; ++n) wanted[n] |= from[n + on - back];
-          }
-        });
+    tbb::parallel_for(std::ptrdiff_t(0), count, [&](std::ptrdiff_t n) {
+      for (std::ptrdiff_t cell = n - (1 + further) * stride; cell <= n + further * stride; cell += stride)
+        if (cell >= 0 && cell < count) wanted[size_t(n)] |= from[size_t(cell)];
+    });
   }
   for (size_t n = 0; n < but.size(); ++n)
     if (but[n]) wanted[n] = 0;
   return wanted;
 }
 
-/// Adds the nodes that another map of the same box knows.
+/// Adds the nodes that another map knows, whose box is within this one's.
 void addKnown(NodeMap& nodes, const NodeMap& more) {
-  for (size_t n = 0; n < more.known.size(); ++n)
-    if (more.known[n]) nodes.at[n] = more.at[n], nodes.known[n] = 1;
+  nodes.objects = 1, nodes.at.resize(countOf(nodes)), nodes.known.resize(countOf(nodes));
+  for (int z = 0; z < more.size[2]; ++z)
+    for (int y = 0; y < more.size[1]; ++y)
+      for (int x = 0; x < more.size[0]; ++x) {
+        const Coord c = more.origin + Coord(x, y, z);
+        const size_t from = more.index(c[0], c[1], c[2]), to = nodes.index(c[0], c[1], c[2]);
+        if (more.known[from]) nodes.at[to] = more.at[from], nodes.known[to] = 1;
+      }
 }
 
 /// The most by which trilinear interpolation between the nodes around the cells can be wrong: an eighth of the second
@@ -290,7 +278,8 @@ openvdb::Vec3SGrid::Ptr velocityGrid(int step, const NodeVelocities& velocities,
   nodes = velocities(nodes, nodesOf(nodes, cells, 0, {}));
   if (const int reach = farthest(nodes, cells, transform, options.reach); reach > 0) {
     box.expand(reach);
-    nodes = enlarged(nodes, emptyNodes(box, step));
+    const NodeMap inner = std::exchange(nodes, emptyNodes(box, step));
+    addKnown(nodes, inner);
     cells = cellsOf(body, nodes);
   }
   const CellFlags swept = sweptCells(nodes, cells, transform, options.reach);
@@ -300,9 +289,8 @@ openvdb::Vec3SGrid::Ptr velocityGrid(int step, const NodeVelocities& velocities,
   const openvdb::MaskTree voxels = voxelsOf(nodes, body, cells, swept, factor);
   const auto grid = openvdb::Vec3SGrid::create(
       std::make_shared<openvdb::Vec3STree>(voxels, Vec3s(0.f), openvdb::TopologyCopy()));
-  const openvdb::math::Transform::Ptr coarse = transform.copy();
-  if (factor > 1) coarse->preScale(double(factor));
-  grid->setTransform(coarse);
+  grid->setTransform(transform.copy());
+  if (factor > 1) grid->transform().preScale(double(factor));
   fillIn(grid->tree(), nodes, factor);
   return grid;
 }

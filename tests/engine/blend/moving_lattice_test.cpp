@@ -229,6 +229,11 @@ TEST(MovingLattice, SomeNodesAreAsAllAre) {
       EXPECT_EQ(part.at[n], whole.at[n]);
     }
   }
+  // Where nodes lie may be known from another map of the in-between.
+  const NodeMap surface = lattice.nodesNearSurface(pose, *transform, 4);
+  VelocityFinder knowing = lattice.velocityFinder(motion, pose, *transform, 4);
+  knowing.knows(surface);
+  EXPECT_EQ(knowing.find(empty, allNodes(empty)).at, whole.at);
 }
 
 /// Rates of zero give velocities of zero.
