@@ -11,6 +11,7 @@
 #include "engine/volume/same_grid.h"
 #include "engine/volume/small_components.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <utility>
 
@@ -90,7 +91,8 @@ Notes plannedAnew(const char* why) {
   return {{"sequence.planned-anew", Severity::kNote, "", std::string("planned anew: ") + why}};
 }
 
-/// Tells whether what some object has at a world point of an in-between is inside, or no farther outside than a voxel.
+/// Tells whether at each of some world points of an in-between what some object has there is inside, or no farther outside
+/// than a voxel.
 class InSomeObject {
  public:
   InSomeObject(const Plan& plan, const Weights& weights, const MovingLattice::Pose& pose)
@@ -99,15 +101,18 @@ class InSomeObject {
       if (weights[k] > 0) used_.push_back(k);
   }
 
-  bool operator()(const Vec3d& p) {
+  bool operator()(const std::vector<Vec3d>& points) {
     if (own_.empty())
       for (size_t k : used_) own_.push_back(plan_.lattice->poseOf(k));
+    std::vector<char> inside(points.size(), 0);
     for (size_t n = 0; n < used_.size(); ++n) {
       const DistanceField& field = *plan_.shapes.fields[used_[n]];
-      const Vec3d on = plan_.lattice->carryPoints({p}, pose_, own_[n]).front();
-      if (DistanceField::Sampler(field)(field.relative(on)) < field.voxelSize()) return true;
+      const DistanceField::Sampler distance(field);
+      const std::vector<Vec3d> on = plan_.lattice->carryPoints(points, pose_, own_[n]);
+      for (size_t i = 0; i < on.size(); ++i)
+        if (distance(field.relative(on[i])) < field.voxelSize()) inside[i] = 1;
     }
-    return false;
+    return std::count(inside.begin(), inside.end(), 0) == 0;
   }
 
  private:

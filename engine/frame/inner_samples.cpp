@@ -138,7 +138,8 @@ InnerSamples innerSamples(const DistanceField& field, size_t count) {
 }
 
 double innerDistortion(const InnerSamples& a, const InnerSamples& b, const Mat3d& rotation) {
-  return 0.5 * (distortionFrom(a, b, rotation) + distortionFrom(b, a, rotation.transpose()));
+  // Not below 0, where rounding may lead.
+  return std::max(0.5 * (distortionFrom(a, b, rotation) + distortionFrom(b, a, rotation.transpose())), 0.0);
 }
 
 }  // namespace slicemorph

@@ -151,10 +151,10 @@ ChosenTurn chooseFreely(const Fields& pair, const std::vector<Turn>& turns, cons
   return {settled[0].turn, choice, choice.distortion < kNothingAlikeFreely};
 }
 
-/// The turn from the first object of a pair to the second whose soft matching distorts inner distances least.
-/// Where no distortion is a number, as of shapes with no inside, the first of `turns`.
-ChosenTurn chooseTurn(const Fields& pair, const std::vector<Turn>& turns, const MorphOptions& options,
-                      const Progress& progress) {
+/// The turn from the first object of a pair to the second whose soft matching distorts inner distances least; of shapes
+/// with no inside the first of `turns`. `prescribed`: these came from a user's features, and are taken as they are.
+ChosenTurn chooseTurn(const Fields& pair, const std::vector<Turn>& turns, bool prescribed,
+                      const MorphOptions& options, const Progress& progress) {
   if (turns.size() == 1) return unmeasured(turns[0]);
   const bool standing = options.up.length() > 0;
   InnerSamples samples[2];
@@ -179,7 +179,7 @@ ChosenTurn chooseTurn(const Fields& pair, const std::vector<Turn>& turns, const 
   std::vector<Turn> rivals;
   for (size_t i : among) rivals.push_back(turns[i]);
   const double least = distortion[among[0]];
-  if (leaves && (!standing || least <= kNothingAlikeFreely))
+  if (leaves && !prescribed && (!standing || least <= kNothingAlikeFreely))
     return chooseFreely(pair, rivals, samples, progress);
   if (least > kNothingAlike || leaves) {
     among = likelyOf(turns, among);
@@ -248,9 +248,9 @@ Frames straightFrames(const Fields& fields, const std::vector<std::string>& name
     MorphOptions pairOptions = options;
     pairOptions.features.clear();
     const Fields pair{fields[0], fields[k]};
-    const std::vector<Turn> turns =
-        turnsToTry(pair, pointsOn(options.features, 0), pointsOn(options.features, k), options.up);
-    const ChosenTurn chosen = chooseTurn(pair, turns, pairOptions, progress);
+    const auto points = pointsOn(options.features, k);
+    const std::vector<Turn> turns = turnsToTry(pair, pointsOn(options.features, 0), points, options.up);
+    const ChosenTurn chosen = chooseTurn(pair, turns, !points.empty(), pairOptions, progress);
     rotations[k] = chosen.turn.rotation;
     choices.push_back(chosen.choice);
     notes.push_back(turnNote(chosen.turn, names[k], names[0]));

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 #include <queue>
+#include <set>
 #include <unordered_set>
 
 namespace slicemorph {
@@ -106,17 +107,18 @@ void add(FloatGrid& grid, const Joint& joint) {
   }
 }
 
-/// Whether every point along a joint belongs to a limb.
-bool isInLimb(const FloatGrid& grid, const Joint& joint, const std::function<bool(const Vec3d&)>& belongs) {
-  const int steps = int(std::ceil((joint.to - joint.from).length()));
+using Belongs = std::function<bool(const std::vector<Vec3d>&)>;
+
+/// World points along a joint, a voxel apart.
+std::vector<Vec3d> pointsAlong(const FloatGrid& grid, const Joint& joint) {
+  const int steps = std::max(int(std::ceil((joint.to - joint.from).length())), 1);
+  std::vector<Vec3d> points;
   for (int i = 0; i <= steps; ++i)
-    if (!belongs(grid.indexToWorld(joint.from + (joint.to - joint.from) * (double(i) / std::max(steps, 1)))))
-      return false;
-  return true;
+    points.push_back(grid.indexToWorld(joint.from + (joint.to - joint.from) * (double(i) / steps)));
+  return points;
 }
 
-bool rejoin(FloatGrid& grid, const LooseComponent& component,
-            const std::function<bool(const Vec3d&)>& belongs) {
+bool rejoin(FloatGrid& grid, const LooseComponent& component, const Belongs& belongs) {
   const double h = grid.voxelSize()[0];
   const Accessor values = grid.getAccessor();
   const std::unordered_set<Coord> own(component.voxels.begin(), component.voxels.end());
@@ -130,18 +132,23 @@ bool rejoin(FloatGrid& grid, const LooseComponent& component,
               to = deepestNear(gap->to, values, [&](const Coord&c) { return !isOwn(c); });
   const auto radius = [&](const Coord& c) { return std::max(-values.getValue(c) / h, kLeastRadius); };
   const Joint joint{from.asVec3d(), to.asVec3d(), radius(from), radius(to)};
-  if (!isInLimb(grid, joint, belongs)) return false;
+  if (!belongs(pointsAlong(grid, joint))) return false;
   add(grid, joint);
   return true;
 }
 
 }  // namespace
 
-int rejoinComponents(FloatGrid& levelSet, int allowed, const std::function<bool(const Vec3d&)>& belongs) {
+int rejoinComponents(FloatGrid& levelSet, int allowed, const Belongs& belongs) {
+  std::set<Coord> hopeless;  // components, by their first voxels
   for (int joints = 0; joints < kMostJoints; ++joints) {
     const std::vector<LooseComponent> loose = looseComponents(levelSet, allowed);
     const bool any = std::any_of(loose.rbegin(), loose.rend(), [&](const LooseComponent& component) {
-      return rejoin(levelSet, component, belongs);
+      const Coord first = *std::min_element(component.voxels.begin(), component.voxels.end());
+      if (hopeless.count(first)) return false;
+      const bool joined = rejoin(levelSet, component, belongs);
+      if (!joined) hopeless.insert(first);
+      return joined;
     });
     if (!any) return joints;
   }

@@ -3,6 +3,7 @@
 #include "slicemorph/conventions.h"
 
 #include <functional>
+#include <vector>
 
 namespace slicemorph {
 
@@ -10,8 +11,9 @@ namespace slicemorph {
 /// of one object lies beside that of the other by more than both are thick, the blend of distances breaks it. Two
 /// components are joined by a cone between their deepest points next to the gap, as thick at its ends as they are there;
 /// the gap must be narrower than both narrow bands. Not where one of them is thinner than two voxels throughout: such
-/// fragments come off tips. `belongs`: whether a world point in the gap lies in some object's limb. Returns the
-/// number of joints.
-int rejoinComponents(FloatGrid& levelSet, int allowed, const std::function<bool(const Vec3d&)>& belongs);
+/// fragments come off tips. `belongs`: whether each of these world points across the gap lies in some object's limb. Returns
+/// the number of joints.
+int rejoinComponents(FloatGrid& levelSet, int allowed,
+                     const std::function<bool(const std::vector<Vec3d>&)>& belongs);
 
 }  // namespace slicemorph

@@ -5,6 +5,7 @@
 #include "engine/reconstruct/slice_pieces.h"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <utility>
 
@@ -111,14 +112,16 @@ class SparePieces {
     return domain_.contains(x, y) ? slices_[slice][domain_.index(x, y)] : -1;
   }
   PieceChanges changesOf(size_t slice) const { return {plan_, moments_[slice - 1], slices_[slice]}; }
-  /// Takes a path, unless another label has one more piece without its pixels, and more than it may.
+  /// Takes a path, unless without its pixels another label has one more piece, and more than it may, or none where
+  /// it is on both planes.
   bool takePath(size_t slice, const PiecePath& path, int label) {
     PieceChanges changes = changesOf(slice);
     const std::vector<size_t> before = countOf(piecesOf(slice));
     const std::vector<int> labels = changes.take(path, label);
     const std::vector<size_t> after = countOf(piecesOf(slice));
     for (size_t l = 0; l < after.size(); ++l)
-      if (gap_.labels[l].label != label && after[l] > std::max(before[l], most_[l])) {
+      if (gap_.labels[l].label != label && (after[l] > std::max(before[l], most_[l]) ||
+                                            (after[l] == 0 && before[l] > 0 && isOnBoth(gap_.labels[l])))) {
         changes.putBack(path, labels);
         return false;
       }
@@ -204,7 +207,20 @@ class SparePieces {
     return found;
   }
 
-  void tieOne(int label, const PiecesBySlice& pieces) {
+  /// Pieces without pixels that have been given to others since they were found.
+  PiecesBySlice stillOf(int label, PiecesBySlice pieces) const {
+    for (auto piece = pieces.begin(); piece != pieces.end();) {
+      auto& [slice, pixels] = *piece;
+      const auto gone = [&, s = slice](const PiecePixel& p) { return valueAt(s, p.x, p.y) != label; };
+      pixels.erase(std::remove_if(pixels.begin(), pixels.end(), gone), pixels.end());
+      piece = pixels.empty() ? pieces.erase(piece) : std::next(piece);
+    }
+    return pieces;
+  }
+
+  void tieOne(int label, const PiecesBySlice& found) {
+    const PiecesBySlice pieces = stillOf(label, found);
+    if (pieces.empty()) return;
     float loss = kNeverCost;
     if (mayGo(label, pieces)) {
       loss = 0;
@@ -236,10 +252,10 @@ class SparePieces {
     return best;
   }
 
+  static bool isOnBoth(const GapLabel& label) { return bool(label.plane[1]) && bool(label.plane[2]); }
   /// Whether every slice keeps some of a label without these pieces, or need not.
   bool mayGo(int label, const PiecesBySlice& pieces) const {
-    const GapLabel& l = labelIn(gap_, label);
-    if (!l.plane[1] || !l.plane[2]) return true;
+    if (!isOnBoth(labelIn(gap_, label))) return true;
     for (const auto& [slice, pixels] : pieces)
       if (size_t(std::count(slices_[slice], slices_[slice] + domain_.count(), label)) <= pixels.size())
         return false;
@@ -265,6 +281,7 @@ void dropSparePieces(const SlicePlan& plan, size_t g, const std::vector<double>&
   spare.tie();
   spare.limit(Touching::kSides);
   spare.limit(Touching::kCorners);
+  spare.tie();  // what a change took away may have held others
 }
 
 }  // namespace slicemorph

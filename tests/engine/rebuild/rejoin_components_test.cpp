@@ -15,7 +15,7 @@ namespace {
 constexpr double kRejoinVoxel = 0.1;
 const openvdb::BBoxd kRejoinBox({-2.6, -0.8, -0.8}, {2.6, 0.8, 0.8});
 
-bool always(const Vec3d&) { return true; }
+bool always(const std::vector<Vec3d>&) { return true; }
 
 /// A rod along x of this radius from -2 to 2; severed where `gap` is not 0, by flat ends so far apart.
 FloatGrid::Ptr rod(double radius, double gap = 0) {
@@ -42,7 +42,7 @@ TEST(RejoinComponents, ASeveredRodIsWholeAgain) {
 TEST(RejoinComponents, WhatBelongsApartStaysApart) {
   const auto unchanged = [](double radius, double gap, int allowed, bool belongs) {
     const FloatGrid::Ptr before = rod(radius, gap), grid = before->deepCopy();
-    return rejoinComponents(*grid, allowed, [=](const Vec3d&) { return belongs; }) == 0 &&
+    return rejoinComponents(*grid, allowed, [=](const std::vector<Vec3d>&) { return belongs; }) == 0 &&
            sameValues(*grid, *before);
   };
   EXPECT_FALSE(unchanged(0.25, 0.3, 1, true));
