@@ -1,6 +1,10 @@
+import textwrap
+
 import bpy
 
 from . import jobs
+
+kColumns = 40  # letters on a line of a panel that has not been made wider
 
 
 class SLICEMORPH_UL_inputs(bpy.types.UIList):
@@ -19,12 +23,12 @@ class SLICEMORPH_PT_panel(bpy.types.Panel):
         layout.use_property_split = True
         layout.use_property_decorate = False
         self.draw_inputs(layout, asked)
+        self.draw_job(layout)
         for name in ("frames", "method", "resolution", "fit", "align", "marks", "result", "name"):
             layout.prop(asked, name)
         if asked.result == "VOLUME":
             layout.prop(asked, "folder")
         layout.prop(asked, "more")
-        self.draw_job(layout)
 
     def draw_inputs(self, layout, asked):
         row = layout.row()
@@ -46,7 +50,8 @@ class SLICEMORPH_PT_panel(bpy.types.Panel):
         else:
             layout.operator("slicemorph.morph", icon="MOD_REMESH")
             for line in jobs.last.splitlines():
-                layout.label(text=line)
+                for part in textwrap.wrap(line, kColumns):
+                    layout.label(text=part)
 
 
 kClasses = (SLICEMORPH_UL_inputs, SLICEMORPH_PT_panel)
