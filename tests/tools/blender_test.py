@@ -29,7 +29,8 @@ def inside(name):
     def case(folder):
         if not shutil.which("blender"):
             raise Skip("Blender is not installed")
-        environment = dict(os.environ, PATH=os.path.dirname(PROGRAM) + os.pathsep + os.environ["PATH"],
+        # Blender takes the modules of the first Python on the PATH.
+        environment = dict(os.environ, PATH=os.pathsep.join([os.path.dirname(PROGRAM), "/usr/bin", os.environ["PATH"]]),
                            BLENDER_USER_SCRIPTS=folder + "/scripts", BLENDER_USER_CONFIG=folder + "/config", TMPDIR=folder)
         result = subprocess.run(["blender", "-b", "--factory-startup", "-noaudio", "--python-exit-code", "1", "--python", CASES,
                                  "--", name, ZIP, folder, REPOSITORY], capture_output=True, text=True, errors="replace",

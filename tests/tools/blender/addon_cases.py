@@ -117,7 +117,6 @@ def case_motion_blur():
 
 def case_motion_blur_of_volumes():
     """The same for files that are half as large and have the way along z; level sets, and fog too dense to see through."""
-    sys.path.append("/usr/lib/python3/dist-packages")  # not there where another Python has started Blender
     import pyopenvdb
     for kind in ("surface", "density"):
         asked = begin()
@@ -183,7 +182,8 @@ def scratch_folders():
 
 
 def case_in_the_background():
-    """As with a window: the timer's function, called again and again, never takes long. Progress, end, cancelling."""
+    """As with a window: the timer's function, called again and again, never takes long. Progress, end, cancelling,
+    another file."""
     asked = begin()
     asked.resolution = 128
     from slicemorph import jobs
@@ -210,6 +210,10 @@ def case_in_the_background():
     while jobs.look_again() is not None:
         time.sleep(0.05)
     assert jobs.last == "cancelled" and job.process.process.returncode == 1 and not scratch_folders()
+    job = jobs.begin(bpy.context.scene, bpy.context)
+    bpy.ops.wm.read_homefile()
+    assert jobs.current is None and jobs.look_again() is None and not scratch_folders()
+    assert job.process.process.poll() is not None and jobs.leave_file not in bpy.app.handlers.load_pre
 
 
 def refused(says):
