@@ -242,6 +242,9 @@ def case_refused():
     asked.resolution = 5
     refused("8 to 4096")
     asked.resolution = RESOLUTION
+    die.hide_viewport = True
+    refused("die is hidden")
+    die.hide_viewport = False
     mark(die, "here", (0, 0, 0))
     mark(die, "here", (1, 0, 0))
     refused("two empties named here")

@@ -31,7 +31,17 @@ def chosen_things(scene, context):
         raise Unusable("two or more meshes or volumes are needed: put them on the list, or select them")
     if len(set(things)) < len(things):
         raise Unusable("an object is on the list twice: make it a copy")
+    unknown = [thing.name for thing in things if not is_evaluated(thing, context.view_layer)]
+    if unknown:
+        raise Unusable(f"{unknown[0]} is hidden in the viewport, so Blender does not know what its modifiers make: show it")
     return things
+
+
+def is_evaluated(thing, layer):
+    """Whether Blender keeps up its modifiers and its place; hidden by the eye alone it does."""
+    if thing.name not in layer.objects or thing.hide_viewport:
+        return False
+    return thing.visible_get(view_layer=layer) or thing.hide_get(view_layer=layer)
 
 
 def selected_things(context):
