@@ -11,8 +11,8 @@ import numpy as np
 from mathutils import Matrix
 
 sys.path.append(os.path.dirname(os.path.abspath(__file__)))
-from scene import (CASE, FOLDER, FRAMES, REPOSITORY, RESOLUTION, RESULTS, START, begin, blur_length, bounds_of, bounds_over_time,
-                   bundled, listed, look_along_y, mark, morph, points_of, surface_of, upright)
+from scene import (CASE, FOLDER, FRAMES, REPOSITORY, RESOLUTION, RESULTS, START, begin, bounds_of, bounds_over_time,
+                   bundled, check_blur, listed, mark, morph, points_of, surface_of, upright)
 
 
 def check_bounds(what, found, wanted, voxel):
@@ -90,22 +90,6 @@ def case_volumes_in():
         check_bounds(result + ", heights", found[:, :, 2], between(*ends)[:, :, 2], voxel)
 
 
-def check_blur(asked, result):
-    """Balls of radius 1 go from x = -3 to 3, 0.75 a frame, at 25 frames per second: blur is the way while the shutter is open."""
-    asked.frames = 9
-    bpy.context.scene.render.fps = 25
-    look_along_y(4)
-    made = morph(asked, result)
-    for thing in bpy.context.scene.objects:
-        thing.hide_render = thing.hide_render or thing not in made
-    bpy.context.scene.frame_set(START + 4)
-    sharp = blur_length(4, 0)
-    for shutter in (0.5, 1):
-        length, way = blur_length(4, shutter), 0.75 * shutter
-        print("  %s: sharp %.3f, shutter %g: blur %.3f, way %.3f" % (result, sharp, shutter, length, way))
-        assert abs(length / way - 1) < 0.1 and sharp < 0.1 * way
-
-
 def case_motion_blur():
     for result in ("VOLUME", "SHAPE_KEYS"):
         asked = begin()
@@ -162,6 +146,29 @@ def case_marks():
     assert (np.abs(width[False] - 2) < 0.1).all() and (width[True] > 2.4).all(), width
     note = "empty alone is left out"
     assert any(note in line for line in sys.modules["slicemorph.inputs"].find_marks(bpy.context.scene, cubes, Matrix())[1])
+
+
+def case_colours():
+    """Red, by points, becomes blue, by corners and in bytes."""
+    asked = begin()
+    for x, domain, kind, color in ((0, "POINT", "FLOAT_COLOR", (1, 0, 0, 1)), (4, "CORNER", "BYTE_COLOR", (0, 0, 1, 1))):
+        bpy.ops.mesh.primitive_cube_add(location=(x, 0, 0))
+        layer = bpy.context.object.data.color_attributes.new("paint", kind, domain)
+        layer.data.foreach_set("color", color * len(layer.data))
+        bpy.context.object.data.color_attributes.active_color = layer
+        asked.inputs.add().thing = bpy.context.object
+    shown, = morph(asked, "MESH_CACHE")
+    for k in range(FRAMES):
+        bpy.context.scene.frame_set(START + k)
+        mesh = shown.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
+        colors = np.empty(4 * len(mesh.vertices), np.float32)
+        mesh.attributes["Color"].data.foreach_get("color", colors)
+        t = k / (FRAMES - 1)
+        assert np.abs(colors.reshape(-1, 4) - [1 - t, 0, t, 1]).max() < 1 / 255, (k, colors[:4])
+        assert [material.name for material in mesh.materials] == ["mesh_cache"]
+    volume, = morph(asked, "VOLUME")
+    shader = volume.data.materials[0].node_tree.nodes["Principled Volume"]
+    assert shader.inputs["Color Attribute"].default_value == "Cd"
 
 
 def case_settings_in_file():
@@ -281,7 +288,6 @@ def case_nothing_left():
     assert state() == before, state()
     assert process.poll() is not None and not scratch_folders()
     assert not bpy.app.timers.is_registered(jobs.look_again)
-    assert not hasattr(bpy.ops.slicemorph, "morph") or "morph" not in dir(bpy.ops.slicemorph)
     bpy.ops.preferences.addon_enable(module="slicemorph")
     try:
         bpy.ops.preferences.addon_remove(module="slicemorph")

@@ -112,6 +112,22 @@ def look_along_y(width, pixels=200):
     scene.cycles.samples, scene.cycles.use_adaptive_sampling, scene.cycles.use_denoising = 32, False, False
 
 
+def check_blur(asked, result):
+    """Balls of radius 1 go from x = -3 to 3, 0.75 a frame, at 25 frames per second: blur is the way while the shutter is open."""
+    asked.frames = 9
+    bpy.context.scene.render.fps = 25
+    look_along_y(4)
+    made = morph(asked, result)
+    for thing in bpy.context.scene.objects:
+        thing.hide_render = thing.hide_render or thing not in made
+    bpy.context.scene.frame_set(START + 4)
+    sharp = blur_length(4, 0)
+    for shutter in (0.5, 1):
+        length, way = blur_length(4, shutter), 0.75 * shutter
+        print("  %s: sharp %.3f, shutter %g: blur %.3f, way %.3f" % (result, sharp, shutter, length, way))
+        assert abs(length / way - 1) < 0.1 and sharp < 0.1 * way
+
+
 def mark(parent, name, place):
     empty = bpy.data.objects.new(name, None)
     empty.parent = parent

@@ -67,7 +67,8 @@ def upright_axis(space):
 # ---- objects as files
 
 def evaluated_mesh(thing, matrix, graph):
-    """Points (N x 3), moved by `matrix` from the object's space, and triangles of what its modifiers make."""
+    """Points (N x 3), moved by `matrix` from the object's space, triangles, and colours of the points, or None, of what
+    its modifiers make."""
     evaluated = thing.evaluated_get(graph)
     mesh = evaluated.to_mesh()
     try:
@@ -76,6 +77,7 @@ def evaluated_mesh(thing, matrix, graph):
         mesh.vertices.foreach_get("co", points)
         triangles = numpy.empty(3 * len(mesh.loop_triangles), numpy.int32)
         mesh.loop_triangles.foreach_get("vertices", triangles)
+        colors = point_colors(mesh)
     finally:
         evaluated.to_mesh_clear()
     if not len(triangles):
@@ -84,7 +86,23 @@ def evaluated_mesh(thing, matrix, graph):
     triangles = triangles.reshape(-1, 3)
     if numpy.linalg.det(matrix[:3, :3]) < 0:  # mirrored: its faces look inwards
         triangles = triangles[:, ::-1]
-    return points.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3], triangles
+    return points.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3], triangles, colors
+
+
+def point_colors(mesh):
+    """The active colours as linear light (N x 3), of a point the mean of its corners'; None where there are none."""
+    layer = mesh.color_attributes.active_color
+    if not layer or not len(layer.data):
+        return None
+    colors = numpy.empty(4 * len(layer.data), numpy.float32)
+    layer.data.foreach_get("color", colors)
+    colors = colors.reshape(-1, 4)[:, :3]
+    if layer.domain == "POINT":
+        return colors
+    corners = numpy.empty(len(mesh.loops), numpy.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    counts = numpy.maximum(numpy.bincount(corners, minlength=len(mesh.vertices)), 1)
+    return numpy.stack([numpy.bincount(corners, channel, len(mesh.vertices)) / counts for channel in colors.T], 1)
 
 
 def volume_files(thing):

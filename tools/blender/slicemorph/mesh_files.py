@@ -13,21 +13,27 @@ kPlyTypes = {"char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": 
              "float": "<f4", "float32": "<f4", "double": "<f8", "float64": "<f8"}
 
 
-def write_ply(path, points, triangles):
-    """`points`: N x 3; `triangles`: M x 3 indices."""
+def write_ply(path, points, triangles, colors=None):
+    """`points`: N x 3; `triangles`: M x 3 indices; `colors`: N x 3, of the points."""
+    vertices = numpy.empty(len(points), [("place", "<f8", 3)] + ([] if colors is None else [("color", "<f4", 3)]))
+    vertices["place"] = points
+    if colors is not None:
+        vertices["color"] = colors
     faces = numpy.empty(len(triangles), [("count", "u1"), ("corners", "<i4", 3)])
     faces["count"], faces["corners"] = 3, triangles
     header = (f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n"
               "property double x\nproperty double y\nproperty double z\n"
+              + ("" if colors is None else "property float red\nproperty float green\nproperty float blue\n") +
               f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n")
     with open(path, "wb") as file:
         file.write(header.encode())
-        file.write(numpy.ascontiguousarray(points, "<f8").tobytes())
+        file.write(vertices.tobytes())
         file.write(faces.tobytes())
 
 
 def read_ply(path):
-    """Points (N x 3) and triangles (M x 3) of a binary PLY as slicemorph writes it: all faces are triangles."""
+    """Points (N x 3), triangles (M x 3) and colours (N x 3, 0 to 1, or None) of a binary PLY as slicemorph writes it:
+    all faces are triangles, colours are bytes."""
     with open(path, "rb") as file:
         data = file.read()
     end = data.find(b"end_header\n") + len(b"end_header\n")
@@ -46,7 +52,10 @@ def read_ply(path):
     faces = numpy.frombuffer(data, fields["face"], counts["face"], end + vertices.nbytes)
     if (faces["count"] != 3).any():
         raise Unusable(f"{path}: not all of its faces are triangles")
-    return numpy.stack([vertices[axis] for axis in "xyz"], 1).astype(numpy.float32), faces["corners"]
+    points = numpy.stack([vertices[axis] for axis in "xyz"], 1).astype(numpy.float32)
+    colored = "red" in vertices.dtype.names
+    colors = numpy.stack([vertices[channel] for channel in ("red", "green", "blue")], 1) / 255 if colored else None
+    return points, faces["corners"], colors
 
 
 class MovingMesh:

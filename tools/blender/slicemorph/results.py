@@ -7,6 +7,7 @@ from . import materials
 from .mesh_files import read_glb, read_ply
 from .program import Unusable
 
+kColors = "Color"  # attribute of meshes
 kMade = "slicemorph"  # custom property of what a morph made: its name
 
 
@@ -61,7 +62,7 @@ def add_volume(job, scene):
     elif "surface" in grids:
         # Voxels are cubes, in the space of the morph.
         voxel = grids["surface"].matrix_object.to_scale()[0]
-        volume.materials.append(made(materials.solid(job.name, voxel), job))
+        volume.materials.append(made(materials.solid(job.name, grids, voxel), job))
     # Only now: which file of a sequence is loaded is known first when it is shown.
     volume.is_sequence = True
     volume.frame_start, volume.frame_duration, volume.frame_offset = job.start, job.frames, job.start - 1
@@ -72,7 +73,7 @@ def add_volume(job, scene):
 
 # ---- meshes
 
-def new_mesh(name, points, triangles):
+def new_mesh(name, points, triangles, colors=None):
     mesh = bpy.data.meshes.new(name)
     mesh.vertices.add(len(points))
     mesh.loops.add(3 * len(triangles))
@@ -84,15 +85,21 @@ def new_mesh(name, points, triangles):
         mesh.polygons.foreach_set("loop_total", numpy.full(len(triangles), 3, numpy.int32))
     mesh.polygons.foreach_set("use_smooth", numpy.ones(len(triangles), bool))
     mesh.update(calc_edges=True)
+    if colors is not None:
+        layer = mesh.color_attributes.new(kColors, "FLOAT_COLOR", "POINT")
+        layer.data.foreach_set("color", numpy.pad(colors, ((0, 0), (0, 1)), constant_values=1).astype(numpy.float32).ravel())
     return mesh
 
 
 def add_mesh_cache(job, scene):
     """A mesh a frame, in a collection outside the scene, and an object whose nodes show the frame's."""
-    frames = made(bpy.data.collections.new(f"{job.name} frames"), job)
+    frames, paint = made(bpy.data.collections.new(f"{job.name} frames"), job), None
     for number in range(job.start, job.start + job.frames):
         name = f"{job.name}.{number:08d}f"  # nodes take them in the order of their names
         mesh = made(new_mesh(name, *read_ply(frame_file(job, number))), job)
+        if len(mesh.color_attributes):
+            paint = paint or made(materials.painted(job.name, kColors), job)
+            mesh.materials.append(paint)
         frames.objects.link(made(bpy.data.objects.new(name, mesh), job))
         yield True
     thing = new_object(bpy.data.meshes.new(job.name), job, scene)
