@@ -240,18 +240,18 @@ def case_refused():
     listed(asked, die, octahedron)
     asked.folder = "//out"
     refused("save the file first")
-    asked.result = "MESH_CACHE"
-    asked.more = "--frames=3"
+    asked.result, asked.more = "MESH_CACHE", "--frames=3"
     refused("--frames=3 is set by the add-on")
     asked.more = "--nonsense 1"
     refused("--nonsense")  # says the program
-    asked.more = ""
-    asked.resolution = 5
+    asked.more, asked.resolution = "", 5
     refused("8 to 4096")
-    asked.resolution = RESOLUTION
-    die.hide_viewport = True
+    asked.resolution, die.hide_viewport = RESOLUTION, True
     refused("die is hidden")
     die.hide_viewport = False
+    die["slicemorph"] = asked.name
+    refused("choose another name")
+    del die["slicemorph"]
     mark(die, "here", (0, 0, 0))
     mark(die, "here", (1, 0, 0))
     refused("two empties named here")

@@ -25,6 +25,8 @@ class Job:
         asked = scene.slicemorph
         things = inputs.chosen_things(scene, context)
         self.scene, self.result, self.name = scene.name, asked.result, bpy.path.clean_name(asked.name) or "morph"
+        if any(thing.get(results.kMade) == self.name for thing in things):
+            raise Unusable(f"an input is the result named {self.name}, which would be replaced: choose another name")
         self.space = inputs.morph_space(things)
         self.start, self.frames = scene.frame_start, asked.frames
         self.fps = scene.render.fps / scene.render.fps_base
