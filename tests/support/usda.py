@@ -1,8 +1,8 @@
 """A strict reader of USD's text form, as far as stages of meshes and volumes need it: written from OpenUSD's documentation of the
 format and of the schemas UsdGeom and UsdVol. What is not in it is an error.
 
-Where the environment variable TINYUSDZ names the folder of npm's package `tinyusdz` (0.9.0), and node is there, that reader
-must take each stage, too, and find the same in it.
+Where npm's package `tinyusdz` (0.9.0) is installed globally, or its folder in TINYUSDZ, that reader must take each stage, too, and
+find the same in it.
 """
 import os
 import re
@@ -228,13 +228,21 @@ class Stage:
         return self.metadata == other.metadata and self.root.same(other.root)
 
 
-def by_tinyusdz(path, kind):
-    """What tinyusdz reads, as text; None: it is not here."""
+def tinyusdz_folder():
+    """The folder of the package; None: it is not here."""
     folder = os.environ.get("TINYUSDZ")
-    if not folder or not shutil.which("node"):
-        return None
+    if not folder and shutil.which("npm"):
+        folder = os.path.join(subprocess.run(["npm", "root", "-g"], capture_output=True, text=True).stdout.strip(), "tinyusdz")
+    return folder if folder and shutil.which("node") and os.path.isdir(folder) else None
+
+
+TINYUSDZ = tinyusdz_folder()
+
+
+def by_tinyusdz(path, kind):
+    """What tinyusdz reads, as text."""
     script = os.path.join(os.path.dirname(os.path.abspath(__file__)), "tinyusdz.mjs")
-    result = subprocess.run(["node", script, os.path.abspath(folder), path, kind], capture_output=True, text=True, timeout=300)
+    result = subprocess.run(["node", script, os.path.abspath(TINYUSDZ), path, kind], capture_output=True, text=True, timeout=300)
     assert result.returncode == 0, result.stderr[-2000:]
     return result.stdout
 
@@ -243,7 +251,6 @@ def read_stage(path, tinyusdz="scene"):
     """`tinyusdz`: what that makes of the file: a "scene", as by its schemas, only the "layer", or nothing (None)."""
     with open(path, encoding="utf-8") as file:
         stage = Stage(file.read())
-    other = by_tinyusdz(path, tinyusdz) if tinyusdz else None
-    if other is not None:
-        assert stage.same(Stage(other)), "tinyusdz finds something else in " + path
+    if TINYUSDZ and tinyusdz:
+        assert stage.same(Stage(by_tinyusdz(path, tinyusdz))), "tinyusdz finds something else in " + path
     return stage

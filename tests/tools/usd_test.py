@@ -4,7 +4,8 @@ stage names, closed forms, and the same surfaces as OBJ.
 
 usage: usd_test.py PATH/TO/slicemorph [NAME...]     (NAME: only the cases whose name contains it)
 
-Needs Debian's python3-openvdb and python3-nibabel. With TINYUSDZ=FOLDER_OF_THE_NPM_PACKAGE each stage is read by that, too.
+Needs Debian's python3-openvdb and python3-nibabel. Each stage is also read by npm's tinyusdz: the folder of the package in TINYUSDZ, or
+installed globally.
 """
 import os
 import subprocess
@@ -15,10 +16,10 @@ import numpy as np
 import pyopenvdb as vdb
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from cases import named_cases, run_cases, within
+from cases import Skip, named_cases, run_cases, within
 from meshes import box_obj, sphere_obj
 from program import Program
-from usda import read_stage
+from usda import TINYUSDZ, read_stage
 
 if len(sys.argv) < 2:
     sys.exit(__doc__)
@@ -164,6 +165,14 @@ def case_parts_of_a_sequence():
     os.remove("part/x.0004.vdb")
     program.run(*command, "part/x.usda", "--resume")
     assert open("part/x.usda").read() == whole
+
+
+def case_retime():
+    for n, radius in ((1, 3), (3, 3.5)):
+        ball("a.%04d.vdb" % n, radius)
+    program.run("retime", "a.####.vdb", "-o", "slow.usda", "--fps", "25", "--range", "2-3")
+    program.run("retime", "a.####.vdb", "-o", "slow.usda", "--fps", "25", "--resume")
+    checked_volume("slow.usda", 25, 1, 3)
 
 
 def case_image_is_in_millimetres():
@@ -319,6 +328,14 @@ def case_names_with_signs():
     # tinyusdz 0.9.0 cuts two letters off names in @@@.
     fields = checked_volume("a@b \xe9.usda", 24, 1, 1, tinyusdz=None)[1]
     assert fields["surface", 0].samples["filePath"][1] == "./a@b \xe9.0001.vdb", fields["surface", 0].samples
+
+
+def case_tinyusdz():
+    if not TINYUSDZ:
+        raise Skip("npm's tinyusdz is not installed (npm install -g tinyusdz, or its folder in TINYUSDZ)")
+    ball("a.vdb", 3)
+    program.run("convert", "a.vdb", "-o", "x.usda")
+    mesh_at(read_stage("x.usda").root.children["surface"])
 
 
 def case_refused():

@@ -219,7 +219,9 @@ Rows outputRows() {
               writableList(Contents::kImage) + "; of --field also .vdb")
           .required(),
       Row(kRetime, "output", at<&J::output>, "OUTPUT",
-          "Result: name.####.vdb; a frame that shows a file is that file, but for the velocities' length")
+          "Result: name.####.vdb, or name.usda for these and a USD stage that shows them; a frame that shows "
+          "a "
+          "file is that file, but for the velocities' length")
           .required(),
       Row(kApply, "field", at<&J::field>, "",
           "Write the map itself: at the points of time --from the displacement to where they are at --to, in "

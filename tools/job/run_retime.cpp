@@ -93,6 +93,7 @@ void runRetime(const RetimeJob& job, JobEvents& events) {
     claims.free();
     events.fileWritten(frame.path, false);
   }
+  writer.finish(nullptr, 1);
   events.notes(claims.finish());
   log.finish();
 }

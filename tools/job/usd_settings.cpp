@@ -1,5 +1,6 @@
 #include "tools/job/usd_settings.h"
 
+#include "io/paths.h"
 #include "slicemorph/io/input_spec.h"
 
 #include <algorithm>
@@ -39,6 +40,15 @@ void checkMeshVelocity(const OptionSet& options) {
 
 }  // namespace
 
+bool isOneUsda(const std::string& output) {
+  const OutputName name(output);
+  return name.extension() == ".usda" && !name.isSequence();
+}
+
+std::string vdbFilesOf(const std::string& usda) {
+  return usda.substr(0, usda.size() - extensionOf(usda).size()) + ".####.vdb";
+}
+
 MorphSettings withUsd(MorphSettings s, const OptionSet& options) {
   if (OutputName(s.output).extension() != ".usda") {
     if (options.given("usd"))
@@ -49,7 +59,7 @@ MorphSettings withUsd(MorphSettings s, const OptionSet& options) {
   s.stage = stageOf(s, options);
   if (showsVolume(s, options)) {
     s.usdVolume = s.output;
-    s.output.replace(s.output.size() - 5, 5, ".####.vdb");
+    s.output = vdbFilesOf(s.output);
   } else {
     checkMeshVelocity(options);
   }
