@@ -5,7 +5,6 @@
 #include "slicemorph/errors.h"
 #include "slicemorph/io/mesh_writer.h"
 
-#include <array>
 #include <cerrno>
 #include <cstring>
 
@@ -57,21 +56,33 @@ std::string vectorsAt(const Vectors& vectors, const Vectors& points) {
 /// Whether an attribute's value says nothing.
 bool isNothing(const std::string& value) { return value == "None" || value == "[]"; }
 
-/// The values of all attributes, in the order of the table. `points`: the mesh's, which may be moved.
-std::array<std::string, kAttributeCount> valuesOf(const Mesh& mesh, const Vectors& points,
-                                                  const Vectors& velocities) {
+std::string extentOf(const Vectors& points) {
   openvdb::BBoxd box;
   for (const Vec3s& p : points) box.expand(Vec3d(p));
-  return {usdaExtent(box),
-          listOf(mesh.triangles, [](std::string& text, const openvdb::Vec3I&) { text += '3'; }),
-          listOf(mesh.triangles,
-                 [](std::string& text, const openvdb::Vec3I& t) {
-                   for (int i = 0; i < 3; ++i) text += i ? ", " : "", addNumber(text, t[i]);
-                 }),
-          vectorList(vertexNormals(mesh.triangles, points)),
-          vectorList(points),
-          vectorsAt(mesh.colors, points),
-          vectorsAt(velocities, points)};
+  return usdaExtent(box);
+}
+
+/// The value of an attribute of the table; one after the other, as each text is large. `points`: the mesh's, which may
+/// be moved.
+std::string valueOf(size_t attribute, const Mesh& mesh, const Vectors& points, const Vectors& velocities) {
+  switch (attribute) {
+    case 0:
+      return extentOf(points);
+    case 1:
+      return listOf(mesh.triangles, [](std::string& text, const openvdb::Vec3I&) { text += '3'; });
+    case 2:
+      return listOf(mesh.triangles, [](std::string& text, const openvdb::Vec3I& t) {
+        for (int i = 0; i < 3; ++i) text += i ? ", " : "", addNumber(text, t[i]);
+      });
+    case 3:
+      return vectorList(vertexNormals(mesh.triangles, points));
+    case 4:
+      return vectorList(points);
+    case 5:
+      return vectorsAt(mesh.colors, points);
+    default:
+      return vectorsAt(velocities, points);
+  }
 }
 
 /// The stage up to the mesh's attributes.
@@ -103,11 +114,11 @@ std::string perVertex(const char* indent) {
 void writeUsdaMesh(const std::string& path, const Mesh& mesh, const UsdaStage& stage) {
   AtomicFile file(path);
   file.write(beginOf(path, stage, std::nullopt, mesh.origin));
-  const auto values = valuesOf(mesh, mesh.points, {});
   for (size_t a = 0; a < kAttributeCount; ++a) {
-    if (kAttributes[a].optional && isNothing(values[a])) continue;
+    const std::string value = valueOf(a, mesh, mesh.points, {});
+    if (kAttributes[a].optional && isNothing(value)) continue;
     file.write(declared(kAttributes[a]) + " = ");
-    file.write(values[a]);
+    file.write(value);
     file.write((kAttributes[a].perVertex ? perVertex(kIndent) : "") + "\n");
   }
   file.write(kEnd);
@@ -159,8 +170,8 @@ void UsdaMeshWriter::add(int number, const Mesh& mesh, const std::vector<Vec3s>&
   Vectors moved;
   if (origin_ && mesh.origin != *origin_)
     for (const Vec3s& p : mesh.points) moved.emplace_back(Vec3d(p) + (mesh.origin - *origin_));
-  const auto values = valuesOf(mesh, moved.empty() ? mesh.points : moved, velocities);
-  for (size_t a = 0; a < kAttributeCount; ++a) samples_[a]->add(number, values[a]);
+  const Vectors& points = moved.empty() ? mesh.points : moved;
+  for (size_t a = 0; a < kAttributeCount; ++a) samples_[a]->add(number, valueOf(a, mesh, points, velocities));
 }
 
 void UsdaMeshWriter::commit() {

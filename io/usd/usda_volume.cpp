@@ -3,6 +3,7 @@
 #include "engine/volume/surface_colors.h"
 #include "io/atomic_file.h"
 #include "io/vdb/grid_box.h"
+#include "io/vdb/vector_parts.h"
 #include "slicemorph/errors.h"
 #include "slicemorph/io/vdb_reader.h"
 
@@ -50,8 +51,8 @@ std::string roleOf(const GridBase& grid) {
       return "Vector";
     case openvdb::VEC_CONTRAVARIANT_ABSOLUTE:
       return "Point";
-    default:
-      return "None";
+    default:  // also what nothing was said of
+      return isVelocityName(grid.getName()) ? "Vector" : "None";
   }
 }
 

@@ -4,8 +4,8 @@ stage names, closed forms, and the same surfaces as OBJ.
 
 usage: usd_test.py PATH/TO/slicemorph [NAME...]     (NAME: only the cases whose name contains it)
 
-Needs Debian's python3-openvdb and python3-nibabel. Each stage is also read by npm's tinyusdz: the folder of the package in TINYUSDZ, or
-installed globally.
+Needs Debian's python3-openvdb and python3-nibabel. Real files are read where ../shared/data is beside the repository. Each
+stage is also read by npm's tinyusdz: the folder of the package in TINYUSDZ, or installed globally.
 """
 import os
 import subprocess
@@ -165,6 +165,22 @@ def case_parts_of_a_sequence():
     os.remove("part/x.0004.vdb")
     program.run(*command, "part/x.usda", "--resume")
     assert open("part/x.usda").read() == whole
+
+
+def case_real_files():
+    """Gas of a simulation, and a file of three grids of one name."""
+    data = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..", "shared", "data", "vdb")
+    if not os.path.isdir(data):
+        raise Skip("../shared/data is not there")
+    data = os.path.abspath(data)
+    # Without `flags`: pyopenvdb knows no grids of integers.
+    program.run("morph", data + "/c42_gas_0006.vdb", data + "/c42_gas_0010.vdb", "--at", "0,0.5", "-o", "gas.usda",
+                "--grids", "density,temperature,flame,velocity")
+    fields = checked_volume("gas.usda", 24, 1, 2)[1]
+    assert {(name, 0) for name in ("density", "temperature", "flame", "velocity")} <= set(fields), list(fields)
+    assert fields["velocity", 0].values["vectorDataRoleHint"] == "Vector"
+    program.run("morph", *[data + "/three_grids_same_name.vdb"] * 2, "--frames", "2", "-o", "three.usda")
+    assert {("density", n) for n in range(3)} <= set(checked_volume("three.usda", 24, 1, 2)[1])
 
 
 def case_retime():
