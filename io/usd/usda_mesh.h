@@ -11,9 +11,9 @@
 
 namespace slicemorph {
 
-/// Writes a mesh as the one Mesh of a `.usda` stage: no subdivision, vertex normals, colours as `primvars:displayColor` as they
-/// are, what was taken out of far points (Mesh::origin) as a translation. The file appears whole or not at all.
-/// Throws IoError.
+/// Writes a mesh as the one Mesh of a `.usda` stage: no subdivision, vertex normals, colours as
+/// `primvars:displayColor` as they are, what was taken out of far points (Mesh::origin) as a translation. The file
+/// appears whole or not at all. Throws IoError.
 void writeUsdaMesh(const std::string& path, const Mesh& mesh, const UsdaStage& stage);
 
 /// Writes a sequence of meshes as one Mesh with time samples of all that it has: points, faces, normals, colours,

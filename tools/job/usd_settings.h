@@ -11,7 +11,8 @@ bool isOneUsda(const std::string& output);
 std::string vdbFilesOf(const std::string& usda);
 
 /// Completes settings whose output is a `.usda`: how its stage lies in space and time, and, where it is to show a
-/// volume, the VDB files beside it, which are then the output. Needs `inputs` and `output`. Throws InputError for options that do not fit.
+/// volume, the VDB files beside it, which are then the output. Needs `inputs` and `output`. Throws InputError for
+/// options that do not fit.
 MorphSettings withUsd(MorphSettings settings, const OptionSet& options);
 
 }  // namespace slicemorph
