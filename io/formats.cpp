@@ -28,6 +28,7 @@ void writePly(const std::string& path, const Mesh& mesh, MeshSpace space);
 void writeStl(const std::string& path, const Mesh& mesh, MeshSpace space);
 void writeStillGlb(const std::string& path, const Mesh& mesh, MeshSpace space);
 void writeVtp(const std::string& path, const Mesh& mesh, MeshSpace space);
+void writeUsda(const std::string& path, const Mesh& mesh, MeshSpace space);
 
 namespace {
 
@@ -112,6 +113,8 @@ std::vector<Format> makeFormats() {
   rows.push_back(mesh(".glb", readGlb, writeStillGlb, "glTF 2.0, colours of points and materials"));
   rows.back().reads.push_back(".gltf");
   rows.push_back(mesh(".vtp", nullptr, writeVtp, "VTK XML PolyData, colours of points"));
+  rows.push_back(
+      mesh(".usda", nullptr, writeUsda, "USD as text, colours of points; of `morph` also volumes"));
   rows.push_back(image(row("nifti", C::kImage, {".nii", ".nii.gz", ".hdr", ".hdr.gz", ".img", ".img.gz"},
                            {".nii", ".nii.gz"}, "NIfTI-1 and -2, Analyze 7.5"),
                        readNiftiImage, openNiftiSlices, niftiHead));

@@ -1,6 +1,7 @@
 #include "io/mesh/glb_writer.h"
 
 #include "io/atomic_file.h"
+#include "io/mesh/vertex_normals.h"
 #include "slicemorph/errors.h"
 
 #include <tiny_gltf.h>
@@ -20,21 +21,6 @@ using Points = std::vector<Vec3s>;
 
 static_assert(sizeof(Vec3s) == 12 && sizeof(openvdb::Vec3I) == 12,
               "vectors are written as they lie in memory");
-
-/// Unit vertex normals: the mean of the adjacent triangles' normals, weighted by area. A vertex without a
-/// triangle of any area takes its normal of `instead`, or +Z where that is null.
-Points normalsOf(const std::vector<openvdb::Vec3I>& triangles, const Points& points, const Points* instead) {
-  std::vector<Vec3d> sums(points.size(), Vec3d(0.0));
-  for (const openvdb::Vec3I& t : triangles) {
-    const Vec3d a(points[t[0]]), b(points[t[1]]), c(points[t[2]]);
-    const Vec3d normal = (b - a).cross(c - a);
-    for (int i = 0; i < 3; ++i) sums[t[i]] += normal;
-  }
-  Points normals(points.size());
-  for (size_t i = 0; i < points.size(); ++i)
-    normals[i] = sums[i].normalize(0.0) ? Vec3s(sums[i]) : instead ? (*instead)[i] : Vec3s(0, 0, 1);
-  return normals;
-}
 
 Points minus(const Points& a, const Points& b) {
   Points difference(a.size());
@@ -94,7 +80,7 @@ class GlbBuilder {
     primitive.material = materialOf(moving.colors.empty() ? "clay" : "colors");
     primitive.indices = addIndices(moving.triangles);
     const Points& base = moving.points.front();
-    const Points normals = normalsOf(moving.triangles, base, nullptr);
+    const Points normals = vertexNormals(moving.triangles, base);
     primitive.attributes["POSITION"] = addVectors(base, true);
     primitive.attributes["NORMAL"] = addVectors(normals, false);
     const Points colors = moving.colors.empty() ? Points() : within01(moving.colors.front());
@@ -105,7 +91,7 @@ class GlbBuilder {
       const Points& points = moving.points[i];
       primitive.targets.push_back(
           {{"POSITION", addVectors(minus(points, base), true)},
-           {"NORMAL", addVectors(minus(normalsOf(moving.triangles, points, &normals), normals), false)}});
+           {"NORMAL", addVectors(minus(vertexNormals(moving.triangles, points, &normals), normals), false)}});
       if (changing)
         primitive.targets.back()["COLOR_0"] = addVectors(minus(within01(moving.colors[i]), colors), false);
       names.push_back(tinygltf::Value(frameName(numbers_[moving.first + i])));

@@ -179,4 +179,10 @@ CarriedGrids carryGrids(const FrameTask& task, GridBase::ConstPtr where, openvdb
   return carried;
 }
 
+openvdb::Vec3SGrid::ConstPtr velocityAround(const FrameTask& task, const GridBase& where) {
+  if (!task.settings.velocity.wanted() || task.job.rate.empty() || !task.plan.method.pullback) return nullptr;
+  const Pullback pullback = task.plan.method.pullback(task.job.weights);
+  return velocityOf(task, pullback, where, {});
+}
+
 }  // namespace slicemorph

@@ -17,4 +17,8 @@ struct CarriedGrids {
 CarriedGrids carryGrids(const FrameTask& task, openvdb::GridBase::ConstPtr where, openvdb::GridCPtrVec grids,
                         bool half, const Progress& cancel);
 
+/// The morph's velocities around the active voxels of a grid, as `carryGrids` makes them; null where none are wanted, the
+/// job has no speed or the method no map. Of frames whose grids are not carried.
+openvdb::Vec3SGrid::ConstPtr velocityAround(const FrameTask& task, const openvdb::GridBase& where);
+
 }  // namespace slicemorph

@@ -5,6 +5,7 @@
 #include "engine/volume/fog.h"
 #include "engine/volume/voxelise.h"
 #include "io/vdb/fog_reader.h"
+#include "io/vdb/grid_box.h"
 
 #include <algorithm>
 
@@ -37,15 +38,9 @@ openvdb::BBoxd boxOf(const ImageLattice& lattice) {
   return box;
 }
 
-/// The active box of a grid in a file, in world units, from the file's statistics if it has some.
+/// The active box of a grid in a file, in world units.
 openvdb::BBoxd boxInFile(const VdbFile& file, size_t index, const openvdb::GridBase& header) {
-  const auto low = header.getMetadata<openvdb::Vec3IMetadata>(openvdb::GridBase::META_FILE_BBOX_MIN);
-  const auto high = header.getMetadata<openvdb::Vec3IMetadata>(openvdb::GridBase::META_FILE_BBOX_MAX);
-  openvdb::CoordBBox box;
-  if (low && high)
-    box = {openvdb::Coord(low->value()), openvdb::Coord(high->value())};
-  else
-    box = file.readDelayed(index)->evalActiveVoxelBoundingBox();
+  const openvdb::CoordBBox box = activeBoxIn(file, index, header);
   return box.empty() ? openvdb::BBoxd() : header.transform().indexToWorld(box);
 }
 

@@ -5,10 +5,16 @@
 #include "engine/volume/voxelise.h"
 #include "io/mesh/glb_writer.h"
 #include "io/sequence.h"
+#include "io/usd/usda_volume.h"
 #include "slicemorph/errors.h"
 #include "slicemorph/io/image_writer.h"
 #include "slicemorph/io/mesh_writer.h"
 #include "slicemorph/io/vdb_writer.h"
+#include "tools/job/carry_grids.h"
+
+#include <openvdb/tools/Interpolation.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 
@@ -26,6 +32,20 @@ void writeStill(const FrameTask& task, const MorphFrame& frame) {
   MovingMesh still{0, std::move(mesh.triangles), {std::move(mesh.points)}, {}};
   if (!mesh.colors.empty()) still.colors = {std::move(mesh.colors)};
   writeGlb(task.job.path, {std::move(still)}, task.settings.framesPerSecond, task.settings.glb);
+}
+
+/// The morph's velocities at a mesh's points, world units per second; empty where there are none.
+std::vector<openvdb::Vec3s> velocitiesAt(const FrameTask& task, const MorphFrame& frame, const Mesh& mesh) {
+  const openvdb::Vec3SGrid::ConstPtr grid = velocityAround(task, *frame.shape.surface);
+  if (!grid) return {};
+  std::vector<openvdb::Vec3s> velocities(mesh.points.size());
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, velocities.size()), [&](const auto& range) {
+    const openvdb::Vec3SGrid::ConstAccessor values = grid->getConstAccessor();
+    for (size_t i = range.begin(); i < range.end(); ++i)
+      velocities[i] = openvdb::tools::BoxSampler::sample(
+          values, grid->transform().worldToIndex(Vec3d(mesh.points[i]) + mesh.origin));
+  });
+  return velocities;
 }
 
 void writeGrids(const FrameTask& task, const MorphFrame& frame) {
@@ -78,8 +98,12 @@ void FrameWriter::write(const FrameTask& task, const MorphFrame& frame) {
   } else if (settings_.oneGlb()) {
     surfaces_.push_back({frame.shape.surface, task.job.weights, frame.colors});
     numbers_.push_back(task.job.number);
+  } else if (settings_.oneUsda()) {
+    addToUsda(task, frame);
   } else if (OutputName(task.job.path).extension() == ".glb") {
     writeStill(task, frame);
+  } else if (OutputName(task.job.path).extension() == ".usda") {
+    writeUsdaMesh(task.job.path, meshForFile(*frame.shape.surface, frame.colors.get()), settings_.stage);
   } else if (frame.grids.empty()) {
     const bool scans = std::all_of(task.inputs.begin(), task.inputs.end(),
                                    [](const LoadedObject& object) { return object.image != nullptr; });
@@ -106,7 +130,28 @@ void FrameWriter::addVolume(const FrameTask& task, const Image& image) {
   volumes_->add(image.values);
 }
 
+void FrameWriter::addToUsda(const FrameTask& task, const MorphFrame& frame) {
+  if (!usda_) usda_ = std::make_unique<UsdaMeshWriter>(settings_.output, settings_.stage);
+  const Mesh mesh = meshForFile(*frame.shape.surface, frame.colors.get());
+  usda_->add(task.job.number, mesh, velocitiesAt(task, frame, mesh));
+}
+
+/// Writes the mesh of all frames, or the stage that shows the VDB files of the whole sequence, whoever made them.
+void FrameWriter::finishUsda() {
+  if (usda_) {
+    usda_->commit();
+    usda_.reset();
+    events_.fileWritten(settings_.output, false);
+  }
+  if (settings_.usdVolume.empty()) return;
+  std::vector<UsdaFrame> frames;
+  for (const FrameJob& job : settings_.frames) frames.push_back({job.number, job.path});
+  writeUsdaVolume(settings_.usdVolume, frames, settings_.stage);
+  events_.fileWritten(settings_.usdVolume, false);
+}
+
 void FrameWriter::finish(const MorphPlan* plan, double from) {
+  finishUsda();
   if (volumes_) {
     volumes_->commit();
     volumes_.reset();

@@ -46,7 +46,7 @@ struct JobOptions {
   std::string output, at, weights, keys, timing = "linear", ease = "linear", grids, sliceFolder, like, source,
                                          names, space = "auto";
   int frames = 24, start = 1;
-  std::string range, planFile;
+  std::string range, planFile, usd = "auto";
   double framesPerSecond = 24;
   std::string velocity = "vel", velocityUnit = "second";
   bool conserve = false, addVelocity = false, velocityHalf = false, json = false;

@@ -74,7 +74,7 @@ MeshSpace meshSpace(const OptionSet& options, const std::string& output, MeshSpa
   if (space == "auto") return otherwise;
   const std::string meshes = writableList(Contents::kMesh) + " ";
   const std::string extension = OutputName(output).extension();
-  if (extension == ".glb" || meshes.find(extension + " ") == std::string::npos)
+  if (extension == ".glb" || extension == ".usda" || meshes.find(extension + " ") == std::string::npos)
     throw InputError("--space " + space + " is for meshes that can say it (.stl .ply .obj .vtp); " + output +
                      " is none");
   return space == "RAS" ? MeshSpace::kRas : MeshSpace::kLps;

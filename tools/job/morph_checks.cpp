@@ -144,11 +144,11 @@ void checkOutputKind(const MorphSettings& s, const OptionSet& options) {
   checkFrameImages(s, options);
   checkGrids(s, options);
   if (s.frames.size() > 1 && !OutputName(s.output).isSequence() && !s.oneFile())
-    options.refuse(
-        "output",
-        "-o " + s.output + " is one file for " + std::to_string(s.frames.size()) +
-            " frames; put #### where the frame number belongs (name.####.vdb), or ask for one "
-            "frame by --at T or --weights; a .glb holds all frames, and of images a .nii or .nii.gz");
+    options.refuse("output",
+                   "-o " + s.output + " is one file for " + std::to_string(s.frames.size()) +
+                       " frames; put #### where the frame number belongs (name.####.vdb), or ask for one "
+                       "frame by --at T or --weights; a .glb or .usda holds all frames, and of images a .nii "
+                       "or .nii.gz");
   checkImages(s, options);
   checkMethodOutput(s, options);
 }
@@ -169,6 +169,7 @@ void checkMethodInputs(const MorphSettings& s, const OptionSet& options) {
 void checkMorphFiles(const MorphSettings& s, const OptionSet& options) {
   options.about("output", [&] {
     s.toFrameImages() ? checkOutputPath(s.frames[0].path) : checkOutput(s.frames[0].path);
+    if (!s.usdVolume.empty()) checkOutputPath(s.usdVolume);
   });
   for (const std::string& report : s.reports)
     options.about("report", [&] {

@@ -7,6 +7,7 @@
 #include "tools/job/morph_checks.h"
 #include "tools/job/option_values.h"
 #include "tools/job/plan_settings.h"
+#include "tools/job/usd_settings.h"
 
 #include <algorithm>
 #include <cmath>
@@ -124,6 +125,7 @@ MorphSettings plainSettings(const OptionSet& options) {
     s.grids = options.about("grids", [&] { return parseNames("--grids", given.grids); });
   s.exrContent = given.exrContent == "slices" ? ExrContent::kSlices : ExrContent::kPicture;
   const bool images = s.allImages();
+  s = withUsd(std::move(s), options);
   s.velocity = velocityOf(options, s, images);
   s.load = loadingOf(s, options);
   s.plan = planSettings(options, images);

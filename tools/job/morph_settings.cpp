@@ -6,6 +6,14 @@
 #include <iterator>
 
 namespace slicemorph {
+namespace {
+
+bool isOneOf(const std::string& output, const char* extension) {
+  const OutputName name(output);
+  return name.extension() == extension && !name.isSequence();
+}
+
+}  // namespace
 
 std::vector<FrameJob> MorphSettings::wantedFrames() const {
   std::vector<FrameJob> wanted;
@@ -36,10 +44,9 @@ bool MorphSettings::toFrameImages() const {
   return extension == ".exr" || extension == ".png";
 }
 
-bool MorphSettings::oneGlb() const {
-  const OutputName name(output);
-  return name.extension() == ".glb" && !name.isSequence();
-}
+bool MorphSettings::oneGlb() const { return isOneOf(output, ".glb"); }
+
+bool MorphSettings::oneUsda() const { return isOneOf(output, ".usda"); }
 
 bool MorphSettings::oneImage() const {
   const std::string extension = fullExtensionOf(output);

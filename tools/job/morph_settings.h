@@ -1,6 +1,7 @@
 #pragma once
 
 #include "io/mesh/glb_writer.h"
+#include "io/usd/usda_text.h"
 #include "slicemorph/io/input.h"
 #include "slicemorph/io/output.h"
 #include "slicemorph/io/vdb_writer.h"
@@ -75,6 +76,8 @@ struct MorphSettings {
   std::string planFile;              ///< by which frames are made; of sequences a pattern; empty: none
   std::string like;                  ///< image whose voxels in-between images get; empty: the first input's
   GlbSpace glb;                      ///< of .glb outputs
+  UsdaStage stage;                   ///< of .usda outputs
+  std::string usdVolume;  ///< .usda that shows the VDB files which `output` names; empty: none is wanted
   ExrContent exrContent = ExrContent::kPicture;
   PictureOptions picture;  ///< of .exr and .png outputs
   SliceOptions exrSlices;  ///< of .exr outputs that hold slices
@@ -103,9 +106,11 @@ struct MorphSettings {
   bool holdsGrids() const { return isGridOutput(output) || toFrameImages(); }
   /// All frames go into one .glb file.
   bool oneGlb() const;
+  /// All frames go into one .usda file, as the samples of one mesh.
+  bool oneUsda() const;
   /// All frames go into one NIfTI file, as its volumes.
   bool oneImage() const;
-  bool oneFile() const { return oneGlb() || oneImage(); }
+  bool oneFile() const { return oneGlb() || oneUsda() || oneImage(); }
 };
 
 }  // namespace slicemorph

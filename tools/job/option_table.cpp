@@ -125,9 +125,14 @@ Rows inputRows() {
           "file.obj{scale=0.001,upright=z,fit=box}; the transforms are in the report")
           .oneOf({"none", "size", "box"})
           .basic(),
-      Row(kMorph, "glb-up", at<&J::glbUp>, "", "The inputs' axis that points up, for .glb, where it is Y")
+      Row(kMorph, "glb-up", at<&J::glbUp>, "",
+          "The inputs' axis that points up, for .glb, where it is Y, and .usda, which says so; of images in "
+          ".usda it is z")
           .oneOf({"y", "z"}),
-      Row(kMorph, "glb-unit", at<&J::unit>, "", "The inputs' unit, for .glb, which is in metres")
+      Row(kMorph, "glb-unit", at<&J::unit>, "",
+          "The inputs' unit, for .glb, which is in metres, and .usda, which says so; of images in .usda it "
+          "is "
+          "mm")
           .oneOf({"m", "cm", "mm"}),
   };
 }
@@ -207,14 +212,16 @@ Rows outputRows() {
       Row(kMorph, "output", at<&J::output>, "OUTPUT",
           "Result: " + writableShapes() + ", pictures .png .exr, slices .exr, of images also " +
               writableList(Contents::kImage) +
-              "; #### stands for the frame number; a .glb without #### holds all frames, animated")
+              "; #### stands for the frame number; a .glb or .usda without #### holds all frames, animated")
           .basic(),
       Row(kApply, "output", at<&J::output>, "OUTPUT",
           "Result: a copy of WHAT with other positions, with its extension; of an image: " +
               writableList(Contents::kImage) + "; of --field also .vdb")
           .required(),
       Row(kRetime, "output", at<&J::output>, "OUTPUT",
-          "Result: name.####.vdb; a frame that shows a file is that file, but for the velocities' length")
+          "Result: name.####.vdb, or name.usda for these and a USD stage that shows them; a frame that shows "
+          "a "
+          "file is that file, but for the velocities' length")
           .required(),
       Row(kApply, "field", at<&J::field>, "",
           "Write the map itself: at the points of time --from the displacement to where they are at --to, in "
@@ -485,6 +492,11 @@ Rows cameraRows() {
 
 Rows pictureRows() {
   return {
+      Row(kMorph, "usd", at<&J::usd>, "",
+          "What a .usda shows: VDB files beside it, name.####.vdb, as a volume, or all frames as one mesh")
+          .oneOf({"auto", "volume", "mesh"})
+          .fallback("mesh where all inputs are meshes, or of name.####.usda, else volume")
+          .notInFrames(),
       Row(kMorph, "exr", at<&J::exrContent>, "",
           "What .exr frames hold: a rendered picture, or slices of all grids, one part each")
           .oneOf({"picture", "slices"}),

@@ -5,6 +5,7 @@
 #include "tools/job/load_settings.h"
 #include "tools/job/option_values.h"
 #include "tools/job/plan_settings.h"
+#include "tools/job/usd_settings.h"
 
 #include <algorithm>
 #include <cmath>
@@ -152,10 +153,14 @@ RetimeJob retimeJob(const OptionSet& options) {
   s.options = given;
   s.inputs = {withoutFile(input, files, 0), withoutFile(input, files, 1)};
   s.output = given.output;
-  const OutputName output(given.output);
+  if (isOneUsda(s.output)) s.usdVolume = s.output, s.output = vdbFilesOf(s.output);
+  const OutputName output(s.output);
   if (output.extension() != ".vdb" || !output.isSequence())
-    options.refuse("output", "-o " + given.output + ": expected a sequence of VDB files, name.####.vdb");
-  s.framesPerSecond = given.framesPerSecond, s.quiet = given.quiet, s.resume = given.resume;
+    options.refuse("output", "-o " + given.output +
+                                 ": expected a sequence of VDB files, name.####.vdb, or name.usda for one "
+                                 "with a stage that shows it");
+  s.framesPerSecond = s.stage.framesPerSecond = given.framesPerSecond;
+  s.quiet = given.quiet, s.resume = given.resume;
   s.conserve = true;
   if (options.given("grids"))
     s.grids = options.about("grids", [&] { return parseNames("--grids", given.grids); });
@@ -171,7 +176,10 @@ RetimeJob retimeJob(const OptionSet& options) {
       options.given("curve") ? timesOfCurve(options, first, last) : evenTimes(options, first, last);
   for (const ShownTime& time : times) s.frames.push_back(jobOf(time, files, output, s.framesPerSecond));
   keepRange(s.frames, options);
-  options.about("output", [&] { checkOutput(s.frames[0].path); });
+  options.about("output", [&] {
+    checkOutput(s.frames[0].path);
+    if (!s.usdVolume.empty()) checkOutputPath(s.usdVolume);
+  });
   return job;
 }
 

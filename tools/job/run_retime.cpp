@@ -96,6 +96,7 @@ void runRetime(const RetimeJob& job, JobEvents& events) {
     claims.free();
     events.fileWritten(frame.path, false);
   }
+  writer.finish(nullptr, 1);
   events.notes(claims.finish());
   log.finish();
 }
