@@ -21,7 +21,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <map>
 #include <sstream>
 
@@ -245,12 +244,6 @@ double voxelSizeFor(const Image& image, const FloatGrid& shape, const LoadOption
   if (options.resolution) return longest / options.resolution;
   const Vec3d spacing = image.lattice.spacing();
   return std::max(std::min({spacing[0], spacing[1], spacing[2]}), longest / kDefaultResolution);
-}
-
-FloatGrid::Ptr levelSetOf(const FloatGrid::Ptr& shape, double iso, double voxelSize) {
-  // 0 would have a value looked for.
-  const double surface = iso == 0 ? double(std::numeric_limits<float>::min()) : iso;
-  return toLevelSet(shape, voxelSize, surface).grid;
 }
 
 LoadedObject loadLabels(LoadedObject loaded, const LoadOptions& options) {

@@ -3,6 +3,7 @@
 #include "engine/volume/image_grid.h"
 #include "engine/volume/leaf.h"
 #include "slicemorph/errors.h"
+#include "slicemorph/level_set.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -128,6 +129,11 @@ FloatGrid::Ptr shapeOfLabel(const Image& labels, std::int64_t label) {
                        [&](size_t i) { return values[i] == T(label) ? 1.f : 0.f; });
       },
       labels.values);
+}
+
+FloatGrid::Ptr levelSetOf(const FloatGrid::ConstPtr& shape, double iso, double voxelSize) {
+  const double surface = iso == 0 ? double(std::numeric_limits<float>::min()) : iso;
+  return toLevelSet(shape, voxelSize, surface).grid;
 }
 
 double otsuValue(const Image& image) {

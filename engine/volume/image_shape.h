@@ -13,6 +13,10 @@ FloatGrid::Ptr shapeAbove(const Image& image, double iso);
 FloatGrid::Ptr shapeOfLabels(const Image& labels);
 FloatGrid::Ptr shapeOfLabel(const Image& labels, std::int64_t label);
 
+/// The surface of such a shape at the `iso` that it was made with, 0 included, as a level set with voxels of this size,
+/// world units. Throws as toLevelSet, for which 0 would be a value that is looked for.
+FloatGrid::Ptr levelSetOf(const FloatGrid::ConstPtr& shape, double iso, double voxelSize);
+
 /// The threshold that best separates the histogram into two classes [Ots79].
 double otsuValue(const Image& image);
 

@@ -106,6 +106,28 @@ def case_image_as_grids():
     same_as_vdb("convert", "scan.nii", "--iso", "150")
 
 
+def case_surface_of_an_image_at_zero():
+    """--iso 0 is the value 0, as any other: the surface of distances to a ball is the ball."""
+    import nibabel as nib
+    radius = 9.3
+    at = np.stack(np.mgrid[:32, :32, :32], -1) - 15.5
+    inside = (radius - np.linalg.norm(at, axis=-1)).astype(np.float32)
+    affine = np.eye(4)
+    affine[:3, 3] = -15.5
+    nib.save(nib.Nifti1Image(inside, affine), "ball.nii")
+    surface = same_as_vdb("convert", "ball.nii", "--iso", "0")["surface"]
+    near = 0
+    for voxel in surface.citerOnValues():
+        distance = np.linalg.norm(surface.transform.indexToWorld(voxel.min)) - radius
+        if abs(distance) > 1:
+            continue
+        near += 1
+        # A plane between voxels is off by at most an eighth of a voxel's diagonal squared over the radius.
+        assert abs(voxel.value - distance) < 3 / (8 * (radius - 2)), (voxel.min, voxel.value, distance)
+    # A shell of two voxels, to a tenth.
+    assert abs(near / (8 * np.pi * radius ** 2) - 1) < 0.1, near
+
+
 def case_sequence_is_the_same_for_any_threads():
     write_smoke("a.vdb", 0)
     write_smoke("b.vdb", 3)

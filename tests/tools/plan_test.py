@@ -93,6 +93,16 @@ def case_sequences(o):
     assert sums(numbered, ".vdb")["m.0002.vdb"] == sums(whole, ".vdb")["m.0002.vdb"]
     error = run(parts, "morph", "--plan", o + "/x.####.plan", "-o", "m.####.vdb", code=1).stderr
     assert "x.0002.plan" in error, error
+    # So are those of times, and times at the same files share one.
+    for start in (1, 7):
+        at = ["--at", "0,0.1,1", "-o", "at%d.####" % start]
+        run(o, "plan", *words, "--start", start, *at[:3], at[3] + ".plan")
+        plans = [name for name in sorted(os.listdir(o)) if name.startswith("at%d" % start)]
+        assert plans == ["at%d.%04d.plan" % (start, start + i) for i in (0, 2)], plans
+        run(later, "morph", *words, *at[:3], at[3] + ".vdb")
+        run(numbered, "morph", "--plan", o + "/at%d.####.plan" % start, *at[:3], at[3] + ".vdb")
+        for name in ("at%d.%04d.vdb" % (start, n) for n in (1, 2, 3)):
+            assert sums(numbered, ".vdb")[name] == sums(later, ".vdb")[name], name
 
 
 def case_what_does_not_fit_is_refused(o):

@@ -512,6 +512,32 @@ def case_sequences():
     raises(slicemorph.InputError, lambda: plan.apply([[0, 0, 0]]), "sequences")
 
 
+def case_cancelled_sequences():
+    """Calls on sequences that were cancelled, at whatever stage, spoil none after them: frames stay the program's."""
+    class Stop(Exception):
+        pass
+
+    for n in (1, 2, 3):
+        puff("p.%04d.vdb" % n, (0.1 * n, 0, 0), 0.8)
+    puff("q.vdb", (0.3, 0, 0), 0.5)
+    PROGRAM.run("morph", "p.####.vdb", "q.vdb", "--slices", 24, "--samples", 48, "-o", "m.####.vdb")
+    stages = []
+    slicemorph.plan("p.####.vdb", "q.vdb", **SMALL).frame(1, progress=lambda stage, share: stages.append(stage))
+    assert len(set(stages)) > 2, stages
+    for cancelled in dict.fromkeys(stages):
+        def stop(stage, share):
+            if stage == cancelled:
+                raise Stop()
+        for before, asked in ((0, 0.5), (1, 0)):
+            for after in (asked, before):
+                plan = slicemorph.plan("p.####.vdb", "q.vdb", **SMALL)
+                plan.frame(before)
+                raises(Stop, lambda: plan.frame(asked, progress=stop))
+                frame = plan.frame(after)
+                frame.save("n.vdb")
+                assert read("n.vdb") == read("m.%04d.vdb" % frame.number), (cancelled, before, asked, after)
+
+
 def case_plan_files():
     """A plan is written for the program, and the program's taken."""
     a, b = grids()

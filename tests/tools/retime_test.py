@@ -274,6 +274,24 @@ def case_parts_are_the_whole(o):
     assert not [n for n in os.listdir(parts) if n.startswith(".")]
 
 
+def case_one_grid_for_all_files(o):
+    """The grid of the first file is that of all, though others have one that would come before it: ranges give the bytes of the whole, and
+    the smoke is where it belongs. All grids of the files are carried."""
+    pattern = puffs(o, (1, 2, 3, 4), along_x)
+    x, y, z = np.meshgrid(*[np.arange(24) * 0.1 - ORIGIN] * 3, indexing="ij")
+    for number in (2, 3, 4):
+        path = made(o, "s.%04d.vdb" % number)
+        ball = level_set(np.sqrt(x ** 2 + (y - 0.3 * number + 0.9) ** 2 + z ** 2) - 0.3, (0, 0, 0), 0.1, "aaa")
+        write(path, vdb.read(path, "density"), ball)
+    run(o, pattern, "-o", "w.####.vdb", "--factor", 2)
+    for number in (2, 4, 6):
+        run(o, pattern, "-o", "r.####.vdb", "--factor", 2, "--range", number)
+        assert bytes_of(made(o, "r.%04d.vdb" % number)) == bytes_of(made(o, "w.%04d.vdb" % number)), number
+        _, centre = total_and_centre(made(o, "w.%04d.vdb" % number))
+        assert np.abs(centre - along_x(1 + (number - 1) / 2)).max() < 0.02, (number, centre)
+        assert "aaa" in [grid.name for grid in vdb.readAllGridMetadata(made(o, "w.%04d.vdb" % number))], number
+
+
 def memory_of(o, *words):
     process = subprocess.Popen([PROGRAM, "retime", *words], cwd=o, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     _, status, usage = os.wait4(process.pid, 0)
@@ -298,6 +316,7 @@ def case_refusals(o):
         ([pattern, "-o", "x.vdb"], "name.####.vdb"),
         ([pattern, "-o", "x.####.obj"], "name.####.vdb"),
         ([pattern, "-o", "x.####.vdb", "--factor", "0"], "--factor"),
+        ([pattern, "-o", "x.####.vdb", "--iso", "0.3/0.4"], "--iso names values for 2 inputs of 1"),
         ([pattern, "-o", "x.####.vdb", "--factor", "2", "--frames", "9"], "exclude"),
         ([pattern, "-o", "x.####.vdb", "--curve", "1@1 5@3"], "there is no file 3"),
         ([pattern, "-o", "x.####.vdb", "--curve", "5@1 1@2"], "frames must rise"),

@@ -2,7 +2,6 @@
 
 #include "engine/volume/image_grid.h"
 #include "engine/volume/image_shape.h"
-#include "engine/volume/level_set.h"
 #include "engine/volume/resample_image.h"
 #include "engine/volume/same_image.h"
 #include "io/image/image_formats.h"
@@ -77,7 +76,7 @@ void writeGrids(const ConvertSettings& s, const Image& image) {
   if (s.load.isoGiven) {
     const double smallest =
         std::min({image.lattice.spacing()[0], image.lattice.spacing()[1], image.lattice.spacing()[2]});
-    grids.push_back(surfaceGrid(*toLevelSet(shapeAbove(image, s.load.iso), smallest, s.load.iso).grid));
+    grids.push_back(surfaceGrid(*levelSetOf(shapeAbove(image, s.load.iso), s.load.iso, smallest)));
   }
   writeGridFile(s.output, grids, {});
 }

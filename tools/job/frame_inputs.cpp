@@ -7,17 +7,25 @@
 
 namespace slicemorph {
 
-FrameInputs::FrameInputs(const MorphSettings& settings)
+FrameInputs::FrameInputs(const MorphSettings& settings, const std::string& grid)
     : settings_(settings),
+      gridGiven_(!grid.empty()),
       placings_(settings.inputs.size()),
       open_(settings.inputs.size()),
       loaded_(settings.inputs.size()) {
-  for (size_t k = 0; k < settings.inputs.size(); ++k) files_.emplace_back(settings.input(k));
+  for (size_t k = 0; k < settings.inputs.size(); ++k) {
+    InputSpec input = settings.input(k);
+    if (gridGiven_) input.selection = grid;
+    files_.emplace_back(input);
+  }
 }
 
 LoadedObject FrameInputs::load(size_t input, size_t frame) {
   const HeldInput* const held = heldAt(settings_.held, input);
-  return held ? loadObject(*held, optionsFor(input)) : files_[input].load(frame, optionsFor(input));
+  LoadedObject loaded =
+      held ? loadObject(*held, optionsFor(input)) : files_[input].load(frame, optionsFor(input));
+  if (gridGiven_) loaded.named = false;
+  return loaded;
 }
 
 Notes FrameInputs::notes(size_t frames) const {

@@ -14,13 +14,15 @@ namespace slicemorph {
 /// is over; any other input is the same throughout.
 class FrameInputs {
  public:
-  /// Throws IoError where there is no file of a sequence.
-  explicit FrameInputs(const MorphSettings& settings);
+  /// `grid`: by which the files of all inputs are read, of which then none names one; empty: each input's own, see
+  /// MovingInput. Throws IoError where there is no file of a sequence.
+  explicit FrameInputs(const MorphSettings& settings, const std::string& grid = "");
 
   /// Notes on the sequences that have fewer files than the job has frames, or gaps.
   Notes notes(size_t frames) const;
 
-  /// Spares reading the files that the inputs of another part of the same sequences have just loaded, at the next step.
+  /// Spares reading the files that the inputs of another part of the same sequences, of the same settings and grid, have
+  /// just loaded, at the next step.
   void takeFrom(const FrameInputs& other);
 
   /// What a step from one frame to another changed.
@@ -40,6 +42,7 @@ class FrameInputs {
   /// Finds how the inputs of the first frame are to be placed, and loads those anew that are.
   Notes fitted(size_t frame);
 
+  bool gridGiven_ = false;         ///< the grid is, though not by the inputs' names
   bool fitted_ = false;            ///< the placings are known
   std::vector<Placing> placings_;  ///< per input
 

@@ -26,8 +26,8 @@ MethodPlan inFile(const std::string& file, const Action& action) {
 
 }  // namespace
 
-FrameMaker::FrameMaker(const MorphSettings& settings, JobEvents& events)
-    : settings_(settings), events_(events), inputs_(settings), options_(settings.plan) {
+FrameMaker::FrameMaker(const MorphSettings& settings, JobEvents& events, const std::string& grid)
+    : settings_(settings), events_(events), inputs_(settings, grid), options_(settings.plan) {
   events.notes(inputs_.notes(settings.frames.back().inputFrame + 1));
 }
 

@@ -13,7 +13,8 @@ namespace slicemorph {
 /// Steps through the frames of a job: reads the inputs, and plans whenever they change.
 class FrameMaker {
  public:
-  FrameMaker(const MorphSettings& settings, JobEvents& events);
+  /// `grid`: see FrameInputs.
+  FrameMaker(const MorphSettings& settings, JobEvents& events, const std::string& grid = "");
 
   /// Reads and plans what a frame (index into the settings' frames) needs; frames must come in order. `from`,
   /// `to`: this step's part of the whole job, 0 to 1, for the progress.

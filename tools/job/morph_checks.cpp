@@ -2,6 +2,7 @@
 
 #include "io/sequence.h"
 #include "slicemorph/errors.h"
+#include "slicemorph/io/formats.h"
 #include "slicemorph/io/image_writer.h"
 #include "tools/job/image_lattice.h"
 #include "tools/job/option_values.h"
@@ -64,6 +65,11 @@ void checkFrameImages(const MorphSettings& s, const OptionSet& options) {
                                    " is for outputs that hold grids; " + s.output + " is a picture");
 }
 
+/// Outputs that are no images.
+std::string shapesAndPictures() {
+  return writableList(Contents::kGrids) + " " + writableList(Contents::kMesh) + " .exr .png";
+}
+
 /// In-between images need images as inputs.
 void checkImages(const MorphSettings& s, const OptionSet& options) {
   const bool images = s.allImages(), imageOutput = isImageOutput(s.output);
@@ -71,14 +77,14 @@ void checkImages(const MorphSettings& s, const OptionSet& options) {
     size_t other = 0;
     while (s.input(other).isImage()) ++other;
     options.refuse("output", "-o " + s.output + ": in-between images need images on all sides, and " +
-                                 s.inputs[other] +
-                                 " is none; the output can be .vdb .obj .ply .stl .glb .exr .png");
+                                 s.inputs[other] + " is none; the output can be " + shapesAndPictures());
   }
   if (!s.plan.regions.empty() && images && (imageOutput || s.holdsGrids()) &&
       s.grids != std::vector<std::string>{"surface"})
     options.refuse("region",
-                   "[[region]] is for shapes and grids, not for in-between images: make a mesh, or a .vdb "
-                   "with --grids surface");
+                   "[[region]] is for shapes and grids, not for in-between images: make a mesh, or a file of "
+                   "grids (" +
+                       writableList(Contents::kGrids) + ") with --grids surface");
   if (!s.like.empty() && !imageOutput && !(images && s.holdsGrids()))
     options.refuse("like",
                    "--like " + s.like + " is for in-between images; the output " + s.output + " is none");
@@ -88,15 +94,12 @@ void checkImages(const MorphSettings& s, const OptionSet& options) {
 void checkMethodOutput(const MorphSettings& s, const OptionSet& options) {
   const bool imageOutput = isImageOutput(s.output);
   if (!s.can().surface && !s.holdsGrids() && !imageOutput)
-    options.refuse("method", "--method " + s.method +
-                                 " blends values and makes no surface; the output must be .vdb, .exr, .png "
-                                 "or an image, not " +
-                                 s.output);
+    options.refuse("method",
+                   "--method " + s.method + " blends values and makes no surface; the output must be " +
+                       writableList(Contents::kGrids, ", ") + ", .exr, .png or an image, not " + s.output);
   if (!s.can().images && imageOutput)
-    options.refuse("method", "--method " + s.method +
-                                 " makes surfaces, no images; the output must be .vdb .obj .ply .stl .glb "
-                                 ".exr .png, not " +
-                                 s.output);
+    options.refuse("method", "--method " + s.method + " makes surfaces, no images; the output must be " +
+                                 shapesAndPictures() + ", not " + s.output);
 }
 
 }  // namespace

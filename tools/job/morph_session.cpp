@@ -46,14 +46,16 @@ MorphSession::MorphSession(const OptionSet& options, JobEvents& events)
 void MorphSession::moveTo(size_t inputFrame, JobEvents& events) {
   const Relayed<Relay> relayed(events_, events);
   const int start = settings().options.start;
-  size_t next = maker_ ? at_ + 1 : 0;
-  if (maker_ && (inputFrame == at_ || !settings().moving())) return;
+  if (at_ && (inputFrame == *at_ || !settings().moving())) return;
   // A plan follows that of the frame before.
-  if (!maker_ || inputFrame < at_) maker_ = std::make_unique<FrameMaker>(settings(), events_), next = 0;
+  if (!at_ || inputFrame < *at_) at_.reset(), maker_ = std::make_unique<FrameMaker>(settings(), events_);
+  const size_t next = at_ ? *at_ + 1 : 0;
   const double steps = double(inputFrame - next + 1);
   for (size_t i = next; i <= inputFrame; ++i) {
+    // What fails half way leaves inputs of one frame and a plan of another: the next call begins anew.
+    at_.reset();
     maker_->planFor(i, start + int(i), double(i - next) / steps, double(i - next + 1) / steps);
-    at_ = i;
+    at_ = i, labels_ = maker_->inputs()[0].labels;
     events_.throwIfCancelled();
   }
 }

@@ -20,7 +20,8 @@ class MorphSession {
   MorphSession(const OptionSet& options, JobEvents& events);
 
   const MorphSettings& settings() const { return job_.settings; }
-  const std::vector<LoadedObject>& inputs() const { return maker_->inputs(); }
+  /// Whether in-between images are maps of labels.
+  bool makesLabels() const { return labels_; }
   const MethodPlan& method() const { return maker_->plan(); }
   /// The map of points; throws InputError where the method has none, and of sequences, where each frame has its own.
   const MorphPlan& plan() const;
@@ -64,7 +65,8 @@ class MorphSession {
   size_t length_ = 1;  ///< frames of the inputs
   Relay events_;
   std::unique_ptr<FrameMaker> maker_;
-  size_t at_ = 0;  ///< frame of the inputs that is loaded
+  std::optional<size_t> at_;  ///< frame of the inputs that is loaded and planned; none after a failure
+  bool labels_ = false;       ///< the first input's frame is a map of labels
 };
 
 }  // namespace slicemorph

@@ -216,7 +216,7 @@ Rows outputRows() {
           .basic(),
       Row(kApply, "output", at<&J::output>, "OUTPUT",
           "Result: a copy of WHAT with other positions, with its extension; of an image: " +
-              writableList(Contents::kImage) + "; of --field also .vdb")
+              writableList(Contents::kImage) + "; of --field also " + writableList(Contents::kGrids))
           .required(),
       Row(kRetime, "output", at<&J::output>, "OUTPUT",
           "Result: name.####.vdb, or name.usda for these and a USD stage that shows them; a frame that shows "
@@ -226,7 +226,8 @@ Rows outputRows() {
       Row(kApply, "field", at<&J::field>, "",
           "Write the map itself: at the points of time --from the displacement to where they are at --to, in "
           "world units "
-          "(LPS millimetres); .vdb: a vec3s grid `displacement`")
+          "(LPS millimetres); " +
+              writableList(Contents::kGrids) + ": a vec3s grid `displacement`")
           .basic(),
       Row(kSlice, "output", at<&J::output>, "OUTPUT",
           "Images: name.####.exr, one a slice from 1, or name.exr, one file of several parts")
@@ -234,13 +235,13 @@ Rows outputRows() {
       Row(kReconstruct, "output", at<&J::output>, "OUTPUT",
           "Result: " + writableList(Contents::kImage) +
               " (a dense label map or grey image; with #### a mask of each label); " +
-              writableList(Contents::kMesh) +
-              " (surfaces, #### stands for the label); .vdb (a level set per label; of EXR slices all their "
-              "grids); " +
+              writableList(Contents::kMesh) + " (surfaces, #### stands for the label); " +
+              writableList(Contents::kGrids) + " (a level set per label; of EXR slices all their grids); " +
               structureList() + " (named structures)")
           .required(),
       Row(kConvert, "output", at<&J::output>, "OUTPUT",
-          "Result: .vdb (a level set; of an image its values, with --iso the surface beside them), " +
+          "Result: " + writableList(Contents::kGrids) +
+              " (a level set; of an image its values, with --iso the surface beside them), " +
               writableList(Contents::kMesh) + " (the surface), " + writableList(Contents::kImage) +
               " (an image; of a shape 1 inside), " + structureList() +
               " (labels, or the shape, as structures)")

@@ -166,6 +166,7 @@ RetimeJob retimeJob(const OptionSet& options) {
     s.grids = options.about("grids", [&] { return parseNames("--grids", given.grids); });
   s.velocity = {given.velocity, given.velocityUnit == "frame", false, given.velocityHalf, true};
   s.load = loadSettings(options);
+  checkIsos(s.load, options, 1);
   s.load.matching = s.load.density = true, s.load.fogResolution = kFogResolution;
   s.plan = planSettings(options, false);
   s.plan.align = Align::kNone, s.alignGiven = true;

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <string>
 
 namespace slicemorph {
 namespace {
@@ -22,6 +23,22 @@ class WithoutNotes : public JobEvents {
  private:
   JobEvents& caller_;
 };
+
+/// The grid by which all files of the sequence are read, of the first that holds something; empty where the sequence's
+/// name says it. `events`: gets the note on the choice.
+std::string gridOfSequence(const MorphSettings& settings, JobEvents& events) {
+  const InputSpec input = parseInput(settings.options.input);
+  if (!input.selection.empty()) return "";
+  MovingInput files(input);
+  LoadOptions options = settings.load;
+  options.besides.push_back(files.file(1).path);
+  size_t n = 0;
+  LoadedObject loaded = files.load(n, options);
+  while (loaded.nothing) loaded = files.load(++n, options);
+  for (const Note& note : about(files.file(n).text, loaded.notes))
+    if (note.code == "vdb.grid-chosen") events.note(note);
+  return loaded.file->entries()[loaded.grid].name;
+}
 
 /// The plans of pairs of neighbouring files, of which those around the last one asked for are kept.
 class PairPlans {
@@ -48,7 +65,9 @@ class PairPlans {
     if (maker) return *maker;
     JobEvents& events = told_ ? quiet_ : events_;
     told_ = true;
-    maker = std::make_unique<FrameMaker>(job_.settings, events);
+    // One for both files of all pairs: else a frame would depend on which pair is read first.
+    if (!grid_) grid_ = gridOfSequence(job_.settings, events);
+    maker = std::make_unique<FrameMaker>(job_.settings, events, *grid_);
     // A file is the end of one pair and the beginning of the next.
     for (const auto& [other, made] : makers_)
       if (other + 1 == pair || other == pair + 1) maker->takeFilesFrom(*made);
@@ -61,6 +80,7 @@ class PairPlans {
   JobEvents& events_;
   WithoutNotes quiet_;
   bool told_ = false;
+  std::optional<std::string> grid_;  ///< see gridOfSequence; found when the first pair is read
   std::map<size_t, std::unique_ptr<FrameMaker>> makers_;
   std::optional<size_t> bent_;  ///< the pair whose paths go on into its neighbours'
 };

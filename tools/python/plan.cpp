@@ -158,7 +158,7 @@ std::vector<PyGrid> gridsOfFrame(const PyFrame& frame) {
 
 std::optional<PyInput> imageOfFrame(const PyFrame& frame) {
   if (!frame.frame.image) return std::nullopt;
-  return inputOf("frame", *frame.frame.image, frame.plan->session->inputs()[0].labels);
+  return inputOf("frame", *frame.frame.image, frame.plan->session->makesLabels());
 }
 
 void saveFrame(const PyFrame& frame, const std::string& path) {
