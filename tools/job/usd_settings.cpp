@@ -13,7 +13,7 @@ bool isMeshInput(const std::string& input) { return parseInput(input).contents =
 UsdaStage stageOf(const MorphSettings& s, const OptionSet& options) {
   const JobOptions& given = options.values();
   // Images are in millimetres, and their z points up, but for what was said.
-  const bool images = std::all_of(s.inputs.begin(), s.inputs.end(), isImageInput);
+  const bool images = s.allImages();
   const std::string up = images && !options.given("glb-up") ? "z" : given.glbUp;
   const std::string unit = images && !options.given("glb-unit") ? "mm" : given.unit;
   return {given.framesPerSecond, unit == "mm" ? 1e-3 : unit == "cm" ? 1e-2 : 1, up == "z"};
