@@ -174,9 +174,9 @@ std::pair<double, double> finiteRange(const std::vector<T>& values) {
   return low <= high ? std::pair(low, high) : std::pair(0.0, 0.0);
 }
 
-bool isRefused(const ImageFile& file) {
+bool hasNote(const ImageFile& file, const char* code) {
   return std::any_of(file.notes.begin(), file.notes.end(),
-                     [](const Note& note) { return note.code == kImageRefused; });
+                     [&](const Note& note) { return note.code == code; });
 }
 
 ImageInfo describeImage(const ImageFile& file) {
@@ -196,7 +196,7 @@ ImageInfo describeImage(const ImageFile& file) {
       },
       file.image.values);
   if (!any) {
-    const bool refused = isRefused(file);
+    const bool refused = hasNote(file, kImageRefused);
     info.looked = info.placed = false;
     if (refused) info.type.clear();
     info.reading = refused ? "refused" : "cannot be read without --spacing X,Y,Z";
@@ -238,7 +238,7 @@ std::vector<ImageInfo> describeImages(const InputSpec& input, const ImageOptions
     const bool read = std::visit([](const auto& values) { return !values.empty(); }, file.image.values);
     if (read) takeLabels(file.image, /*asked=*/false, file.notes);
     infos.push_back(describeImage(file));
-    if (!read && !isRefused(file) && isLarge(file)) tellHeaderOnly(infos.back());
+    if (hasNote(file, kHeaderOnly)) tellHeaderOnly(infos.back());
   });
   return infos;
 }

@@ -266,6 +266,7 @@ LoadedObject loadImage(ImageFile file, const LoadOptions& options) {
   loaded.notes = std::move(file.notes);
   loaded.imageHeader = std::move(file.header);
   place(file.image.lattice, options.placing);
+  if (!options.placing.isIdentity()) loaded.imageHeader.forms.reset();
   const bool isoGiven = options.isoGiven || options.iso != 0;
   if (options.imageKind == ImageKind::kLabels || (options.imageKind == ImageKind::kAuto && !isoGiven))
     takeLabels(file.image, options.imageKind == ImageKind::kLabels, loaded.notes);

@@ -1,6 +1,7 @@
 #include "io/contours/rtstruct_reader.h"
 
 #include "io/image/dicom_elements.h"
+#include "io/image/dicom_text.h"
 #include "io/whole_file.h"
 #include "slicemorph/errors.h"
 
@@ -25,9 +26,9 @@ constexpr double kRounding = 0.01;   // coordinates in files are rounded to abou
 constexpr size_t kHeadSize = 4096;   // bytes of a file in which its storage class is looked for
 constexpr const char* kStructureSet = "1.2.840.10008.5.1.4.1.1.481.3";
 
-constexpr DicomTag kSopClass = 0x00080016, kRegions = 0x30060020, kRegionNumber = 0x30060022,
-                   kRegionName = 0x30060026, kRegionContours = 0x30060039, kContours = 0x30060040,
-                   kKind = 0x30060042, kPointCount = 0x30060046, kPoints = 0x30060050,
+constexpr DicomTag kNameCharacters = 0x00080005, kSopClass = 0x00080016, kRegions = 0x30060020,
+                   kRegionNumber = 0x30060022, kRegionName = 0x30060026, kRegionContours = 0x30060039,
+                   kContours = 0x30060040, kKind = 0x30060042, kPointCount = 0x30060046, kPoints = 0x30060050,
                    kObservations = 0x30060080, kReference = 0x30060084, kApproval = 0x300e0002;
 
 struct Loop {
@@ -185,10 +186,11 @@ class RegionReader {
 
 std::vector<ContourSet> regionsOf(const std::string& path, const DicomElements& all) {
   std::vector<ContourSet> sets;
+  const std::string characters = all.text(kNameCharacters);
   for (const DicomElements& item : all.items(kRegions)) {
     ContourSet set;
     set.label = std::atoi(item.text(kRegionNumber).c_str());
-    set.name = item.text(kRegionName);
+    set.name = utf8OfDicom(item.text(kRegionName), characters).text;
     if (set.name.empty()) set.name = "ROI " + std::to_string(set.label);
     sets.push_back(std::move(set));
   }

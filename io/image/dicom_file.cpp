@@ -1,6 +1,7 @@
 #include "io/image/dicom_file.h"
 
 #include "io/image/dicom_color.h"
+#include "io/image/dicom_text.h"
 #include "io/mapped_file.h"
 
 #include <algorithm>
@@ -20,7 +21,8 @@ constexpr DicomTag kSopClass = 0x00080016, kSopInstance = 0x00080018, kModality 
                    kFloatPixels = 0x7fe00008, kDoublePixels = 0x7fe00009, kPixels = 0x7fe00010,
                    kSegmentationType = 0x00620001, kSegments = 0x00620002, kSegmentNumber = 0x00620004,
                    kSegmentLabel = 0x00620005, kSegmentColor = 0x0062000d, kFullFraction = 0x0062000e,
-                   kModalityTable = 0x00283000, kTableForm = 0x00283002, kTableData = 0x00283006;
+                   kModalityTable = 0x00283000, kTableForm = 0x00283002, kTableData = 0x00283006,
+                   kRescaleIntercept = 0x00281052, kRescaleSlope = 0x00281053, kCharacters = 0x00080005;
 constexpr int kMostFrames = 1 << 20;    // far more than any scanner writes; damaged numbers are larger
 constexpr double kLargestSide = 65535;  // of Rows and Columns, which have 16 bits (PS3.3 C.7.6.3.1)
 constexpr size_t kLeastPacked = 8;  // bytes of a compressed frame: the head of its item (PS3.5 section A.4)
@@ -101,10 +103,12 @@ std::optional<std::array<std::uint8_t, 3>> colorOfLab(const DicomElements& segme
   return colorOfDicomLab(stored);
 }
 
-/// The table that gives stored values their meaning. Throws DicomDamage where it is no such.
+/// The table that gives stored values their meaning; none where the sequence is empty. Throws DicomDamage where it is no
+/// such.
 std::optional<DicomTable> tableOf(const DicomElements& data, bool isSigned) {
-  if (!data.has(kModalityTable)) return std::nullopt;
-  const DicomElements item = data.item(kModalityTable);
+  const std::vector<DicomElements> items = data.items(kModalityTable);
+  if (items.empty()) return std::nullopt;
+  const DicomElements& item = items[0];
   // All three are US or SS as the pixels are, but only the second may be below 0 (PS3.3 C.11.1.1.1).
   const std::vector<double> form = item.numbers(kTableForm, isSigned ? "SS" : "US");
   if (form.size() != 3) throw DicomDamage("its table of values (ModalityLUTSequence) has no LUTDescriptor");
@@ -126,11 +130,24 @@ std::optional<DicomTable> tableOf(const DicomElements& data, bool isSigned) {
   return table;
 }
 
+/// Of whole numbers alone: a table has an entry for each (PS3.3 C.11.1.1).
+void readTable(const DicomElements& data, DicomFile& file) {
+  if (file.kind != DicomFile::kSlices || file.pixels.kind != DicomPixels::kWhole) return;
+  try {
+    file.table = tableOf(data, file.pixels.isSigned);
+  } catch (const DicomDamage& damage) {
+    file.badTable = damage.what();
+    file.statesRescale = data.size(kRescaleSlope) > 0 && data.size(kRescaleIntercept) > 0;
+  }
+}
+
 void readSegments(const DicomElements& data, DicomFile& file) {
   file.kind = DicomFile::kSegmentation;
   file.isWhole = true;
+  const std::string characters = data.text(kCharacters);
   for (const DicomElements& item : data.items(kSegments))
-    file.segments.push_back({item.number(kSegmentNumber), item.text(kSegmentLabel), colorOfLab(item)});
+    file.segments.push_back({item.number(kSegmentNumber),
+                             utf8OfDicom(item.text(kSegmentLabel), characters).text, colorOfLab(item)});
   if (data.text(kSegmentationType) == "FRACTIONAL")
     file.fullFraction = std::max(1.0, data.first(kFullFraction, "US", 255));
 }
@@ -138,7 +155,8 @@ void readSegments(const DicomElements& data, DicomFile& file) {
 void read(const DicomElements& data, std::string_view bytes, DicomFile& file) {
   file.seriesUid = data.text(kSeries), file.instanceUid = data.text(kSopInstance);
   file.frameOfReference = data.text(kFrameOfReference);
-  file.modality = data.text(kModality), file.description = data.text(kDescription);
+  file.modality = data.text(kModality),
+  file.description = utf8OfDicom(data.text(kDescription), data.text(kCharacters)).text;
   constexpr double kMostInstance = std::numeric_limits<int>::max();
   file.instance = int(std::clamp(data.first(kInstanceNumber, "IS"), -kMostInstance, kMostInstance));
   const std::string type = data.text(kImageTypeTag);
@@ -157,7 +175,7 @@ void read(const DicomElements& data, std::string_view bytes, DicomFile& file) {
   const std::string sop = data.text(kSopClass);
   file.labelPixels = sop == "1.2.840.10008.5.1.4.1.1.66.7";
   if (sop == "1.2.840.10008.5.1.4.1.1.66.4" || file.labelPixels) readSegments(data, file);
-  if (file.kind == DicomFile::kSlices) file.table = tableOf(data, file.pixels.isSigned);
+  readTable(data, file);
   readDicomFrames(data, file);
   const bool mosaic = isMosaic(data);
   if (mosaic) splitMosaic(data, file);

@@ -83,6 +83,8 @@ struct DicomFile {
   std::vector<DicomFrame> frames;  ///< none where it is no image
   std::vector<DicomSegment> segments;
   std::optional<DicomTable> table;  ///< takes the place of slopes and intercepts
+  std::string badTable;             ///< why there is none though the file has one; empty: it is none of these
+  bool statesRescale = false;       ///< slope and intercept stand beside the table
   bool labelPixels = false;         ///< of a segmentation: pixels are the segments' numbers
   double fullFraction = 0;  ///< of a segmentation by fractions: the value that is all; 0: it is binary
   std::string foreign;      ///< why it is no grey image, for a note; empty: it is one

@@ -121,6 +121,23 @@ double bytesWhileRead(const DicomSeries& series, const std::vector<DicomSliceRef
   return std::max(2 * unpacked, unpacked + voxels * bytesOfVoxel(series, slices));
 }
 
+/// Where a file's table of values cannot be used, tells by what the values become such instead. Throws InputError where
+/// nothing says it and nobody insists.
+void checkTables(const DicomSeries& series, const std::vector<DicomSliceRef>& slices, bool force,
+                 Notes& notes) {
+  for (const DicomSliceRef& r : slices) {
+    const DicomFile& file = series.files[r.file];
+    if (file.badTable.empty()) continue;
+    if (!file.statesRescale && !force)
+      throw InputError(file.path, file.badTable + "; --force takes the stored values as they are");
+    notes.emplace_back("image.table-damaged", Severity::kWarning, nameOfSlice(series, r),
+                       (file.statesRescale ? "" : "--force: ") + file.badTable + ": " +
+                           (file.statesRescale ? "RescaleSlope and RescaleIntercept are taken instead"
+                                               : "the stored values are taken as they are"));
+    return;
+  }
+}
+
 void noteOrder(const DicomVolume& volume, Notes& notes) {
   if (volume.byOrderOnly)
     notes.emplace_back(
@@ -150,6 +167,7 @@ ImageFile readSlices(const std::string& path, const DicomSeries& series, const D
   ImageFile file;
   std::vector<DicomSliceRef> order = volume.slices;
   const SlicePlaces places = placeDicomSlices(path, series, order, options, file.notes);
+  checkTables(series, order, options.force, file.notes);
   const DicomFile& first = series.files[order[0].file];
   check({first.columns, first.rows, int(order.size())},
         bytesWhileRead(series, order, double(first.columns) * first.rows * double(order.size())));
@@ -173,6 +191,7 @@ ImageFile headOfSlices(const std::string& path, const DicomSeries& series, const
   ImageFile file;
   std::vector<DicomSliceRef> order = volume.slices;
   const SlicePlaces places = placeDicomSlices(path, series, order, options, file.notes);
+  checkTables(series, order, options.force, file.notes);
   noteOrder(volume, file.notes);
   std::vector<DicomSlice> slices;
   for (size_t k = 0; k < order.size(); ++k) {
@@ -190,6 +209,7 @@ ImageFile headOfSlices(const std::string& path, const DicomSeries& series, const
   layOut(stackOf(series.files[order[0].file], places, std::move(slices)), file);
   if (one) placeOneSlice(places, file);
   file.image.values = noDicomValues(series, order);
+  file.notes.emplace_back(kHeaderOnly, Severity::kDetail, "", "its headers alone were read");
   return file;
 }
 

@@ -19,17 +19,20 @@ bool sharePixels(const DicomFrame& a, const DicomFrame& b) {
   return !a.pixel || (isNear((*a.pixel)[0], (*b.pixel)[0]) && isNear((*a.pixel)[1], (*b.pixel)[1]));
 }
 
+/// Whether directions are the same; what has none is told apart by sharePixels() where that matters.
 bool shareAxes(const DicomFrame& a, const DicomFrame& b) {
-  for (size_t d = 0; a.axes && d < 2; ++d)
+  if (!a.axes || !b.axes) return true;
+  for (size_t d = 0; d < 2; ++d)
     for (int c = 0; c < 3; ++c)
       if (!isNear((*a.axes)[d][c], (*b.axes)[d][c])) return false;
   return true;
 }
 
-/// Degrees between the directions of two frames that have some, the larger of those of rows and columns.
+/// Degrees between the directions of two frames, the larger of those of rows and columns; 0 where one has none.
 double turnOf(const DicomFrame& a, const DicomFrame& b) {
+  if (!a.axes || !b.axes) return 0;
   double most = 0;
-  for (size_t d = 0; a.axes && d < 2; ++d) {
+  for (size_t d = 0; d < 2; ++d) {
     const Vec3d x = (*a.axes)[d].unit(), y = (*b.axes)[d].unit();
     most = std::max(most, std::atan2(x.cross(y).length(), x.dot(y)) * 180 / M_PI);
   }

@@ -133,9 +133,19 @@ class Placing {
         notes_.emplace_back("image.geometry-assumed", Severity::kWarning, "", each.assumed);
         break;
       }
-    if (series_.turned > 0)
-      warn("the directions of its slices differ by up to " + shortText(series_.turned) +
-           " degrees: those of " + nameOfSlice(series_, slices_[0]) + " were taken for all");
+    if (series_.turned == 0) return;
+    const std::string differ =
+        "the directions of its slices differ by up to " + shortText(series_.turned) + " degrees";
+    if (series_.turned > kMostTurned)
+      throw InputError(file_.isWhole ? file_.path : path_,
+                       differ + ": they are no one stack, whose slices differ by " +
+                           std::to_string(int(kMostTurned)) + " degrees at most");
+    const std::string taken =
+        differ + ": those of " + nameOfSlice(series_, slices_[0]) + " were taken for all";
+    if (options_.force)
+      warn(taken);
+    else
+      notes_.emplace_back("image.geometry-insisted", Severity::kWarning, "", taken);
   }
 
   /// Millimetres from slice to slice as stated; 0: not stated.

@@ -109,6 +109,13 @@ bool beginsAsDicom(const std::string& path) {
   return file.read(head, sizeof head) && std::string_view(head + 128, 4) == "DICM";
 }
 
+/// Places an image as its braces ask, which takes it out of the space that its NIfTI codes name.
+void placeImage(const InputSpec& input, const ImageOptions& options, ImageFile& file) {
+  const Placing placing = placingOf(input.placing, options.up);
+  place(file.image.lattice, placing);
+  if (!placing.isIdentity()) file.header.forms.reset();
+}
+
 void noteNotFinite(ImageFile& file) {
   const auto [all, count] = std::visit(
       [](const auto& values) {
@@ -202,7 +209,7 @@ ImageFile readImage(const InputSpec& given, const ImageOptions& options) {
   if (!input.format || !input.format->readImage)
     throw InputError(input.text, "is no image; use " + readableList(Contents::kImage));
   ImageFile file = input.format->readImage(input, options);
-  place(file.image.lattice, placingOf(input.placing, options.up));
+  placeImage(input, options, file);
   noteNotFinite(file);
   return file;
 }
@@ -219,7 +226,7 @@ std::optional<ImageSlices> openImageSlices(const InputSpec& given, const ImageOp
   const InputSpec input = stillInput(given);
   if (!input.format || !input.format->openSlices) return std::nullopt;
   std::optional<ImageSlices> slices = input.format->openSlices(input, options);
-  if (slices) place(slices->file.image.lattice, placingOf(input.placing, options.up));
+  if (slices) placeImage(input, options, slices->file);
   return slices;
 }
 

@@ -35,6 +35,9 @@ void visitImages(const InputSpec& input, const ImageOptions& options, double mos
 /// Code of the note on an image without values because it is refused.
 constexpr const char* kImageRefused = "image.refused";
 
+/// Code of the note on an image without values because only its headers were read.
+constexpr const char* kHeaderOnly = "image.header-only";
+
 /// Code of the note by which a reader says so.
 constexpr const char* kLabelsStated = "image.labels-stated";
 /// Whether a file itself says that its values are labels, as segmentations do; a note's code tells it.

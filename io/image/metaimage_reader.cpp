@@ -76,8 +76,9 @@ void describeMeta(const std::string& path, bool force, OpenMeta& open) {
   }
   addFlatAxes(lattice, dimensions);
   checkPlace(path, force, open.file);
-  // No unit of time is told.
-  if (dimensions > 3 && io.GetSpacing(3) > 0 && std::isfinite(io.GetSpacing(3)))
+  // No unit of time is told. Where volumes are components, too, no one step leads from each to the next.
+  const bool alone = dimensions > 3 && volumes == std::int64_t(io.GetDimensions(3));
+  if (alone && io.GetSpacing(3) > 0 && std::isfinite(io.GetSpacing(3)))
     open.file.header.timeStep = io.GetSpacing(3), open.file.header.inSeconds = false;
 }
 

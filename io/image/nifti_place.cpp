@@ -206,13 +206,14 @@ void placeAnalyze(const std::string& path, const nifti_image& header, const Imag
   tellPlace(file, "image.place-unknown", text);
 }
 
-/// The time from volume to volume, where the fourth axis is one of time.
+/// The time from volume to volume, where the fourth axis is one of time, and the only one beside space.
 void readTimeStep(const nifti_image& header, ImageHeader& to) {
   const double step = std::abs(header.dt);
   const int unit = header.time_units;
   const double seconds = unit == NIFTI_UNITS_MSEC ? 1e-3 : unit == NIFTI_UNITS_USEC ? 1e-6 : 1;
   const bool isTime = seconds != 1 || unit == NIFTI_UNITS_SEC || unit == NIFTI_UNITS_UNKNOWN;
-  if (header.nt < 2 || !isTime || !(step > 0) || !std::isfinite(step)) return;
+  const bool alone = header.nu <= 1 && header.nv <= 1 && header.nw <= 1;
+  if (header.nt < 2 || !alone || !isTime || !(step > 0) || !std::isfinite(step)) return;
   to.timeStep = step * seconds, to.inSeconds = unit != NIFTI_UNITS_UNKNOWN;
 }
 

@@ -68,7 +68,7 @@ RawType rawTypeOfNrrd(const std::string& path, const Nrrd& nrrd) {
   }
 }
 
-/// The step of an axis of time. From the text, as the library takes no spacings beside directions.
+/// The step of an axis of time. From the text, as the library gets no spacings beside directions.
 void readTimeStep(const NrrdText& text, unsigned axis, ImageHeader& header) {
   std::istringstream spacings(text.field("spacings"));
   std::string word;
@@ -109,6 +109,8 @@ void describeVolumes(const std::string& path, const NrrdText& text, const Nrrd& 
         (axis.kind == nrrdKindRGBAColor && axis.size == 4))
       header.colours = int(a);
   }
+  // Where volumes are components, too, no one step leads from each to the next.
+  if (header.volumeKinds.size() > 1) file.header.timeStep = 0;
   file.volumes = int(std::min(volumes, double(1 << 30)));
 }
 
@@ -160,7 +162,8 @@ NrrdHeader readNrrdHeader(const std::string& path, bool force) {
   if (!text.dropped.empty())
     header.file.notes.emplace_back(
         "image.header-repaired", Severity::kNote, "",
-        "its header has " + text.dropped + " beside 'space directions', which the format forbids: not used");
+        "its header has " + text.dropped +
+            " for axes that have 'space directions', which the format forbids: not used for these");
   describeVolumes(path, text, *nrrd, header);
   checkPlace(path, force, header.file);
   header.data = dataOfNrrd(path, text);

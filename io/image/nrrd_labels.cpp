@@ -42,10 +42,11 @@ std::vector<LabelName> labelsOfNrrd(const std::map<std::string, std::string>& ke
       return at == keys.end() ? std::string() : at->second;
     };
     if (!keys.count(key + "ID") && !keys.count(key + "Name")) return labels;
-    // Slicer's older files have neither: each segment is a layer of its own, with the label 1.
+    // Slicer's older files have neither: each segment is a layer of its own, with the label 1. A label without a layer is
+    // one of the only layer.
     const std::string number = value("LabelValue"), place = value("Layer");
     const int label = number.empty() ? 1 : std::atoi(number.c_str());
-    if ((place.empty() ? n : std::atoi(place.c_str())) != layer || label <= 0) continue;
+    if ((!place.empty() ? std::atoi(place.c_str()) : number.empty() ? n : 0) != layer || label <= 0) continue;
     labels.push_back({label, unescaped(value("Name")), colorOf(value("Color"))});
   }
 }

@@ -33,6 +33,31 @@ std::string fieldName(std::string name) {
   return name;
 }
 
+/// Which axes have a direction, by the field `space directions`: vectors in brackets, `none` for axes without.
+std::vector<bool> directedAxes(const std::string& directions) {
+  std::vector<bool> directed;
+  for (size_t at = 0; at < directions.size(); ++at) {
+    if (directions[at] == '(') {
+      directed.push_back(true);
+      at = std::min(directions.find(')', at), directions.size());
+    } else if (directions[at] != ' ' && directions[at] != '\t') {
+      directed.push_back(false);
+      at = std::min(directions.find_first_of(" \t(", at), directions.size()) - 1;
+    }
+  }
+  return directed;
+}
+
+/// Whether a field of values for each axis tells something of an axis that has a direction: a number, a unit.
+bool tellsOfDirected(const std::string& name, const std::string& value, const std::vector<bool>& directed) {
+  const std::vector<std::string> words = quotedWords(value);
+  for (size_t a = 0; a < std::min(words.size(), directed.size()); ++a)
+    if (directed[a] &&
+        (name == "units" ? !words[a].empty() && words[a] != "???" : lowered(words[a]) != "nan"))
+      return true;
+  return false;
+}
+
 }  // namespace
 
 std::vector<std::string> quotedWords(const std::string& text) {
@@ -84,15 +109,17 @@ NrrdText readNrrdText(const std::string& path) {
     };
     return rank(a.first) < rank(b.first);
   });
+  const std::vector<bool> directed = directedAxes(text.field("space directions"));
   text.rest = "NRRD0005\n";
   for (const auto& [name, value] : lines) {
     if (name == "data file" || name == "line skip" || name == "byte skip" || name == "encoding") continue;
-    const bool forbidden =
+    // Beside directions the library takes these of no axis, also where they tell of those without a direction alone.
+    const bool leftOut =
         directions && (name == "spacings" || name == "units" || name == "axis mins" || name == "axis maxs");
-    if (forbidden)
-      text.dropped += (text.dropped.empty() ? "'" : ", '") + name + "'";
-    else
+    if (!leftOut)
       text.rest += name + ": " + value + "\n";
+    else if (tellsOfDirected(name, value, directed))
+      text.dropped += (text.dropped.empty() ? "'" : ", '") + name + "'";
   }
   // The encoding is not the library's business: it knows no bzip2. Text has no byte order.
   const std::string encoding = lowered(text.field("encoding"));

@@ -13,8 +13,8 @@ struct NrrdText {
   std::map<std::string, std::string> keys;    ///< of lines key:=value, as they stand in the file
   std::string dataFiles;                      ///< the lines after `data file: LIST`
   std::string rest;                           ///< a header without the fields that say where data are
-  std::string dropped;                        ///< fields that may not stand beside others and are left out
-  std::uint64_t end = 0;                      ///< where the data begin in the file
+  std::string dropped;    ///< fields that tell of axes with directions what may not stand there
+  std::uint64_t end = 0;  ///< where the data begin in the file
 
   std::string field(const std::string& name) const {
     const auto at = fields.find(name);

@@ -1,5 +1,7 @@
 #include "io/format.h"
 #include "io/image/dicom_elements.h"
+#include "io/image/dicom_text.h"
+#include "io/image/image_formats.h"
 #include "io/image/itk_library.h"
 #include "io/whole_file.h"
 #include "slicemorph/errors.h"
@@ -8,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <sstream>
 #include <tuple>
 #include <utility>
 
@@ -23,32 +26,6 @@ constexpr DicomTag kKeptTexts[] = {0x00100010, 0x00100020, 0x00100030, 0x0010004
                                    0x00101010, 0x00101020, 0x00101030, 0x00201040};
 // Slices whose directions differ by less are parallel (0.08 degrees); closer ones are at one place, millimetres.
 constexpr double kParallelSlices = 1 - 1e-6, kOnePlace = 1e-3;
-
-std::string utf8OfLatin1(const std::string& text) {
-  std::string result;
-  for (const unsigned char c : text) {
-    if (c < 0x80) {
-      result += char(c);
-    } else {
-      result += char(0xc0 | c >> 6);
-      result += char(0x80 | (c & 0x3f));
-    }
-  }
-  return result;
-}
-
-/// A text as UTF-8. Where that cannot be told, other letters than ASCII's become question marks.
-std::string utf8(const std::string& text, const std::string& characters, bool& lost) {
-  if (std::all_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x80 && c != 0x1b; }))
-    return text;
-  if (characters == "ISO_IR 192") return text;
-  if (characters.empty() || characters == "ISO_IR 100") return utf8OfLatin1(text);
-  lost = true;
-  std::string result = text;
-  for (char& c : result)
-    if (static_cast<unsigned char>(c) >= 0x80 || c == 0x1b) c = '?';
-  return result;
-}
 
 /// The place of a slice, which a file holds alone or as a whole frame.
 ImagePlane planeOfFrame(const DicomFile& file, const DicomFrame& frame) {
@@ -78,7 +55,10 @@ std::pair<std::string, std::string> readSourceFile(const std::string& path, Dico
     if (source.planes.empty()) {
       const std::string characters = file.text(kSourceCharacters);
       for (const DicomTag tag : kKeptTexts)
-        if (file.has(tag)) source.texts[tag] = utf8(file.text(tag), characters, lost);
+        if (file.has(tag)) {
+          const DicomText text = utf8OfDicom(file.text(tag), characters);
+          source.texts[tag] = text.text, lost |= text.lost;
+        }
       source.study = file.text(kSourceStudy), source.series = file.text(kSourceSeries);
       source.frameOfReference = file.text(kSourceFrameOfReference);
     } else if (file.text(kSourceFrameOfReference) != source.frameOfReference) {
@@ -88,6 +68,17 @@ std::pair<std::string, std::string> readSourceFile(const std::string& path, Dico
   } catch (const DicomDamage& damage) {
     throw IoError(path, damage.what());
   }
+}
+
+/// Gives all planes the directions of the first, with a warning: of slices that --force takes as one stack, see
+/// seriesOfFiles().
+void straightenPlanes(const std::string& input, double turned, DicomSource& source) {
+  for (ImagePlane& plane : source.planes)
+    for (int d = 0; d < 2; ++d) plane.step[d] = source.planes[0].step[d];
+  std::ostringstream text;
+  text << "--force: the directions of its slices differ by up to " << turned
+       << " degrees: those of the first were taken for all";
+  source.notes.emplace_back(kGeometryForced, Severity::kWarning, input, text.str());
 }
 
 /// Sorts the planes along their normal; of several at one place the first is kept.
@@ -116,13 +107,13 @@ void arrangePlanes(const std::string& input, DicomSource& source) {
 
 }  // namespace
 
-DicomSource readDicomSource(const std::string& input) {
+DicomSource readDicomSource(const std::string& input, bool force) {
   const InputSpec spec = parseInput(input);
   if (!spec.format || spec.format->name != "dicom")
     throw InputError("--source",
                      input + " is no DICOM series; give a folder, folder:2, folder:UID or one of its files");
   DicomSource source;
-  const DicomChoice choice = itkReaders().chooseVolume(spec.path, spec.selection, false, source.notes);
+  const DicomChoice choice = itkReaders().chooseVolume(spec.path, spec.selection, force, source.notes);
   const DicomSeries& series = choice.series;
   if (series.isSegmentation())
     throw InputError("--source", input + " is a segmentation; give the series of images that it belongs to");
@@ -142,8 +133,10 @@ DicomSource readDicomSource(const std::string& input) {
   if (lost)
     source.notes.emplace_back(
         "structures.letters-lost", Severity::kWarning, input,
-        "its texts are in a character set that is not known here: letters other than A to Z "
-        "became question marks");
+        "its texts are not in the character set that it names, or in one that is not known here: letters "
+        "that cannot be told became question marks");
+  if (force && series.turned > 0 && series.turned <= kMostTurned)
+    straightenPlanes(input, series.turned, source);
   arrangePlanes(input, source);
   return source;
 }

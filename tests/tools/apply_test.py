@@ -278,6 +278,21 @@ def case_image(d):
     assert (got[clear] == labels[clear]).all()
 
 
+def case_space(d):
+    """A carried image is in the space of the voxels that it is written on."""
+    i, j, k = np.meshgrid(*[np.arange(24)] * 3, indexing="ij")
+    ball = (100 * ((i - 11) ** 2 + (j - 12) ** 2 + (k - 12) ** 2 < 49)).astype(np.int16)
+    for name, code, shift in (("one", 1, 0), ("four", 4, 2), ("three", 3, 0)):
+        image = nibabel.Nifti1Image(np.roll(ball, shift, 0), np.eye(4))
+        image.set_sform(np.eye(4), code), image.set_qform(np.eye(4), code)
+        nibabel.save(image, d + "/" + name + ".nii")
+    inputs = [d + "/" + name + ".nii" for name in ("one", "four", "one")]
+    for options, code in (((), 4), (("--like", d + "/three.nii"), 3)):
+        run("apply", *inputs, "-o", d + "/out.nii", "--image", "grey", "--align", "none", *options)
+        header = nibabel.load(d + "/out.nii").header
+        assert (int(header["sform_code"]), int(header["qform_code"])) == (code, code), (options, header)
+
+
 def check_field(vectors, world, t0, t1):
     """Displacements at world points near the object, which is at a time."""
     size, here = 1 + t0 * (FACTOR - 1), t0 * SHIFT

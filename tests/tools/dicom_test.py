@@ -354,6 +354,44 @@ def case_forced():
     assert json.loads(run("info", "bare.dcm", "--json", "--force").stdout)["images"][0]["reading"] != "refused"
 
 
+def case_lost_directions():
+    """A frame without directions is named, and does not spoil a series beside it."""
+    grid = Grid(turn=0.0)
+    d = enhanced("lost/many.dcm", grid, [(k, {}) for k in range(4)], uid="1.2.3.10")
+    for k, frame in enumerate(d.PerFrameFunctionalGroupsSequence):
+        if k != 1:
+            frame.PlaneOrientationSequence = [item(ImageOrientationPatient=grid.orientation)]
+    del d.SharedFunctionalGroupsSequence[0].PlaneOrientationSequence
+    dcm.save(d)
+    refused("convert", "lost/many.dcm", "-o", "x.nii", says=["frame 2 has no direction", "--spacing"])
+    has_planes(*read("lost/many.dcm", "--spacing", "9,9,2")[:2], grid, range(4))
+    has_planes(*read("lost/many.dcm", "--force")[:2], grid, range(4))
+    for k in range(3):
+        classic("lost/%d.dcm" % k, grid, k)
+    assert [image["reading"] == "refused" for image in listed("lost")] == [True, False]
+    has_planes(*read("lost:2")[:2], grid, range(3))
+
+
+def case_turned_frames():
+    """Frames placed by --spacing whose directions differ: told, not as if --force was given; by more than 5 degrees refused."""
+    grid = Grid(turn=0.0)
+    for name, degrees in (("small", 2.0), ("large", 90.0)):
+        a = np.radians(degrees)
+        turned = np.array([[np.cos(a), np.sin(a), 0], [-np.sin(a), np.cos(a), 0]])
+        d = enhanced(name + ".dcm", grid, [(k, {}) for k in range(3)])
+        for k, frame in enumerate(d.PerFrameFunctionalGroupsSequence):
+            del frame.PlanePositionSequence
+            frame.PlaneOrientationSequence = [item(ImageOrientationPatient=dcm.decimals(turned.ravel()) if k == 2 else grid.orientation)]
+        del d.SharedFunctionalGroupsSequence[0].PlaneOrientationSequence
+        dcm.save(d)
+        refused("convert", name + ".dcm", "-o", "x.nii", says=["frame 1 has no position"])
+    _, affine, said = read("small.dcm", "--spacing", "9,9,2")
+    assert "differ by up to 2 degrees" in said and "--force" not in said, said
+    assert "--force: the directions" in read("small.dcm", "--force")[2]
+    for option in (("--spacing", "9,9,2"), ("--force",)):
+        refused("convert", "large.dcm", "-o", "x.nii", *option, says=["large.dcm", "90 degrees", "no one stack"])
+
+
 def case_modality_table():
     """A table of values (Modality LUT) is applied as pydicom applies it; a damaged one is refused by name."""
     from pydicom.pixel_data_handlers.util import apply_modality_lut
@@ -384,8 +422,33 @@ def case_modality_table():
     d = classic("packed.dcm", grid, 0, ModalityLUTSequence=[lut])
     has_planes(*read("packed.dcm")[:2], Grid(gap=0.75), range(1), lambda k: 255 - grid.values(0))
     lut[0x00283006].value = b"12345678"
-    classic("short.dcm", grid, 0, ModalityLUTSequence=[lut])
-    refused("convert", "short.dcm", "-o", "x.nii", says=["short.dcm", "ModalityLUTSequence", "8 bytes"])
+    classic("short/0.dcm", grid, 0, ModalityLUTSequence=[lut])
+    refused("convert", "short/0.dcm", "-o", "x.nii", says=["short/0.dcm", "ModalityLUTSequence", "8 bytes", "--force"])
+    values, affine, said = read("short/0.dcm", "--force")
+    has_planes(values, affine, Grid(gap=0.75), range(1))
+    assert "--force: its table" in said, said
+    # Slope and intercept beside it take its place.
+    classic("beside/0.dcm", grid, 0, ModalityLUTSequence=[lut], RescaleSlope="2", RescaleIntercept="-5")
+    values, affine, said = read("beside/0.dcm")
+    has_planes(values, affine, Grid(gap=0.75), range(1), lambda k: 2 * grid.values(0).astype(int) - 5)
+    assert "8 bytes" in said and "RescaleSlope" in said and "--force" not in said, said
+    # A sequence without a table is none.
+    d = classic("none/0.dcm", grid, 0, RescaleSlope="2", RescaleIntercept="-5")
+    d.ModalityLUTSequence = pydicom.sequence.Sequence([])
+    dcm.save(d)
+    values, affine, said = read("none/0.dcm")
+    has_planes(values, affine, Grid(gap=0.75), range(1), lambda k: 2 * grid.values(0).astype(int) - 5)
+    assert "table" not in said, said
+    # Nor is one of numbers that are no whole ones.
+    lut[0x00283002].value, lut[0x00283006].value = [256, 0, 16], bytes(512)
+    d = classic("real/0.dcm", grid, 0, ModalityLUTSequence=[lut])
+    del d.PixelData
+    real = (grid.values(0) + 0.25).astype("<f4")
+    real[1, 2] = np.nan
+    d.BitsAllocated, d.FloatPixelData = 32, real.tobytes()
+    del d.BitsStored, d.HighBit, d.PixelRepresentation
+    dcm.save(d)
+    assert np.array_equal(read("real/0.dcm")[0][:, :, 0].T, real, equal_nan=True)
 
 
 def case_mosaics():
@@ -601,6 +664,15 @@ def case_segmentations():
     d.filename = "wide.dcm"
     dcm.save(d)
     refused("convert", "wide.dcm", "-o", "x.nii", says=["wide.dcm", "label map of 32 bits"])
+    # Names are in the file's own character set, as pydicom writes them; what it does not hold is replaced.
+    for characters, name in (("ISO_IR 100", "Hörgänge"), ("ISO_IR 144", "Печень"), ("ISO_IR 126", "Ήπαρ"), ("ISO_IR 192", "肝臓"),
+                             ("GB18030", "肝脏"), (["", "ISO 2022 IR 87"], "肝臓")):
+        dcm.segmentation("named.dcm", grid, [(0, 1, masks[1])], {1: name}, SpecificCharacterSet=characters)
+        assert ("segments 1 " + name) in listed("named.dcm")[0]["about"], (characters, listed("named.dcm")[0]["about"])
+    dcm.segmentation("named.dcm", grid, [(0, 1, masks[1])], {1: "Leber"}, SpecificCharacterSet="ISO_IR 192")
+    data = open("named.dcm", "rb").read()
+    open("named.dcm", "wb").write(data.replace(b"Leber", b"Leb\xe9r"))
+    assert "segments 1 Leb?r" in listed("named.dcm")[0]["about"], listed("named.dcm")[0]["about"]
     # Planes at no even distance, and a frame beside the others'.
     grid.position = lambda k: grid.origin + [0, 2, 5][k] * grid.normal
     dcm.segmentation("uneven.dcm", grid, [(k, 1, masks[1]) for k in range(3)], names)

@@ -466,6 +466,11 @@ def case_nifti_forms():
     other = nib.Nifti1Image(np.roll(values, 1, 0), turned)
     other.set_sform(turned, 2)
     nib.save(other, "other.nii")
+    # Placed elsewhere they are in no space that a code names.
+    run("convert", "in.nii{scale=2}", "-o", "out.nii")
+    assert forms_of("out.nii")[:2] == [1, 1], forms_of("out.nii")
+    run("morph", "in.nii{scale=2}", "other.nii{scale=2}", "-o", "scaled.#.nii", "--frames", 3, "--align", "none", "--image", "grey")
+    assert forms_of("scaled.2.nii")[:2] == [1, 1], forms_of("scaled.2.nii")
     for output, first in (("m.#.nii", "m.2.nii"), ("m.nii.gz", "m.nii.gz")):
         run("morph", "in.nii", "other.nii", "-o", output, "--frames", 3, "--align", "none", "--image", "grey", "--like", "in.nii")
         assert forms_of(first)[:2] == [4, 1], forms_of(first)
@@ -490,8 +495,42 @@ def case_time_steps():
     assert nib.load("out.nii").header.get_zooms()[3] == 1  # not even: not told
     nrrd("in.nrrd", values, "space: LPS", directions(OBLIQUE, none_last=1), origin(OBLIQUE), "kinds: domain domain domain time",
          'spacings: nan nan nan 40', 'units: "" "" "" "ms"')
-    run("convert", "in.nrrd@0-5", "-o", "out.nii")
+    # The format forbids a spacing for axes that have a direction alone.
+    assert "forbids" not in run("convert", "in.nrrd@0-5", "-o", "out.nii")
     assert np.isclose(nib.load("out.nii").header.get_zooms()[3], 0.04) and nib.load("out.nii").header.get_xyzt_units()[1] == "sec"
+
+
+def case_forbidden_fields():
+    """Of axes with directions NRRD has no spacings, units, mins and maxs: told where there are such, never of other axes."""
+    values = numbers((5, 4, 3, 2))
+    place = "space: LPS", directions(OBLIQUE, none_last=1), origin(OBLIQUE), "kinds: domain domain domain time"
+    for fields, named in ((("spacings: nan NaN nan 2", 'units: "" "" "" "s"', "axis mins: nan nan nan 0"), ()),
+                          (("spacings: 1 nan nan 2", 'units: "" "" "" "s"'), ("spacings",)),
+                          (("spacings: nan nan nan 2", 'units: "" "mm" "" "s"', "axis maxs: nan nan 5 nan"), ("units", "axis maxs"))):
+        nrrd("in.nrrd", values, *place, *fields)
+        said = run("convert", "in.nrrd@0-1", "-o", "out.nii")
+        assert ("forbids" in said) == bool(named), (fields, said)
+        for name in ("spacings", "units", "axis mins", "axis maxs"):
+            assert ("'%s'" % name in said) == (name in named), (name, said)
+        assert nib.load("out.nii").header.get_zooms()[3] == 2 and np.allclose(nib.load("out.nii").affine, LPS @ OBLIQUE, atol=1e-5)
+
+
+def case_times_of_components():
+    """Where volumes are times and components at once, no one time leads from each to the next."""
+    values = numbers((5, 4, 3, 2, 3))
+    image = nib.Nifti1Image(values, LPS @ OBLIQUE)
+    image.header.set_xyzt_units("mm", "sec")
+    image.header["pixdim"][4] = 2.5
+    nib.save(image, "in.nii")
+    nrrd("in.nrrd", values, "space: LPS", directions(OBLIQUE, none_last=2), origin(OBLIQUE), "kinds: domain domain domain time list",
+         "spacings: nan nan nan 2.5 nan")
+    raw = np.ascontiguousarray(values[..., 0].transpose(3, 2, 1, 0)).repeat(3, -1).tobytes()
+    open("in.mha", "wb").write(b"ObjectType = Image\nNDims = 4\nBinaryData = True\nElementSpacing = 1 1 1 2.5\nDimSize = 5 4 3 2\n"
+                               b"ElementNumberOfChannels = 3\nElementType = MET_SHORT\nElementDataFile = LOCAL\n" + raw)
+    for name in ("in.nii", "in.nrrd", "in.mha"):
+        run("convert", name + "@0-5", "-o", "out.nii")
+        header = nib.load("out.nii").header
+        assert header.get_data_shape() == (5, 4, 3, 6) and header.get_zooms()[3] == 1 and header.get_xyzt_units()[1] == "unknown", (name, header)
 
 
 def case_forced():
@@ -827,6 +866,15 @@ def case_info_large():
         # What the program takes with a small image of the format, and a share of the values' 128 or 256 MB.
         assert "header" in image["reading"] and memory < least[name == "in.tif"] + 2 ** 15, (name, memory, least, image)
         shutil.rmtree(name) if os.path.isdir(name) else os.remove(name)
+
+
+def case_info_doubled():
+    """A large series of which half are doubles is one whose header alone is read, though fewer voxels are left."""
+    for k in range(260):
+        large_dicom("twice/%03d.dcm" % k, k // 2)
+    image = json.loads(program.run("info", "twice", "--json").stdout)["images"][0]
+    assert image["size"] == [512, 512, 130] and np.allclose(image["spacing"], 1) and "header" in image["reading"], image
+    shutil.rmtree("twice")
 
 
 def case_times():

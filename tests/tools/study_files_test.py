@@ -4,6 +4,7 @@ with their coordinate system; against pydicom, dciodvfy (dicom3tools), plastimat
 
 usage: study_files_test.py PATH/TO/slicemorph [NAME...]     (NAME: only the cases whose name contains it)
 """
+import glob
 import gzip
 import json
 import os
@@ -400,6 +401,61 @@ def case_names_are_carried():
     for n, name in enumerate(("One", "Two")):
         run("convert", "layers.seg.nrrd:%d" % n, "-o", "g.seg.nrrd")
         assert set(of_nrrd("g.seg.nrrd")) == {name} and np.array_equal(read_nrrd("g.seg.nrrd")[2], dcm_labels[n]), name
+
+
+def case_names_in_character_sets():
+    """Names of regions in the file's own character set, as pydicom writes them, are UTF-8 here and in what is written."""
+    write_study()
+    run("convert", "labels.nii.gz", "-o", "x.rt.dcm", "--source", "ct", "--names", "3=shell")
+    for characters, name in (("ISO_IR 100", "Hörgänge"), ("ISO_IR 101", "Wątroba"), ("ISO_IR 144", "Печень"), ("ISO_IR 192", "肝臓")):
+        d = pydicom.dcmread("x.rt.dcm")
+        d.SpecificCharacterSet, d.StructureSetROISequence[0].ROIName = characters, name
+        d.save_as("y.dcm")
+        assert name in [s["name"] for s in json.loads(run("info", "y.dcm", "--json").stdout)["structures"]], characters
+        run("reconstruct", "y.dcm:" + name, "-o", "y.seg.dcm", "--source", "ct")
+        assert [s.SegmentLabel for s in pydicom.dcmread("y.seg.dcm").SegmentSequence] == [name], characters
+
+
+def case_layers_not_told():
+    """Segments of a .seg.nrrd with labels but no layers are of the one layer that there is."""
+    labels, _ = write_study()
+    run("convert", "labels.nii.gz", "-o", "a.seg.nrrd", "--names", "3=Heart,7=Ring,250=Dust")
+    data = open("a.seg.nrrd", "rb").read()
+    head, _, body = data.partition(b"\n\n")
+    lines = [line for line in head.split(b"\n") if b"_Layer:=" not in line]
+    assert len(lines) == head.count(b"\n") + 1 - 3
+    open("b.seg.nrrd", "wb").write(b"\n".join(lines) + b"\n\n" + body)
+    run("convert", "b.seg.nrrd", "-o", "c.seg.dcm")
+    assert {s.SegmentLabel for s in pydicom.dcmread("c.seg.dcm").SegmentSequence} == {"Heart", "Ring", "Dust"}
+
+
+def case_turning_source():
+    """--force takes a source whose slices turn a little on their way, as its refusal says."""
+    write_study((1, 0, 0, 0, 1, 0))
+    for n, path in enumerate(sorted(glob.glob("ct/*.dcm"))):
+        if n >= 6:
+            d = pydicom.dcmread(path)
+            a = np.radians(2)
+            d.ImageOrientationPatient = ["%.10g" % v for v in (np.cos(a), np.sin(a), 0, -np.sin(a), np.cos(a), 0)]
+            d.save_as(path)
+    for output in ("x.rt.dcm", "x.seg.dcm"):
+        refused("convert", "labels.nii.gz", "-o", output, "--source", "ct", says=["ct", "--force"])
+        said = run("convert", "labels.nii.gz", "-o", output, "--source", "ct", "--force").stderr
+        assert "--force: the directions" in said and "2 degrees" in said, said
+        assert not errors_of(output), errors_of(output)
+
+
+def case_space_of_contours():
+    """A map of contours on the voxels of --like is in the space of its code."""
+    labels, affine = write_study()
+    like = nib.Nifti1Image(labels, LPS @ affine)
+    like.set_sform(LPS @ affine, 4), like.set_qform(LPS @ affine, 2)
+    nib.save(like, "like.nii")
+    run("convert", "labels.nii.gz", "-o", "x.rt.dcm", "--source", "ct")
+    run("reconstruct", "x.rt.dcm", "-o", "y.nii", "--like", "like.nii"), run("reconstruct", "x.rt.dcm", "-o", "m.#.nii", "--like", "like.nii")
+    for name in ("y.nii", "m.3.nii"):
+        header = nib.load(name).header
+        assert (int(header["sform_code"]), int(header["qform_code"])) == (4, 2), (name, header)
 
 
 def case_frames_of_one_type():

@@ -102,9 +102,9 @@ class TimeMap {
   }
   /// Around all objects, world.
   const openvdb::BBoxd& box() const { return box_; }
-  /// The image that is at a time; null: none is.
-  const Image* imageFrom() const { return imageAt(from_); }
-  const Image* imageTo() const { return imageAt(to_); }
+  /// The object that is at a time, where it has an image; null: none is.
+  const LoadedObject* objectFrom() const { return objectAt(from_); }
+  const LoadedObject* objectTo() const { return objectAt(to_); }
 
  private:
   static MorphPlan planOf(const ApplyJob& job, const std::vector<Object>& objects,
@@ -117,9 +117,9 @@ class TimeMap {
     }
   }
 
-  const Image* imageAt(const Weights& weights) const {
+  const LoadedObject* objectAt(const Weights& weights) const {
     const std::optional<size_t> alone = aloneIn(weights);
-    return alone ? inputs_[*alone].image.get() : nullptr;
+    return alone && inputs_[*alone].image ? &inputs_[*alone] : nullptr;
   }
 
   std::vector<LoadedObject> inputs_;
@@ -164,10 +164,13 @@ void carryImage(const ApplyJob& job, const TimeMap& map, JobEvents& events) {
   const bool stated = job.load.imageKind == ImageKind::kAuto && isStatedLabels(file);
   const bool labels = stated || isLabelMap(file.image, job.load.imageKind);
   ImageHeader header = file.header;
-  ImageLattice on = map.imageTo() ? map.imageTo()->lattice : file.image.lattice;
+  ImageLattice on = file.image.lattice;
+  // Codes of space belong to voxels, all else of a header to the values.
   if (!job.like.empty()) {
-    ImageFile like = readImage(job.like, job.load.image);
-    on = like.image.lattice, header = std::move(like.header);
+    const ImageFile like = readImage(job.like, job.load.image);
+    on = like.image.lattice, header.forms = like.header.forms;
+  } else if (const LoadedObject* to = map.objectTo()) {
+    on = to->image->lattice, header.forms = to->imageHeader.forms;
   }
   require(job.load.memory, job.output, needOfImage(on, 1));
   const auto positions = [&](const SliceRange& slices) {
@@ -212,9 +215,9 @@ void writeFieldGrid(const std::string& path, const VectorImage& field) {
 
 void writeField(const ApplyJob& job, const TimeMap& map, JobEvents& events) {
   VectorImage field;
-  field.lattice = !job.like.empty() ? readImage(job.like, job.load.image).image.lattice
-                  : map.imageFrom() ? map.imageFrom()->lattice
-                                    : latticeOver(map.box(), job.load.voxelSize);
+  field.lattice = !job.like.empty()  ? readImage(job.like, job.load.image).image.lattice
+                  : map.objectFrom() ? map.objectFrom()->image->lattice
+                                     : latticeOver(map.box(), job.load.voxelSize);
   const bool vdb = !isImageOutput(job.output);
   field.meaning = "displacement from t=" + formatNumber(job.from) + " to t=" + formatNumber(job.to) +
                   (vdb ? ", world units" : ", LPS mm");

@@ -29,13 +29,13 @@ ImagePlan planImages(const MorphSettings& settings, const std::vector<LoadedObje
                        settings.inputs[labels ? k : 0] +
                        " holds grey values; --image grey or labels reads both alike");
   ImagePlan plan;
+  plan.header = inputs[0].imageHeader;
   if (labels)
     for (const LoadedObject& input : inputs) plan.labels.emplace_back(*input.image);
   if (!settings.like.empty()) {
-    ImageFile like = readImage(settings.like, settings.load.image);
-    plan.lattice = like.image.lattice, plan.header = std::move(like.header);
+    const ImageFile like = readImage(settings.like, settings.load.image);
+    plan.lattice = like.image.lattice, plan.header.forms = like.header.forms;
   } else {
-    plan.header = inputs[0].imageHeader;
     LatticeChoice choice = latticeAround(inputs);
     plan.lattice = choice.lattice, plan.notes = std::move(choice.notes);
   }

@@ -83,11 +83,22 @@ constexpr double kMapNodes = 2.4e7;
 /// Voxels of a map at the default size: enough for a body at .8 mm.
 constexpr double kDefaultVoxels = 1e8;
 
+/// The voxels of a map, and the codes of their space where an image has them.
+struct MapVoxels {
+  ImageLattice lattice;
+  ImageHeader header;
+};
+
 /// The default size is that of the finest structure, but small ones do not make a map of billions of voxels of large
 /// ones.
-ImageLattice latticeFor(const ReconstructJob& job, const Structures& made, JobEvents& events) {
-  if (!job.like.empty()) return readImage(job.like, job.image).image.lattice;
-  if (job.voxelSize > 0) return contourLattice(made.sets, job.voxelSize);
+MapVoxels voxelsFor(const ReconstructJob& job, const Structures& made, JobEvents& events) {
+  if (!job.like.empty()) {
+    const ImageFile like = readImage(job.like, job.image);
+    MapVoxels voxels{like.image.lattice, {}};
+    voxels.header.forms = like.header.forms;
+    return voxels;
+  }
+  if (job.voxelSize > 0) return {contourLattice(made.sets, job.voxelSize), {}};
   double finest = std::numeric_limits<double>::infinity(), coarsest = 0;
   openvdb::BBoxd box;
   for (const ContourSurface& surface : made.surfaces) {
@@ -103,7 +114,7 @@ ImageLattice latticeFor(const ReconstructJob& job, const Structures& made, JobEv
     events.note({"contours.coarser-voxels", Severity::kNote, job.input,
                  "voxels of about " + formatNumber(voxel, 2) + ", the smallest structure alone would get " +
                      formatNumber(finest, 2) + "; --voxel-size decides"});
-  return contourLattice(made.sets, voxel);
+  return {contourLattice(made.sets, voxel), {}};
 }
 
 /// Of each structure as it is alone, whatever overlaps it.
@@ -152,13 +163,14 @@ void writeContourStructures(const ReconstructJob& job, const Structures& made, c
   }
   const bool placed = !job.like.empty() || !job.source.empty();
   events.notes(writeSurfaceStructures({job.input, job.output, job.source, job.like, job.names, job.image},
-                                      named, placed ? ImageLattice() : latticeFor(job, made, events)));
+                                      named, placed ? ImageLattice() : voxelsFor(job, made, events).lattice));
   events.fileWritten(job.output, false);
   writeStructureReports(job.reports, job.input, rows, notes);
 }
 
 void writeMap(const ReconstructJob& job, const Structures& made, Notes notes, JobEvents& events) {
-  const ImageLattice on = latticeFor(job, made, events);
+  const MapVoxels voxels = voxelsFor(job, made, events);
+  const ImageLattice& on = voxels.lattice;
   // Materials of a CSL file share walls: the deepest wins; of regions of a
   // structure set, which may be nested, the smallest.
   const bool materials = extensionOf(parseInput(job.input).path) == ".csl";
@@ -167,7 +179,7 @@ void writeMap(const ReconstructJob& job, const Structures& made, Notes notes, Jo
   const ContourMap map =
       contourMap(made.surfaces, labels, on, materials ? SharedVoxel::deepest : SharedVoxel::smallest);
   if (job.takeImage) return job.takeImage(map.image);
-  writeImage(job.output, map.image);
+  writeImage(job.output, map.image, voxels.header);
   events.fileWritten(job.output, false);
   if (!materials) {
     const Notes hidden = hiddenIn(map, made.sets);
@@ -180,11 +192,12 @@ void writeMap(const ReconstructJob& job, const Structures& made, Notes notes, Jo
 
 void writeMasks(const ReconstructJob& job, const Structures& made, const Notes& notes, JobEvents& events) {
   const OutputName name(job.output);
-  const ImageLattice on = latticeFor(job, made, events);
+  const MapVoxels voxels = voxelsFor(job, made, events);
+  const ImageLattice& on = voxels.lattice;
   for (size_t i = 0; i < made.sets.size(); ++i) {
     events.throwIfCancelled();
     const std::string path = name.path(made.sets[i].label);
-    writeImage(path, contourMask(made.surfaces[i], on, MaskOf::all));
+    writeImage(path, contourMask(made.surfaces[i], on, MaskOf::all), voxels.header);
     events.fileWritten(path, false);
   }
   if (job.reports.empty()) return;

@@ -137,7 +137,7 @@ Notes writeLabelStructures(const StructuresJob& job, std::shared_ptr<const Image
   labelsOf(*labels);  // says what is no label
   StructureSet set;
   set.input = job.input;
-  if (!job.source.empty()) set.source = readDicomSource(job.source);
+  if (!job.source.empty()) set.source = readDicomSource(job.source, job.image.force);
   const bool onSource = set.source && job.like.empty() && endsWith(job.output, ".rt.dcm");
   set.planes = onSource ? set.source->planes : planesOf(labels->lattice);
   for (const auto& [label, box] : boxesOfLabels(*labels)) {
@@ -161,7 +161,7 @@ Notes writeSurfaceStructures(const StructuresJob& job, const std::vector<NamedSu
                              const ImageLattice& otherwise) {
   StructureSet set;
   set.input = job.input;
-  if (!job.source.empty()) set.source = readDicomSource(job.source);
+  if (!job.source.empty()) set.source = readDicomSource(job.source, job.image.force);
   set.planes = !job.like.empty() ? planesOf(readImage(job.like, job.image).image.lattice)
                : set.source      ? set.source->planes
                                  : planesOf(otherwise);

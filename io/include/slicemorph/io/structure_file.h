@@ -37,8 +37,9 @@ struct DicomSource {
 
 /// Reads what a series says of itself, without its pixels. `input`: as readImage takes DICOM: a folder, `folder:2`,
 /// `folder:UID`, one file. Throws IoError, and InputError where it is no DICOM series, has no frame of reference, or
-/// slices that are not parallel or of several sizes.
-DicomSource readDicomSource(const std::string& input);
+/// slices that are not parallel or of several sizes. `force`: as of ImageOptions; slices of small turns get the first's
+/// directions.
+DicomSource readDicomSource(const std::string& input, bool force = false);
 
 /// One structure of a file.
 struct StructureShape {
