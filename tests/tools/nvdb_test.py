@@ -122,8 +122,9 @@ def case_surface_of_an_image_at_zero():
         if abs(distance) > 1:
             continue
         near += 1
-        # A plane between voxels is off by at most an eighth of a voxel's diagonal squared over the radius.
-        assert abs(voxel.value - distance) < 3 / (8 * (radius - 2)), (voxel.min, voxel.value, distance)
+        # What is linear over a length l is off a ball by at most l^2 / 8 over its radius: values along an edge of a voxel, and sides of the
+        # mesh between points in neighbouring voxels, which are at most sqrt(6) long.
+        assert abs(voxel.value - distance) < (1 + 6) / (8 * (radius - 1)), (voxel.min, voxel.value, distance)
     # A shell of two voxels, to a tenth.
     assert abs(near / (8 * np.pi * radius ** 2) - 1) < 0.1, near
 
