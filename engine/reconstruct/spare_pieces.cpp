@@ -281,7 +281,6 @@ void dropSparePieces(const SlicePlan& plan, size_t g, const std::vector<double>&
   spare.tie();
   spare.limit(Touching::kSides);
   spare.limit(Touching::kCorners);
-  spare.tie();  // what a change took away may have held others
 }
 
 }  // namespace slicemorph

@@ -192,9 +192,8 @@ constexpr double kLostWorthTelling = 0.01;
 FloatGrid::Ptr unsevered(FloatGrid::Ptr levelSet, SolidMesh& mesh) {
   const double lost = lostShare(mesh.mesh, *levelSet);
   const int pieces = lost > 0 ? countPieces(*levelSet) : 1;
-  // Shells that lie apart are pieces, too.
   FloatGrid::Ptr thick =
-      pieces > int(std::max<size_t>(mesh.shells, 1)) ? withThinWalls(*levelSet, mesh.mesh) : nullptr;
+      pieces > 1 ? withThinWalls(*levelSet, mesh.mesh) : nullptr;
   const bool severed = thick && countPieces(*thick) < pieces;
   if (!severed && lost < kLostWorthTelling) return levelSet;
   std::ostringstream text;
