@@ -137,7 +137,9 @@ TurnChoice choiceOf(const InnerSamples (&samples)[2], const std::vector<Turn>& r
   return choice;
 }
 
-/// The turn where no direction is to be kept. `turns`: those that distort less first, by the samples `few`.
+/// The turn where no direction is to be kept: the one that distorts least, but where it is not surely better than none the
+/// files' directions, in which scans, for one, often agree. `turns`: those that distort less first, by the samples
+/// `few`.
 ChosenTurn chooseFreely(const Fields& pair, const std::vector<Turn>& turns, const InnerSamples (&few)[2],
                         const Progress& progress) {
   InnerSamples many[2];
@@ -147,8 +149,13 @@ ChosenTurn chooseFreely(const Fields& pair, const std::vector<Turn>& turns, cons
   std::vector<Turn> rivals;
   for (const SettledTurn& other : settled) rivals.push_back(other.turn);
   rivals.insert(rivals.end(), turns.begin(), turns.end());
-  const TurnChoice choice = choiceOf(many, rivals, settled[0].turn);
-  return {settled[0].turn, choice, choice.distortion < kNothingAlikeFreely};
+  Turn best = settled[0].turn;
+  const auto none = std::find_if(turns.begin(), turns.end(), [](const Turn& t) { return t.angle == 0; });
+  if (none != turns.end() &&
+      innerDistortion(many[0], many[1], none->rotation) < (1 + kUnsure) * settled[0].distortion)
+    best = *none;
+  const TurnChoice choice = choiceOf(many, rivals, best);
+  return {best, choice, choice.distortion < kNothingAlikeFreely};
 }
 
 /// The turn from the first object of a pair to the second whose soft matching distorts inner distances least; of shapes
