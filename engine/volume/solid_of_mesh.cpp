@@ -192,8 +192,7 @@ constexpr double kLostWorthTelling = 0.01;
 FloatGrid::Ptr unsevered(FloatGrid::Ptr levelSet, SolidMesh& mesh) {
   const double lost = lostShare(mesh.mesh, *levelSet);
   const int pieces = lost > 0 ? countPieces(*levelSet) : 1;
-  FloatGrid::Ptr thick =
-      pieces > 1 ? withThinWalls(*levelSet, mesh.mesh) : nullptr;
+  FloatGrid::Ptr thick = pieces > 1 ? withThinWalls(*levelSet, mesh.mesh) : nullptr;
   const bool severed = thick && countPieces(*thick) < pieces;
   if (!severed && lost < kLostWorthTelling) return levelSet;
   std::ostringstream text;
