@@ -47,3 +47,8 @@ def run_cases(cases, only=()):
         print("%-40s %5.1f s  %s" % (name, time.time() - start, verdict), flush=True)
     print("%d cases, %d failed" % (ran, failed))
     return 1 if failed or not ran else 0
+
+
+def run_within(names, only=()):
+    """Runs a module's functions case_NAME(), given its globals(), each in a folder of its own; else as run_cases."""
+    return run_cases([(name, within(case)) for name, case in named_cases(names)], only)

@@ -37,6 +37,18 @@ def puff(path, middle, radius, h=0.1):
     return write(path, grid)
 
 
+def ball(path, radius, center=(1, 2, 3), voxel=0.25):
+    """Writes the level set of a ball."""
+    return write(path, vdb.createLevelSetSphere(radius=radius, center=center, voxelSize=voxel))
+
+
+def fog_of_smoke(shift):
+    """A ball of fog on 24 x 20 x 22 voxels, `shift` of them up, their first index, and the place of such voxels of .3."""
+    x, y, z = np.mgrid[:24, :20, :22]
+    fog = np.clip(1.2 - np.sqrt((x - 12) ** 2 + (y - 10) ** 2 + (z - 9 - shift) ** 2) / 8, 0, 1).astype(np.float32)
+    return fog, x, vdb.createLinearTransform([[.3, 0, 0, 0], [0, .3, 0, 0], [0, 0, .3, 0], [5, -2, 1 + shift, 1]])
+
+
 def names(path):
     """Grids of a file with their types, by vdb_print, which knows all types."""
     out = subprocess.run(["vdb_print", "-l", path], capture_output=True, text=True).stdout

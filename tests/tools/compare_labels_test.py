@@ -17,18 +17,17 @@ import numpy as np
 from scipy import ndimage
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from cases import named_cases, run_cases, within
+from cases import run_within
 from program import Program
 
 if len(sys.argv) < 2:
     sys.exit(__doc__)
-PROGRAM = os.path.abspath(sys.argv[1])
 ONLY = sys.argv[2:]
 LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
 SPACING = np.array([0.8, 1.1, 2.5])
 
 
-program = Program(PROGRAM)
+program = Program(sys.argv[1])
 run = program.run
 
 
@@ -171,4 +170,4 @@ def case_shapes():
     assert "labels" not in found
 
 
-sys.exit(run_cases([(name, within(case)) for name, case in named_cases(globals())], ONLY))
+sys.exit(run_within(globals(), ONLY))

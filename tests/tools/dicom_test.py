@@ -21,32 +21,21 @@ import pydicom
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
 import dicom_files as dcm
-from cases import Skip, named_cases, run_cases, within
+from cases import Skip, run_within
 from dicom_files import Grid, classic, enhanced, item, transformation
 from program import Program
 
 if len(sys.argv) < 2:
     sys.exit(__doc__)
-PROGRAM = os.path.abspath(sys.argv[1])
 ONLY = sys.argv[2:]
 LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
 # NIfTI keeps an affine in floats: 2^-24 of its largest number, some 100 mm here.
 CLOSE = 1e-4
 
 
-program = Program(PROGRAM)
+program = Program(sys.argv[1])
 run = program.run
-
-
-def refused(*arguments, says=()):
-    """A message that says all of `says`, exit 1 or 2, and no output."""
-    before = set(os.listdir("."))
-    result = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, errors="replace", timeout=600)
-    assert result.returncode in (1, 2), "%s: exit %d\n%s" % (" ".join(map(str, arguments)), result.returncode, result.stderr)
-    for part in says:
-        assert part in result.stderr, "%r is not in: %s" % (part, result.stderr)
-    assert set(os.listdir(".")) == before, "output was left: %s" % (set(os.listdir(".")) - before)
-    return result.stderr
+refused = program.refused
 
 
 def read(name, *options):
@@ -600,7 +589,7 @@ def case_unreadable():
     os.symlink("nowhere", "some/link.dcm")
 
     def attempt(name):
-        return subprocess.run([*drop, PROGRAM, "convert", name, "-o", "out.nii"], capture_output=True, text=True, timeout=600)
+        return subprocess.run([*drop, program.path, "convert", name, "-o", "out.nii"], capture_output=True, text=True, timeout=600)
 
     result = attempt("some")
     assert result.returncode == 0 and "closed.dcm" in result.stderr and "left out" in result.stderr, result.stderr
@@ -827,7 +816,7 @@ def check_real_files(paths):
             open(name, "wb").write(gzip.open(path).read())
         else:
             shutil.copy(path, name)
-        result = subprocess.run([PROGRAM, "convert", name, "-o", "out.nii"], capture_output=True, text=True, errors="replace")
+        result = subprocess.run([program.path, "convert", name, "-o", "out.nii"], capture_output=True, text=True, errors="replace")
         if result.returncode:
             assert result.returncode in (1, 2) and os.path.basename(name) in result.stderr, (path, result.returncode, result.stderr)
             no += 1
@@ -932,4 +921,4 @@ def case_found_files():
     refused("convert", fault("mosaic"), "-o", "x.nii", says=["a.dcm", "mosaic of Siemens", "50 tiles"])
 
 
-sys.exit(run_cases([(name, within(case)) for name, case in named_cases(globals())], ONLY))
+sys.exit(run_within(globals(), ONLY))

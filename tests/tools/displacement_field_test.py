@@ -15,18 +15,17 @@ import numpy as np
 from scipy.ndimage import binary_erosion, map_coordinates
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from cases import Skip, named_cases, run_cases, within
+from cases import Skip, run_within
 from program import Program
 
 if len(sys.argv) < 2:
     sys.exit(__doc__)
-PROGRAM = os.path.abspath(sys.argv[1])
 ONLY = sys.argv[2:]
 LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
 SIZE, SPACING, ORIGIN = (72, 64, 50), np.array([1.0, 1.1, 1.5]), np.array([-36.0, -34.0, -37.0])
 
 
-program = Program(PROGRAM)
+program = Program(sys.argv[1])
 run = program.run
 
 
@@ -187,4 +186,4 @@ def case_metaimage_by_itk():
     assert np.abs(drawn - nib.load("g.nii.gz").get_fdata()).max() < 1e-3
 
 
-sys.exit(run_cases([(name, within(case)) for name, case in named_cases(globals())], ONLY))
+sys.exit(run_within(globals(), ONLY))

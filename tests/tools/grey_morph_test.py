@@ -15,19 +15,18 @@ import numpy as np
 import pyopenvdb as vdb
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from cases import Skip, named_cases, run_cases, within
+from cases import Skip, run_within
 from program import Program
 
 if len(sys.argv) < 2:
     sys.exit(__doc__)
-PROGRAM = os.path.abspath(sys.argv[1])
 ONLY = sys.argv[2:]
 DATA = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../shared/data/medical")
 TIMES = (0, 0.001, 0.25, 0.5, 1)
 SPACING = (2.0, 2.5, 4.0)
 
 
-program = Program(PROGRAM)
+program = Program(sys.argv[1])
 run = program.run
 
 
@@ -135,4 +134,4 @@ def case_asl():
     assert rms(values("m.nii"), frames[0]) < 0.01 * rms(*frames)
 
 
-sys.exit(run_cases([(name, within(case)) for name, case in named_cases(globals())], ONLY))
+sys.exit(run_within(globals(), ONLY))

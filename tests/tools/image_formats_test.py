@@ -23,19 +23,18 @@ import numpy as np
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
 import dicom_files as dcm
-from cases import Skip, named_cases, run_cases, within
+from cases import Skip, run_within
 from dicom_files import item
 from program import Program
 
 if len(sys.argv) < 2:
     sys.exit(__doc__)
-PROGRAM = os.path.abspath(sys.argv[1])
 ONLY = sys.argv[2:]
 LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
 OBLIQUE = np.array([[0.4, -0.3, 0.1, 10], [0.3, 0.4, 0.2, -20], [0, 0.1, -2, 30], [0, 0, 0, 1.0]])
 
 
-program = Program(PROGRAM)
+program = Program(sys.argv[1])
 
 
 def run(*arguments, code=0):
@@ -43,15 +42,10 @@ def run(*arguments, code=0):
 
 
 def refused(*arguments, says=()):
-    """A message that names the file once, says all of `says`, and holds no address in memory; no output."""
-    before = set(os.listdir("."))
-    result = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, errors="replace", timeout=300)
-    assert result.returncode in (1, 2), "%s: exit %d\n%s" % (" ".join(map(str, arguments)), result.returncode, result.stderr)
-    for part in (os.path.basename(str(arguments[1]).split(":")[0].split("@")[0]), *says):
-        assert part in result.stderr, "%r is not in: %s" % (part, result.stderr)
-    assert "0x" not in result.stderr and "itk" not in result.stderr, result.stderr
-    assert set(os.listdir(".")) == before, "output was left: %s" % (set(os.listdir(".")) - before)
-    return result.stderr
+    """As Program.refused, and the message names the file, and holds no address in memory nor a library's name."""
+    said = program.refused(*arguments, says=(os.path.basename(str(arguments[1]).split(":")[0].split("@")[0]), *says))
+    assert "0x" not in said and "itk" not in said, said
+    return said
 
 
 def converted(name, *options, out="out.nii"):
@@ -334,7 +328,7 @@ def case_long_first_axis():
     text = open("in.nrrd", "rb").read()
     open("in.nrrd", "wb").write(text.replace(b"sizes: 1 1 1 1", b"sizes: %d 1 1 1" % 2 ** 30))
     with open("told.txt", "w") as told:
-        process = subprocess.Popen([PROGRAM, "convert", "in.nrrd:5", "-o", "x.nii"], stderr=told)
+        process = subprocess.Popen([program.path, "convert", "in.nrrd:5", "-o", "x.nii"], stderr=told)
         _, status, used = os.wait4(process.pid, 0)
     assert os.WEXITSTATUS(status) == 1 and "truncated" in open("told.txt").read(), (status, open("told.txt").read())
     assert used.ru_maxrss < 1 << 20, used.ru_maxrss
@@ -768,7 +762,7 @@ def case_float_labels():
     found = np.asanyarray(nib.load("out.nii").dataobj)
     assert set(np.unique(found)) == {0, 3, 5} and found[9, 9, 6] == 5 and found[6, 6, 6] == 3, np.unique(found)
     assert "whole numbers" in said, said
-    told = json.loads(subprocess.run([PROGRAM, "info", "in.nii", "--json"], capture_output=True, text=True, check=True).stdout)
+    told = json.loads(program.run("info", "in.nii", "--json").stdout)
     assert told["images"][0]["labels"] == 2, told
     labels[labels > 4] = 5.01
     nib.save(nib.Nifti1Image(labels, LPS), "in.nii")
@@ -779,7 +773,7 @@ def case_float_labels():
 def case_info():
     """`info` names what was found, as JSON."""
     nrrd("in.nrrd", numbers((5, 4, 3, 2)), "space: RAS", directions(OBLIQUE, none_last=1), origin(OBLIQUE), "kinds: domain domain domain time", encoding="bzip2")
-    told = json.loads(subprocess.run([PROGRAM, "info", "in.nrrd", "--json"], capture_output=True, text=True, check=True).stdout)
+    told = json.loads(program.run("info", "in.nrrd", "--json").stdout)
     image = told["images"][0]
     assert image["volumes"] == 2 and image["size"] == [5, 4, 3], image
     assert np.allclose(image["origin"], [-10, 20, 30]), image
@@ -825,7 +819,7 @@ def case_info_large():
     """Of a large volume `info` reads the header only: less memory than its values would take."""
     def told(*arguments):
         with open("told.json", "w") as output:
-            process = subprocess.Popen([PROGRAM, "info", *arguments, "--json"], stdout=output)
+            process = subprocess.Popen([program.path, "info", *arguments, "--json"], stdout=output)
             _, status, used = os.wait4(process.pid, 0)
         assert status == 0, arguments
         return json.load(open("told.json"))["images"][0], used.ru_maxrss  # kB
@@ -945,4 +939,4 @@ def case_times_morph():
         assert np.array_equal(np.asanyarray(nib.load("m.%d.nii" % frame).dataobj), expected), (frame, name)
 
 
-sys.exit(run_cases([(name, within(case)) for name, case in named_cases(globals())], ONLY))
+sys.exit(run_within(globals(), ONLY))

@@ -24,12 +24,11 @@ from pydicom.dataset import FileDataset, FileMetaDataset
 from pydicom.uid import CTImageStorage, ExplicitVRLittleEndian, generate_uid
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from cases import Skip, named_cases, run_cases, within
+from cases import Skip, run_within
 from program import Program
 
 if len(sys.argv) < 2:
     sys.exit(__doc__)
-PROGRAM = os.path.abspath(sys.argv[1])
 ONLY = sys.argv[2:]
 DATA = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../shared/data/medical")
 LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
@@ -42,19 +41,9 @@ def data(name):
     return path
 
 
-program = Program(PROGRAM)
+program = Program(sys.argv[1])
 run = program.run
-
-
-def refused(*arguments, says=()):
-    """A wrong input: a message that says all of `says`, exit 1 or 2, and no output."""
-    before = set(os.listdir("."))
-    result = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, errors="replace", timeout=600)
-    assert result.returncode in (1, 2), "%s: exit %d\n%s" % (" ".join(map(str, arguments)), result.returncode, result.stderr)
-    for part in says:
-        assert part in result.stderr, "%r is not in: %s" % (part, result.stderr)
-    assert set(os.listdir(".")) == before, "output was left: %s" % (set(os.listdir(".")) - before)
-    return result.stderr
+refused = program.refused
 
 
 def lps(path):
@@ -765,4 +754,4 @@ def case_reconstruct_contours():
     assert json.load(open("h.json"))["structures"][0]["genus"] == 0
 
 
-sys.exit(run_cases([(name, within(case)) for name, case in named_cases(globals())], ONLY))
+sys.exit(run_within(globals(), ONLY))

@@ -12,7 +12,7 @@ import subprocess
 import sys
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from cases import named_cases, run_cases, within
+from cases import run_within
 from program import Program
 
 if len(sys.argv) < 2:
@@ -81,4 +81,4 @@ def case_a_folder_that_cannot_be_made():
     program.refused("--manual", "file/below", says=["file/below"])
 
 
-sys.exit(run_cases([(name, within(case)) for name, case in named_cases(globals())], ONLY))
+sys.exit(run_within(globals(), ONLY))

@@ -14,7 +14,8 @@ import numpy as np
 import pyopenvdb as vdb
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from cases import named_cases, run_cases, within
+from cases import run_within
+from grids import ball, fog_of_smoke
 from program import Program
 
 if len(sys.argv) < 2:
@@ -69,10 +70,8 @@ def same_as_vdb(*command):
 
 
 def write_smoke(path, shift):
-    """Fog, vectors and a level set on voxels of .3, off the origin."""
-    transform = vdb.createLinearTransform([[.3, 0, 0, 0], [0, .3, 0, 0], [0, 0, .3, 0], [5, -2, 1 + shift, 1]])
-    x, y, z = np.mgrid[:24, :20, :22]
-    fog = np.clip(1.2 - np.sqrt((x - 12) ** 2 + (y - 10) ** 2 + (z - 9 - shift) ** 2) / 8, 0, 1).astype(np.float32)
+    """Fog and vectors on voxels of .3, off the origin."""
+    fog, x, transform = fog_of_smoke(shift)
     density = vdb.FloatGrid()
     density.copyFromArray(fog)
     density.name, density.gridClass = "density", vdb.GridClass.FOG_VOLUME
@@ -86,7 +85,7 @@ def write_smoke(path, shift):
 
 def case_morph_of_level_sets():
     for name, radius in (("a.vdb", 3.0), ("b.vdb", 4.0)):
-        vdb.write(name, grids=[vdb.createLevelSetSphere(radius=radius, center=(1, 2, 3), voxelSize=0.25)])
+        ball(name, radius)
     found = same_as_vdb("morph", "a.vdb", "b.vdb", "--at", "0.4")
     assert list(found) == ["surface"], list(found)
 
@@ -144,4 +143,4 @@ def case_not_an_input():
     assert ".vdb" in program.refused("convert", "x.nvdb", "-o", "y.vdb", says=["x.nvdb"])
 
 
-sys.exit(run_cases([(name, within(case)) for name, case in named_cases(globals())], ONLY))
+sys.exit(run_within(globals(), ONLY))

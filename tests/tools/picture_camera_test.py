@@ -15,7 +15,7 @@ import OpenImageIO as oiio
 import pyopenvdb as vdb
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from cases import named_cases, run_cases, within
+from cases import run_within
 from program import Program
 
 if len(sys.argv) < 2:
@@ -87,4 +87,4 @@ def case_focal_length_as_compositors_find_it():
     assert abs(1 / x - np.tan(np.radians(20)) * SIZE[0] / SIZE[1]) < 1e-4, x
 
 
-sys.exit(run_cases([(name, within(case)) for name, case in named_cases(globals())], ONLY))
+sys.exit(run_within(globals(), ONLY))

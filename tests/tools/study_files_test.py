@@ -20,13 +20,12 @@ import numpy as np
 import pydicom
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from cases import Skip, named_cases, run_cases, within
+from cases import Skip, run_within
 from program import Program
 from study_objects import errors_of, points_inside, segment_masks, steps_of, write_ct
 
 if len(sys.argv) < 2:
     sys.exit(__doc__)
-PROGRAM = os.path.abspath(sys.argv[1])
 ONLY = sys.argv[2:]
 LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
 SPACING = (0.9, 0.7)  # between rows, between columns
@@ -36,15 +35,9 @@ OBLIQUE = (1, 0, 0, 0, np.cos(TILT), np.sin(TILT))
 FIRST, COUNT, GAP, SIZE = np.array([-20.25, 12.5, -100.0]), 12, 2.5, (40, 48)
 
 
-program = Program(PROGRAM)
+program = Program(sys.argv[1])
 run = program.run
-
-
-def refused(*arguments, says=()):
-    result = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, errors="replace", timeout=600)
-    assert result.returncode in (1, 2), "%s: exit %d" % (" ".join(map(str, arguments)), result.returncode)
-    for part in says:
-        assert part in result.stderr, "%r is not in: %s" % (part, result.stderr)
+refused = program.refused
 
 
 def affine_of(orientation, first=FIRST, gap=GAP):
@@ -702,4 +695,4 @@ def case_refused():
     assert not [name for name in os.listdir(".") if name.startswith("x.")]
 
 
-sys.exit(run_cases([(name, within(case)) for name, case in named_cases(globals())], ONLY))
+sys.exit(run_within(globals(), ONLY))

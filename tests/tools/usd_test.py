@@ -16,7 +16,8 @@ import numpy as np
 import pyopenvdb as vdb
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from cases import Skip, named_cases, run_cases, within
+from cases import Skip, run_within
+from grids import ball, fog_of_smoke, real
 from meshes import box_obj, sphere_obj
 from program import Program
 from usda import TINYUSDZ, read_stage
@@ -89,14 +90,9 @@ def checked_volume(path, fps, first, last, tinyusdz="scene"):
     return stage, fields
 
 
-def ball(path, radius, center=(1, 2, 3), voxel=0.25):
-    vdb.write(path, grids=[vdb.createLevelSetSphere(radius=radius, center=center, voxelSize=voxel)])
-
-
 def write_smoke(path, shift, heat=True):
     """Fog twice under one name, vectors on faces, and grids whose names are no names of prims."""
-    x, y, z = np.mgrid[:24, :20, :22]
-    fog = np.clip(1.2 - np.sqrt((x - 12) ** 2 + (y - 10) ** 2 + (z - 9 - shift) ** 2) / 8, 0, 1).astype(np.float32)
+    fog, x, transform = fog_of_smoke(shift)
     grids = []
     for name, values, kind in (("density", fog, "FOG_VOLUME"), ("density", fog / 2, "FOG_VOLUME"), ("heat 1", 3 * fog, "UNKNOWN"),
                                ("heat.1", 2 * fog, "UNKNOWN"), ("wind", np.stack([fog, 2 * fog, x * fog], -1), "STAGGERED")):
@@ -105,7 +101,7 @@ def write_smoke(path, shift, heat=True):
         grid = vdb.Vec3SGrid() if values.ndim == 4 else vdb.FloatGrid()
         grid.copyFromArray(values.astype(np.float32))
         grid.name, grid.gridClass = name, getattr(vdb.GridClass, kind)
-        grid.transform = vdb.createLinearTransform([[.3, 0, 0, 0], [0, .3, 0, 0], [0, 0, .3, 0], [5, -2, 1 + shift, 1]])
+        grid.transform = transform
         grids.append(grid)
     vdb.write(path, grids=grids)
 
@@ -170,16 +166,13 @@ def case_parts_of_a_sequence():
 def case_real_files():
     """Gas of a simulation, and a file of three grids of one name."""
     data = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..", "shared", "data", "vdb")
-    if not os.path.isdir(data):
-        raise Skip("../shared/data is not there")
-    data = os.path.abspath(data)
     # Without `flags`: pyopenvdb knows no grids of integers.
-    program.run("morph", data + "/c42_gas_0006.vdb", data + "/c42_gas_0010.vdb", "--at", "0,0.5", "-o", "gas.usda",
+    program.run("morph", real(data, "c42_gas_0006.vdb"), real(data, "c42_gas_0010.vdb"), "--at", "0,0.5", "-o", "gas.usda",
                 "--grids", "density,temperature,flame,velocity")
     fields = checked_volume("gas.usda", 24, 1, 2)[1]
     assert {(name, 0) for name in ("density", "temperature", "flame", "velocity")} <= set(fields), list(fields)
     assert fields["velocity", 0].values["vectorDataRoleHint"] == "Vector"
-    program.run("morph", *[data + "/three_grids_same_name.vdb"] * 2, "--frames", "2", "-o", "three.usda")
+    program.run("morph", *[real(data, "three_grids_same_name.vdb")] * 2, "--frames", "2", "-o", "three.usda")
     assert {("density", n) for n in range(3)} <= set(checked_volume("three.usda", 24, 1, 2)[1])
 
 
@@ -368,4 +361,4 @@ def case_refused():
     program.refused("convert", "x.usda", "-o", "y.obj", says=["x.usda"])
 
 
-sys.exit(run_cases([(name, within(case)) for name, case in named_cases(globals())], ONLY))
+sys.exit(run_within(globals(), ONLY))

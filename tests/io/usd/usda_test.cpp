@@ -1,6 +1,7 @@
 #include "io/scratch_folder.h"
 #include "io/usd/usda_mesh.h"
 #include "io/usd/usda_volume.h"
+#include "io/whole_file.h"
 #include "slicemorph/errors.h"
 #include "slicemorph/io/vdb_reader.h"
 #include "slicemorph/io/vdb_writer.h"
@@ -8,17 +9,9 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <sstream>
 
 namespace slicemorph {
 namespace {
-
-std::string contentOf(const std::string& path) {
-  std::ifstream file(path);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
 
 bool holds(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
@@ -74,7 +67,7 @@ TEST(UsdaMesh, FramesShareOneTranslation) {
   writer.add(2, tetrahedron({1000, 0, 0}), {});
   writer.add(3, tetrahedron({1002, 0, 0}), std::vector<openvdb::Vec3s>(4, {1, 2, 3}));
   writer.commit();
-  const std::string text = contentOf(path);
+  const std::string text = readWholeFile(path);
   EXPECT_TRUE(holds(text, "xformOp:translate = (1000, 0, 0)")) << text;
   EXPECT_TRUE(holds(text, "1: [],")) << text;
   EXPECT_TRUE(holds(text, "2: [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)],")) << text;
@@ -89,7 +82,7 @@ TEST(UsdaMesh, AStillHasNoTimes) {
   Mesh mesh = tetrahedron(Vec3d(0.0));
   mesh.colors.assign(4, {1, 0.5f, 0});
   writeUsdaMesh(path, mesh, {24, 0.01, true});
-  const std::string text = contentOf(path);
+  const std::string text = readWholeFile(path);
   EXPECT_FALSE(holds(text, "timeSamples") || holds(text, "TimeCode") || holds(text, "xform")) << text;
   EXPECT_TRUE(holds(text, "metersPerUnit = 0.01\n    upAxis = \"Z\"")) << text;
   EXPECT_TRUE(
@@ -103,7 +96,7 @@ TEST(UsdaVolume, GridsAreToldApartAndFoundAgain) {
   writeVdb(a, {fogGrid("heat 1", {0, 0, 0}), fogGrid("heat.1", {0, 0, 0}), fogGrid("heat.1", {4, 0, 0})}, {});
   writeVdb(b, {fogGrid("heat.1", {1, 1, 1})}, {});
   writeUsdaVolume(path, {{1, a}, {2, b}, {3, folder.file("x.3.vdb")}}, {});
-  const std::string text = contentOf(path);
+  const std::string text = readWholeFile(path);
   // The file of frame 3 is to come: nobody knows what it will lack.
   EXPECT_TRUE(
       holds(text,
