@@ -4,6 +4,7 @@
 #include "tools/commands/common_options.h"
 #include "tools/commands/terminal_events.h"
 #include "tools/job/apply_map.h"
+#include "tools/job/limit_threads.h"
 #include "tools/job/plan_file.h"
 
 namespace slicemorph {

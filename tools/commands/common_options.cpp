@@ -1,15 +1,8 @@
 #include "tools/commands/common_options.h"
 
-#include <tbb/global_control.h>
-
 #include <cstdio>
 
 namespace slicemorph {
-
-std::shared_ptr<void> limitThreads(int threads) {
-  if (threads == 0) return nullptr;
-  return std::make_shared<tbb::global_control>(tbb::global_control::max_allowed_parallelism, size_t(threads));
-}
 
 void printNotes(const std::string& about, const Notes& notes, bool quiet, bool verbose) {
   if (quiet) return;

@@ -2,14 +2,10 @@
 
 #include "slicemorph/note.h"
 
-#include <memory>
 #include <string>
 
 /// Helpers that several commands share.
 namespace slicemorph {
-
-/// Limits TBB to that number of threads as long as the result lives; 0: no limit.
-std::shared_ptr<void> limitThreads(int threads);
 
 /// Prints notes on stderr, one line each: `note: ABOUT...` or `warning: ABOUT...`. Details of how decisions
 /// were reached (Severity::kDetail) only with `verbose`.

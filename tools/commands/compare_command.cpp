@@ -6,6 +6,7 @@
 #include "tools/commands/common_options.h"
 #include "tools/commands/terminal_events.h"
 #include "tools/job/compare_shapes.h"
+#include "tools/job/limit_threads.h"
 #include "tools/job/load_settings.h"
 #include "tools/job/option_values.h"
 #include "tools/report/comparison_report.h"

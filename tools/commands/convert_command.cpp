@@ -13,6 +13,7 @@
 #include "tools/commands/command_options.h"
 #include "tools/commands/common_options.h"
 #include "tools/job/image_lattice.h"
+#include "tools/job/limit_threads.h"
 #include "tools/job/load_settings.h"
 #include "tools/job/memory_need.h"
 #include "tools/job/option_values.h"

@@ -6,6 +6,7 @@
 #include "tools/commands/common_options.h"
 #include "tools/commands/terminal_events.h"
 #include "tools/job/job_file.h"
+#include "tools/job/limit_threads.h"
 #include "tools/job/morph_checks.h"
 #include "tools/job/morph_job.h"
 #include "tools/job/option_values.h"

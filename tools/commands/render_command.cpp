@@ -1,35 +1,23 @@
 #include "tools/commands/render_command.h"
 
-#include "io/image/video_writer.h"
 #include "slicemorph/errors.h"
-#include "slicemorph/io/output.h"
 #include "tools/commands/command_options.h"
 #include "tools/commands/common_options.h"
 #include "tools/commands/terminal_events.h"
+#include "tools/job/limit_threads.h"
 #include "tools/job/option_values.h"
 #include "tools/job/render_pictures.h"
 
 namespace slicemorph {
 namespace {
 
-void checkRenderOutputs(const RenderJob& job) {
-  if (job.output.empty() && job.sheet.empty())
-    throw InputError("render needs an output: -o name.png, or --contact-sheet sheet.png");
-  if (!job.output.empty()) checkExtension(job.output, {".png", ".exr", ".gif", ".mp4"});
-  if (!job.sheet.empty()) checkExtension(job.sheet, {".png", ".exr"});
-  for (const std::string& path : {job.output, job.sheet})
-    if (!path.empty()) checkOutputPath(OutputName(path).path(1));
-  if (!isVideoExtension(OutputName(job.output).extension())) return;
-  if (OutputName(job.output).isSequence())
-    throw InputError("-o " + job.output + " is one file for all pictures; leave out the ####");
-  VideoWriter::checkAvailable(job.output);
-}
-
 void runRender(const OptionSet& options) {
   const JobOptions& given = options.values();
   if (given.inputs.empty())
     throw InputError("render needs an input; for example: slicemorph render a.vdb -o a.png");
   const RenderJob job = renderJob(options);
+  if (job.output.empty() && job.sheet.empty())
+    throw InputError("render needs an output: -o name.png, or --contact-sheet sheet.png");
   checkRenderOutputs(job);
   const auto limit = limitThreads(given.threads);
   job.load.memory.enforce();

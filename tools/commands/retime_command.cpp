@@ -3,6 +3,7 @@
 #include "tools/commands/command_options.h"
 #include "tools/commands/common_options.h"
 #include "tools/commands/terminal_events.h"
+#include "tools/job/limit_threads.h"
 #include "tools/job/retime_job.h"
 #include "tools/job/run_retime.h"
 

@@ -5,6 +5,7 @@
 #include "tools/commands/common_options.h"
 #include "tools/commands/terminal_events.h"
 #include "tools/job/cut_slices.h"
+#include "tools/job/limit_threads.h"
 #include "tools/job/load_settings.h"
 #include "tools/job/option_values.h"
 

@@ -159,6 +159,17 @@ RenderJob renderJob(const OptionSet& options) {
   return job;
 }
 
+void checkRenderOutputs(const RenderJob& job) {
+  if (!job.output.empty()) checkExtension(job.output, {".png", ".exr", ".gif", ".mp4"});
+  if (!job.sheet.empty()) checkExtension(job.sheet, {".png", ".exr"});
+  for (const std::string& path : {job.output, job.sheet})
+    if (!path.empty()) checkOutputPath(OutputName(path).path(1));
+  if (!isVideoExtension(OutputName(job.output).extension())) return;
+  if (OutputName(job.output).isSequence())
+    throw InputError("-o " + job.output + " is one file for all pictures; leave out the ####");
+  VideoWriter::checkAvailable(job.output);
+}
+
 void renderPictures(const RenderJob& job, JobEvents& events) {
   const std::vector<RenderInput> inputs = listRenderInputs(job.inputs, job.held);
   checkCount(job, inputs.size());

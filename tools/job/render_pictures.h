@@ -29,6 +29,9 @@ struct RenderJob {
 /// Checks the options of `render`, but not whether inputs are there and outputs can be written. Throws InputError.
 RenderJob renderJob(const OptionSet& options);
 
+/// Checks that the outputs that are named can be written. Throws InputError, and IoError where a folder is missing.
+void checkRenderOutputs(const RenderJob& job);
+
 /// Renders shapes, fog and sequences with one camera. Throws InputError, IoError, GeometryError, Cancelled.
 void renderPictures(const RenderJob& job, JobEvents& events);
 

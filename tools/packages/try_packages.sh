@@ -1,6 +1,6 @@
 #!/bin/bash
-# Makes the Debian packages (build/packages/), installs them in a bare Debian 12, and there runs the README's examples, the
-# man pages' and the Python module's first steps. As root, on Debian 12; takes some minutes and 2 GB below /tmp.
+# Makes the Debian packages (build/packages/), installs them in a bare Debian 12, and there runs the README's examples
+# and imports the Python module. As root, on Debian 12; takes some minutes and 2 GB below /tmp.
 set -eu
 cd "$(dirname "$0")/../.."
 . tools/dev/setup.sh

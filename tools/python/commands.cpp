@@ -5,6 +5,7 @@
 #include "tools/job/compare_shapes.h"
 #include "tools/job/cut_slices.h"
 #include "tools/job/job_file.h"
+#include "tools/job/limit_threads.h"
 #include "tools/job/load_settings.h"
 #include "tools/job/morph_checks.h"
 #include "tools/job/morph_job.h"
@@ -17,7 +18,6 @@
 #include "tools/job/write_structures.h"
 #include "tools/python/grid.h"
 #include "tools/python/input.h"
-#include "tools/python/limit_threads.h"
 
 #include <pybind11/stl.h>
 
@@ -28,13 +28,9 @@ namespace slicemorph {
 namespace {
 
 const std::map<std::string, Command>& commandNames() {
-  static const std::map<std::string, Command> names = {{"morph", kMorph},
-                                                       {"apply", kApply},
-                                                       {"convert", kConvert},
-                                                       {"compare", kCompare},
-                                                       {"reconstruct", kReconstruct},
-                                                       {"render", kRender},
-                                                       {"slice", kSlice}};
+  static const std::map<std::string, Command> names = {{"morph", kMorph},     {"convert", kConvert},
+                                                       {"compare", kCompare}, {"reconstruct", kReconstruct},
+                                                       {"render", kRender},   {"slice", kSlice}};
   return names;
 }
 
@@ -126,8 +122,7 @@ py::tuple render(const std::vector<PyInput>& inputs, const GivenOptions& given, 
   const OptionSet options = optionsOf(kRender, "inputs", inputs, given);
   if (inputs.empty()) throw InputError("render", "needs an input");
   RenderJob job = renderJob(options);
-  for (const std::string& path : {job.output, job.sheet})
-    if (!path.empty()) checkOutputPath(OutputName(path).path(1));
+  checkRenderOutputs(job);
   std::vector<std::shared_ptr<Picture>> pictures;
   job.take = [&](const Picture& picture, int) { pictures.push_back(std::make_shared<Picture>(picture)); };
   CallEvents events;

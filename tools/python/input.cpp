@@ -4,6 +4,7 @@
 #include "slicemorph/io/image_writer.h"
 #include "slicemorph/io/mesh_writer.h"
 #include "slicemorph/io/vdb_writer.h"
+#include "tools/job/limit_threads.h"
 #include "tools/job/load_settings.h"
 #include "tools/python/grid.h"
 
@@ -126,6 +127,7 @@ PyInput open(const std::string& text, const GivenOptions& given) {
                      spec.contents == Contents::kSlices;
   CallEvents events;
   return runCall(events, py::none(), [&]() -> PyInput {
+    const auto limit = limitThreads(options.values().threads);
     filesOfInput(spec);
     if (named) return {text, nullptr};
     return {text, std::make_shared<const HeldInput>(holdInput(spec, load.image))};
@@ -192,6 +194,7 @@ py::tuple shapeOf(const PyInput& input, const GivenOptions& given) {
   const LoadOptions load = loadSettings(options);
   CallEvents events;
   LoadedObject loaded = runCall(events, py::none(), [&] {
+    const auto limit = limitThreads(options.values().threads);
     return input.held ? loadObject(*input.held, load) : loadObject(input.name, load);
   });
   const py::object colors = loaded.colors ? py::cast(PyGrid{loaded.colors}) : py::object(py::none());

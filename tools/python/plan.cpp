@@ -2,12 +2,12 @@
 
 #include "slicemorph/errors.h"
 #include "tools/job/job_file.h"
+#include "tools/job/limit_threads.h"
 #include "tools/job/morph_session.h"
 #include "tools/job/option_values.h"
 #include "tools/job/plan_file.h"
 #include "tools/python/grid.h"
 #include "tools/python/input.h"
-#include "tools/python/limit_threads.h"
 
 #include <pybind11/stl.h>
 
@@ -48,6 +48,8 @@ struct PyFrame {
   FrameJob job;
   MorphFrame frame;
   Notes notes;
+  /// The frame with its shape, once that is asked for where the output needs none.
+  mutable std::optional<MorphFrame> withShape = {};
 };
 
 PlanPtr makePlan(const std::vector<PyInput>& inputs, const GivenOptions& given, const py::object& progress) {
@@ -140,13 +142,19 @@ std::optional<PyGrid> velocityOf(const PyFrame& frame) {
 }
 
 /// The shape: made with the frame, or, where its output needs none, now.
-MorphFrame shapeOf(const PyFrame& frame) {
+const MorphFrame& shapeOf(const PyFrame& frame) {
   if (frame.frame.shape.surface) return frame.frame;
-  return frame.plan->run([&](CallEvents& events) { return frame.plan->session->shapeOf(frame.job, events); });
+  if (!frame.withShape) {
+    MorphFrame made =
+        frame.plan->run([&](CallEvents& events) { return frame.plan->session->shapeOf(frame.job, events); });
+    // Another thread may have been faster, and its shape is in use.
+    if (!frame.withShape) frame.withShape = std::move(made);
+  }
+  return *frame.withShape;
 }
 
 py::tuple meshOfFrame(const PyFrame& frame) {
-  const MorphFrame shape = shapeOf(frame);
+  const MorphFrame& shape = shapeOf(frame);
   return meshOf(*shape.shape.surface, shape.colors.get());
 }
 

@@ -37,25 +37,18 @@ class Process:
     """A run of the program. `stage`, `percent` and `left` are its progress, `lines` what else it says."""
 
     def __init__(self, command):
-        self.stage, self.percent, self.left, self.lines, self.files = "starting", 0, "", [], []
+        self.stage, self.percent, self.left, self.lines = "starting", 0, "", []
         # The program tells its progress to terminals only.
         ours, its = pty.openpty() if pty else os.pipe()
         try:
-            self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=its)
+            self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=its)
         except OSError as problem:
             os.close(ours)
             raise Unusable(f"{command[0]}: cannot be started: {problem.strerror}") from None
         finally:
             os.close(its)
-        self.readers = [threading.Thread(target=self._read_files, daemon=True),
-                        threading.Thread(target=self._read_messages, args=(ours,), daemon=True)]
-        for reader in self.readers:
-            reader.start()
-
-    def _read_files(self):
-        with self.process.stdout as stream:
-            for line in stream:
-                self.files.append(line.decode(errors="replace").rstrip("\r\n"))
+        self.reader = threading.Thread(target=self._read_messages, args=(ours,), daemon=True)
+        self.reader.start()
 
     def _read_messages(self, descriptor):
         rest = b""
@@ -87,7 +80,7 @@ class Process:
 
     def ended(self):
         """True when the program has ended and all that it said has been read."""
-        return self.process.poll() is not None and not any(reader.is_alive() for reader in self.readers)
+        return self.process.poll() is not None and not self.reader.is_alive()
 
     def cancel(self):
         """Asks the program to end after what it is writing; asked again, it ends at once."""

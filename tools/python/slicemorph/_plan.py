@@ -85,8 +85,9 @@ class Frame:
 
     def to_numpy(self, grid: Optional[str] = None) -> np.ndarray:
         """Voxels, axes i, j, k: the in-between image, else a grid by name, by default the first one, over its box."""
-        if grid is None and self.image is not None:
-            return self.image.to_numpy()
+        image = self.image if grid is None else None
+        if image is not None:
+            return image.to_numpy()
         grids = self.grids
         name = next(iter(grids)) if grid is None else grid
         if name not in grids:
@@ -99,9 +100,10 @@ class Frame:
 
     def to_nibabel(self) -> Any:
         """The in-between image as a nibabel.Nifti1Image."""
-        if self.image is None:
+        image = self.image
+        if image is None:
             raise InputError("is no image: the inputs are none", "frame")
-        return self.image.to_nibabel()
+        return image.to_nibabel()
 
     def velocity(self) -> Grid:
         """How fast what is there moves, world units per second (as velocity_unit says), vec3s. Raises InputError."""
