@@ -9,7 +9,6 @@
 #include "engine/rebuild/in_between.h"
 #include "engine/rebuild/rejoin_components.h"
 #include "engine/volume/same_grid.h"
-#include "engine/volume/small_components.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -197,10 +196,9 @@ RebuiltShape makeInBetween(const Plan& plan, const Weights& ofObjects) {
   RebuiltShape result = rebuildInBetween({*plan.lattice, shapes.fields, plan.frames}, weights, pose,
                                          shapes.voxelSizeAt(pose->mean, wanted));
   FloatGrid& surface = *result.shape.surface;
-  const int pieces = shapes.piecesAt(pose->mean);
-  if (looseComponents(surface, pieces).empty()) return result;
-  rejoinComponents(surface, pieces, InSomeObject(plan, weights, *pose));
-  result.shape.smallComponents = removeSmallComponents(surface, pieces);
+  const Rejoined rejoined =
+      rejoinComponents(surface, shapes.piecesAt(pose->mean), InSomeObject(plan, weights, *pose));
+  result.shape.smallComponents = removeSmallComponents(surface, rejoined.loose);
   return result;
 }
 

@@ -44,18 +44,25 @@ inline Vec3d inNodes(const LatticePose& pose, size_t node, const openvdb::math::
 /// Evaluates fields (one vector per lattice node) at the known nodes of a map by their places.
 void evaluateAtPlaces(const Lattice& lattice, const std::vector<const VectorField*>& fields, NodeMap& map);
 
+/// Calls `action(c, n)` in parallel for every node c, number n.
+template <typename Action>
+void forNodes(const NodeMap& map, const Action& action) {
+  tbb::parallel_for(0, int(map.size[2]), [&](int z) {
+    for (int y = 0; y < map.size[1]; ++y)
+      for (int x = 0; x < map.size[0]; ++x) {
+        const openvdb::Coord c = map.origin + openvdb::Coord(x, y, z);
+        action(c, map.index(c[0], c[1], c[2]));
+      }
+  });
+}
+
 /// Calls `action(q, n)` in parallel for every node n that is not known, with its chart point q; `action` may
 /// mark the node as known.
 template <typename Action>
 void forUnknownNodes(const NodeMap& map, const Chart& chart, const openvdb::math::Transform& transform,
                      const Action& action) {
-  tbb::parallel_for(0, int(map.size[2]), [&](int z) {
-    for (int y = 0; y < map.size[1]; ++y)
-      for (int x = 0; x < map.size[0]; ++x) {
-        const openvdb::Coord c = map.origin + openvdb::Coord(x, y, z);
-        const size_t n = map.index(c[0], c[1], c[2]);
-        if (!map.known[n]) action(chart.toChart(transform.indexToWorld(map.step * c.asVec3d())), n);
-      }
+  forNodes(map, [&](const openvdb::Coord& c, size_t n) {
+    if (!map.known[n]) action(chart.toChart(transform.indexToWorld(map.step * c.asVec3d())), n);
   });
 }
 

@@ -25,15 +25,10 @@ void VelocityFinder::place(NodeMap& map, const std::vector<char>& wanted) {
   map.known = wanted;
   std::vector<char> left = wanted;
   for (const NodeMap* from : placed_)
-    tbb::parallel_for(0, int(map.size[2]), [&](int z) {
-      for (int y = 0; y < map.size[1]; ++y)
-        for (int x = 0; x < map.size[0]; ++x) {
-          const openvdb::Coord c = map.origin + openvdb::Coord(x, y, z);
-          const size_t n = map.index(c[0], c[1], c[2]);
-          if (!left[n] || !from->inside(c[0], c[1], c[2])) continue;
-          const LatticePlace& place = from->place[from->index(c[0], c[1], c[2])];
-          if (place.cell != LatticePlace::kBeyond) map.place[n] = place, left[n] = 0;
-        }
+    forNodes(map, [&](const openvdb::Coord& c, size_t n) {
+      if (!left[n] || !from->inside(c[0], c[1], c[2])) return;
+      const LatticePlace& place = from->place[from->index(c[0], c[1], c[2])];
+      if (place.cell != LatticePlace::kBeyond) map.place[n] = place, left[n] = 0;
     });
   if (std::find(left.begin(), left.end(), 1) == left.end()) return;
   if (!places_) places_.emplace(lattice_, pose_, transform_, step_);
@@ -63,15 +58,10 @@ NodeMap VelocityFinder::find(NodeMap map, const std::vector<char>& wanted) {
   place(map, wanted);
   computeAround(map);
   evaluateAtPlaces(lattice_, {&velocity_}, map);
-  tbb::parallel_for(0, int(map.size[2]), [&](int z) {
-    for (int y = 0; y < map.size[1]; ++y)
-      for (int x = 0; x < map.size[0]; ++x) {
-        const openvdb::Coord c = map.origin + openvdb::Coord(x, y, z);
-        const size_t n = map.index(c[0], c[1], c[2]);
-        if (!wanted[n] || map.place[n].cell != LatticePlace::kBeyond) continue;
-        const Vec3d q = pose_.chart.toChart(transform_.indexToWorld(map.step * c.asVec3d()));
-        map.at[n] = openvdb::Vec3s(motion_.unit * (motion_.to.toWorld(q) - motion_.from.toWorld(q)));
-      }
+  forNodes(map, [&](const openvdb::Coord& c, size_t n) {
+    if (!wanted[n] || map.place[n].cell != LatticePlace::kBeyond) return;
+    const Vec3d q = pose_.chart.toChart(transform_.indexToWorld(map.step * c.asVec3d()));
+    map.at[n] = openvdb::Vec3s(motion_.unit * (motion_.to.toWorld(q) - motion_.from.toWorld(q)));
   });
   return map;
 }

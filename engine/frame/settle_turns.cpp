@@ -65,13 +65,9 @@ std::vector<SettledTurn> allSettled(const InnerSamples (&samples)[2], std::vecto
 }  // namespace
 
 std::vector<SettledTurn> settleTurns(const InnerSamples (&few)[2], const InnerSamples (&many)[2],
-                                     const std::vector<Turn>& turns) {
-  std::vector<SettledTurn> starts(turns.size());
-  tbb::parallel_for(size_t(0), turns.size(), [&](size_t i) {
-    starts[i] = {turns[i], innerDistortion(few[0], few[1], turns[i].rotation)};
-  });
+                                     const std::vector<SettledTurn>& starts) {
   const std::vector<SettledTurn> found =
-      allSettled(few, distinct(inOrder(std::move(starts)), kMostWithFew, kWorthFew), kFar);
+      allSettled(few, distinct(inOrder(starts), kMostWithFew, kWorthFew), kFar);
   return allSettled(many, distinct(found, kMostWithMany, kWorthMany), kNear);
 }
 

@@ -30,13 +30,18 @@ constexpr double kStrainPrice = 0.5;
 /// By how much a turn's misfit to the features may exceed the least possible one. Chosen by hand.
 constexpr double kFeatureSlack = 0.3;
 
+struct TurnsToTry {
+  std::vector<Turn> turns;
+  bool limited = false;  ///< by the features
+};
+
 /// The turns worth trying from one object to another: those that the shapes suggest and that fit the
 /// features; if none is left, the turns that the features suggest.
-std::vector<Turn> turnsToTry(const Fields& pair, const std::vector<Vec3d>& from, const std::vector<Vec3d>& to,
-                             const Vec3d& up) {
+TurnsToTry turnsToTry(const Fields& pair, const std::vector<Vec3d>& from, const std::vector<Vec3d>& to,
+                      const Vec3d& up) {
   std::vector<Turn> turns = proposeTurns(*pair[0], *pair[1], up);
   const std::vector<Mat3d> prescribed = turnsOf(from, to);
-  if (prescribed.empty()) return turns;
+  if (prescribed.empty()) return {std::move(turns)};
   double best = misfit(from, to, prescribed[0]);
   for (const Mat3d& rotation : prescribed) best = std::min(best, misfit(from, to, rotation));
   turns.erase(
@@ -46,7 +51,7 @@ std::vector<Turn> turnsToTry(const Fields& pair, const std::vector<Vec3d>& from,
   if (turns.empty())
     for (const Mat3d& rotation : prescribed)
       turns.push_back({rotation, rotationVector(rotation).length(), 0});
-  return turns;
+  return {std::move(turns), true};
 }
 
 /// Turns cost this share of their distortion per right angle, so that what looks the same way stays so.
@@ -140,37 +145,40 @@ TurnChoice choiceOf(const InnerSamples (&samples)[2], const std::vector<Turn>& r
 /// The turn where no direction is to be kept: the one that distorts least, but where it is not surely better than none the
 /// files' directions, in which scans, for one, often agree. `turns`: those that distort less first, by the samples
 /// `few`.
-ChosenTurn chooseFreely(const Fields& pair, const std::vector<Turn>& turns, const InnerSamples (&few)[2],
-                        const Progress& progress) {
+ChosenTurn chooseFreely(const Fields& pair, const std::vector<SettledTurn>& turns,
+                        const InnerSamples (&few)[2], const Progress& progress) {
   InnerSamples many[2];
   tbb::parallel_for(0, 2, [&](int k) { many[k] = innerSamples(*pair[size_t(k)], kManyInner); });
   if (progress.cancelled()) throw Cancelled();
   const std::vector<SettledTurn> settled = settleTurns(few, many, turns);
   std::vector<Turn> rivals;
-  for (const SettledTurn& other : settled) rivals.push_back(other.turn);
-  rivals.insert(rivals.end(), turns.begin(), turns.end());
+  for (const std::vector<SettledTurn>* others : {&settled, &turns})
+    for (const SettledTurn& other : *others) rivals.push_back(other.turn);
   Turn best = settled[0].turn;
-  const auto none = std::find_if(turns.begin(), turns.end(), [](const Turn& t) { return t.angle == 0; });
+  const auto none =
+      std::find_if(turns.begin(), turns.end(), [](const SettledTurn& t) { return t.turn.angle == 0; });
   if (none != turns.end() &&
-      innerDistortion(many[0], many[1], none->rotation) < (1 + kUnsure) * settled[0].distortion)
-    best = *none;
+      innerDistortion(many[0], many[1], none->turn.rotation) < (1 + kUnsure) * settled[0].distortion)
+    best = none->turn;
   const TurnChoice choice = choiceOf(many, rivals, best);
   return {best, choice, choice.distortion < kNothingAlikeFreely};
 }
 
 /// The turn from the first object of a pair to the second whose soft matching distorts inner distances least; of shapes
-/// with no inside the first of `turns`. `prescribed`: these came from a user's features, and are taken as they are.
-ChosenTurn chooseTurn(const Fields& pair, const std::vector<Turn>& turns, bool prescribed,
-                      const MorphOptions& options, const Progress& progress) {
+/// with no inside the first of `turns`. Those that a user's features limit are taken as they are.
+ChosenTurn chooseTurn(const Fields& pair, const TurnsToTry& toTry, const MorphOptions& options,
+                      const Progress& progress) {
+  const std::vector<Turn>& turns = toTry.turns;
   if (turns.size() == 1) return unmeasured(turns[0]);
   const bool standing = options.up.length() > 0;
   InnerSamples samples[2];
   tbb::parallel_for(0, 2, [&](int k) { samples[k] = innerSamples(*pair[size_t(k)]); });
   if (progress.cancelled()) throw Cancelled();
-  std::vector<double> distortion(turns.size());
+  std::vector<SettledTurn> measured(turns.size());
+  std::vector<double> distortion(turns.size());  // with what turning costs
   tbb::parallel_for(size_t(0), turns.size(), [&](size_t i) {
-    distortion[i] = innerDistortion(samples[0], samples[1], turns[i].rotation) *
-                    (1 + (standing ? kAngleShare * turns[i].angle / (M_PI / 2) : 0));
+    measured[i] = {turns[i], innerDistortion(samples[0], samples[1], turns[i].rotation)};
+    distortion[i] = measured[i].distortion * (1 + (standing ? kAngleShare * turns[i].angle / (M_PI / 2) : 0));
   });
   std::vector<size_t> upright, other;
   for (size_t i = 0; i < turns.size(); ++i)
@@ -183,11 +191,14 @@ ChosenTurn chooseTurn(const Fields& pair, const std::vector<Turn>& turns, bool p
   const bool leaves =
       upright.empty() || (!other.empty() && leavesUpright(distortion[other[0]], distortion[upright[0]]));
   std::vector<size_t> among = leaves ? other : upright;
+  const double least = distortion[among[0]];
+  if (leaves && !toTry.limited && (!standing || least <= kNothingAlikeFreely)) {
+    std::vector<SettledTurn> starts;
+    for (size_t i : among) starts.push_back(measured[i]);
+    return chooseFreely(pair, starts, samples, progress);
+  }
   std::vector<Turn> rivals;
   for (size_t i : among) rivals.push_back(turns[i]);
-  const double least = distortion[among[0]];
-  if (leaves && !prescribed && (!standing || least <= kNothingAlikeFreely))
-    return chooseFreely(pair, rivals, samples, progress);
   if (least > kNothingAlike || leaves) {
     among = likelyOf(turns, among);
   } else {
@@ -255,9 +266,9 @@ Frames straightFrames(const Fields& fields, const std::vector<std::string>& name
     MorphOptions pairOptions = options;
     pairOptions.features.clear();
     const Fields pair{fields[0], fields[k]};
-    const auto points = pointsOn(options.features, k);
-    const std::vector<Turn> turns = turnsToTry(pair, pointsOn(options.features, 0), points, options.up);
-    const ChosenTurn chosen = chooseTurn(pair, turns, !points.empty(), pairOptions, progress);
+    const TurnsToTry turns =
+        turnsToTry(pair, pointsOn(options.features, 0), pointsOn(options.features, k), options.up);
+    const ChosenTurn chosen = chooseTurn(pair, turns, pairOptions, progress);
     rotations[k] = chosen.turn.rotation;
     choices.push_back(chosen.choice);
     notes.push_back(turnNote(chosen.turn, names[k], names[0]));

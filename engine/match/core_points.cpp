@@ -1,6 +1,6 @@
 #include "engine/match/core_points.h"
 
-#include "engine/match/middle_samples.h"
+#include "engine/match/meeting_points.h"
 
 #include <tbb/parallel_for.h>
 
@@ -70,29 +70,17 @@ std::vector<Correspondence> corePoints(const MatchObjects& objects, const Matchi
     for (const Vec3d& p : coresOf(field, kThin * objects.size * objects.charts[j].meanScale()))
       cores.position.push_back(objects.charts[j].toChart(p));
     cores.normal.resize(cores.position.size(), Vec3d(0.0)), cores.mass.resize(cores.position.size(), 1);
-    const MiddleSamples samples = middleSamples(matching, j, cores);
-    std::vector<Correspondence> found(samples.own.size());
-    tbb::parallel_for(size_t(0), found.size(), [&](size_t i) {
-      Correspondence& c = found[i];
-      const Vec3d& s = samples.points.position[i];
-      c.weight = 0, c.middle = s;
-      for (size_t k = 0; k < count; ++k) {
-        const Vec3d before = k == j ? samples.own[i] : s + matching.map.at(k, s);
-        c.at.push_back(before);
-        if (k == j) continue;
-        const DistanceField& other = *objects.shape.fields[k];
-        const Chart& chart = objects.charts[k];
-        const Vec3d core = chart.toChart(deeper(other, DistanceField::Sampler(other), chart.toWorld(before),
-                                                kThin * objects.size * chart.meanScale()));
-        const double trust = std::clamp(4 * (1 - (core - before).length() / reach), 0.0, 1.0);
-        if (trust == 0) continue;
-        c.at.back() = core;
-        c.weight = std::max(c.weight, float(trust));
-        c.middle += (core - before) / double(count);
-      }
-    });
-    for (Correspondence& c : found)
-      if (c.weight > 0) points.push_back(std::move(c));
+    const auto project = [&](size_t k, const Vec3d& before, size_t) {
+      const DistanceField& other = *objects.shape.fields[k];
+      const Chart& chart = objects.charts[k];
+      const Vec3d core = chart.toChart(deeper(other, DistanceField::Sampler(other), chart.toWorld(before),
+                                              kThin * objects.size * chart.meanScale()));
+      const double trust = trustAt((core - before).length(), reach);
+      return Projected{trust > 0 ? core : before, float(trust)};
+    };
+    for (Correspondence& c :
+         meetingPoints(j, count, matching.map, middleSamples(matching, j, cores), project))
+      points.push_back(std::move(c));
   }
   return points;
 }

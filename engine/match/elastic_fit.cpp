@@ -294,15 +294,23 @@ std::vector<Vec3d> turnedNormals(const OrientedPoints& surface, const BoundPoint
   return normals;
 }
 
-double strainOf(const BodyGraph& graph, const ElasticFit& fit) {
-  double sum = 0, weights = 0;
+/// Per edge, by how much a fit changes it beyond its rotation: squared, relative to its length, times its weight.
+std::vector<double> edgeStrains(const BodyGraph& graph, const ElasticFit& fit) {
   const std::vector<Vec3d> wanted = rotatedEdges(graph, fit.rotation);
+  std::vector<double> strain;
   for (size_t e = 0; e < graph.edges.size(); ++e) {
     const BodyGraph::Edge& edge = graph.edges[e];
     const Vec3d after = fit.position[size_t(edge.to)] - fit.position[size_t(edge.from)];
     const double before = (graph.position[size_t(edge.to)] - graph.position[size_t(edge.from)]).lengthSqr();
-    sum += double(edge.weight) * (after - wanted[e]).lengthSqr() / before, weights += double(edge.weight);
+    strain.push_back(double(edge.weight) * (after - wanted[e]).lengthSqr() / before);
   }
+  return strain;
+}
+
+double strainOf(const BodyGraph& graph, const ElasticFit& fit) {
+  double sum = 0, weights = 0;
+  for (double strain : edgeStrains(graph, fit)) sum += strain;
+  for (const BodyGraph::Edge& edge : graph.edges) weights += double(edge.weight);
   return weights > 0 ? std::sqrt(sum / weights) : 0;
 }
 
@@ -391,14 +399,11 @@ std::vector<Vec3d> consistentVectors(const BodyGraph& graph, const std::vector<M
 /// Per node, how far its edges' change is no rotation, 0 to 1.
 std::vector<double> crumpledShares(const BodyGraph& graph, const ElasticFit& fit) {
   std::vector<double> strain(graph.position.size(), 0), weight(graph.position.size(), 1e-12);
-  const std::vector<Vec3d> wanted = rotatedEdges(graph, fit.rotation);
+  const std::vector<double> ofEdges = edgeStrains(graph, fit);
   for (size_t i = 0; i < graph.edges.size(); ++i) {
     const BodyGraph::Edge& e = graph.edges[i];
-    const Vec3d before = graph.position[size_t(e.to)] - graph.position[size_t(e.from)],
-                after = fit.position[size_t(e.to)] - fit.position[size_t(e.from)];
     for (int node : {e.from, e.to})
-      strain[size_t(node)] += double(e.weight) * (after - wanted[i]).lengthSqr() / before.lengthSqr(),
-          weight[size_t(node)] += double(e.weight);
+      strain[size_t(node)] += ofEdges[i], weight[size_t(node)] += double(e.weight);
   }
   for (size_t i = 0; i < strain.size(); ++i)
     strain[i] = smoothstep(std::sqrt(strain[i] / weight[i]), kTurned, kCrumpled);

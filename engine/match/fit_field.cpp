@@ -106,10 +106,7 @@ class NormalOperator {
   /// Calls body(i) for every site.
   template <typename Body>
   void forEachSite(const Body& body) const {
-    tbb::parallel_for(tbb::blocked_range<size_t>(0, stencils_.size(), kSitesPerTask),
-                      [&](const tbb::blocked_range<size_t>& sites) {
-                        for (size_t i = sites.begin(); i < sites.end(); ++i) body(i);
-                      });
+    Grain{kSitesPerTask}.forEach(stencils_.size(), body);
   }
 
   /// Calls body(node, site, weight) for every corner of every site's cell: layer by layer of the lattice, so that none
@@ -242,13 +239,10 @@ Displacements fitFields(const Lattice& lattice, const Sites& sites, double stiff
       forEachNode([&](size_t node, size_t ringed) { to[node][component] = x[ringed][lane]; });
     });
   });
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, lattice.count()),
-                    [&](const tbb::blocked_range<size_t>& nodes) {
-                      for (size_t i = nodes.begin(); i < nodes.end(); ++i) {
-                        result.of.back()[i] = sum[i];
-                        for (size_t k = 0; k + 1 < objects; ++k) result.of.back()[i] -= result.of[k][i];
-                      }
-                    });
+  Grain{kNodesPerTask}.forEach(lattice.count(), [&](size_t i) {
+    result.of.back()[i] = sum[i];
+    for (size_t k = 0; k + 1 < objects; ++k) result.of.back()[i] -= result.of[k][i];
+  });
   return result;
 }
 

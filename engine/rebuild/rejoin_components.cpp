@@ -1,7 +1,5 @@
 #include "engine/rebuild/rejoin_components.h"
 
-#include "engine/volume/small_components.h"
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -121,10 +119,10 @@ std::vector<Vec3d> pointsAlong(const FloatGrid& grid, const Joint& joint) {
 bool rejoin(FloatGrid& grid, const LooseComponent& component, const Belongs& belongs) {
   const double h = grid.voxelSize()[0];
   const Accessor values = grid.getAccessor();
-  const std::unordered_set<Coord> own(component.voxels.begin(), component.voxels.end());
-  const bool thick =
-      std::any_of(own.begin(), own.end(), [&](const Coord& c) { return values.getValue(c) <= -h; });
+  const bool thick = std::any_of(component.voxels.begin(), component.voxels.end(),
+                                 [&](const Coord& c) { return values.getValue(c) <= -h; });
   if (!thick) return false;
+  const std::unordered_set<Coord> own(component.voxels.begin(), component.voxels.end());
   const std::optional<Gap> gap = gapFrom(own, values, grid.background());
   if (!gap) return false;
   const auto isOwn = [&](const Coord& c) { return own.count(c) > 0; };
@@ -139,10 +137,10 @@ bool rejoin(FloatGrid& grid, const LooseComponent& component, const Belongs& bel
 
 }  // namespace
 
-int rejoinComponents(FloatGrid& levelSet, int allowed, const Belongs& belongs) {
+Rejoined rejoinComponents(FloatGrid& levelSet, int allowed, const Belongs& belongs) {
   std::set<Coord> hopeless;  // components, by their first voxels
   for (int joints = 0; joints < kMostJoints; ++joints) {
-    const std::vector<LooseComponent> loose = looseComponents(levelSet, allowed);
+    std::vector<LooseComponent> loose = looseComponents(levelSet, allowed);
     const bool any = std::any_of(loose.rbegin(), loose.rend(), [&](const LooseComponent& component) {
       const Coord first = *std::min_element(component.voxels.begin(), component.voxels.end());
       if (hopeless.count(first)) return false;
@@ -150,9 +148,9 @@ int rejoinComponents(FloatGrid& levelSet, int allowed, const Belongs& belongs) {
       if (!joined) hopeless.insert(first);
       return joined;
     });
-    if (!any) return joints;
+    if (!any) return {joints, std::move(loose)};
   }
-  return kMostJoints;
+  return {kMostJoints, looseComponents(levelSet, allowed)};
 }
 
 }  // namespace slicemorph

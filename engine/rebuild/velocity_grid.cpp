@@ -142,13 +142,10 @@ CellFlags nodesOf(const NodeMap& nodes, const CellFlags& cells, int further, con
 /// Adds the nodes that another map knows, whose box is within this one's.
 void addKnown(NodeMap& nodes, const NodeMap& more) {
   nodes.objects = 1, nodes.at.resize(countOf(nodes)), nodes.known.resize(countOf(nodes));
-  for (int z = 0; z < more.size[2]; ++z)
-    for (int y = 0; y < more.size[1]; ++y)
-      for (int x = 0; x < more.size[0]; ++x) {
-        const Coord c = more.origin + Coord(x, y, z);
-        const size_t from = more.index(c[0], c[1], c[2]), to = nodes.index(c[0], c[1], c[2]);
-        if (more.known[from]) nodes.at[to] = more.at[from], nodes.known[to] = 1;
-      }
+  forNodes(more, [&](const Coord& c, size_t from) {
+    const size_t to = nodes.index(c[0], c[1], c[2]);
+    if (more.known[from]) nodes.at[to] = more.at[from], nodes.known[to] = 1;
+  });
 }
 
 /// The most by which trilinear interpolation between the nodes around the cells can be wrong: an eighth of the second
@@ -156,18 +153,13 @@ void addKnown(NodeMap& nodes, const NodeMap& more) {
 double interpolationError(const NodeMap& nodes, const CellFlags& cells) {
   const size_t row = size_t(nodes.size[0]), slab = row * size_t(nodes.size[1]), stride[3] = {1, row, slab};
   // Per node that a cell has, and axis.
-  CellFlags corner(cells.size(), 0);
+  const CellFlags corner = nodesOf(nodes, cells, 0, {});
   std::vector<Vec3s> bend(cells.size());
   tbb::parallel_for(0, nodes.size[2], [&](int z) {
-    for (size_t n = slab * size_t(z); n < slab * size_t(z + 1); ++n) {
-      for (size_t c = 0; c < 8 && !corner[n]; ++c) {
-        const size_t back = (c & 1) + (c >> 1 & 1) * row + (c >> 2) * slab;
-        corner[n] = n >= back && cells[n - back];
-      }
+    for (size_t n = slab * size_t(z); n < slab * size_t(z + 1); ++n)
       for (int axis = 0; axis < 3 && corner[n]; ++axis)
         bend[n][axis] =
             (nodes.at[n - stride[axis]] - 2.f * nodes.at[n] + nodes.at[n + stride[axis]]).lengthSqr();
-    }
   });
   return tbb::parallel_reduce(
       tbb::blocked_range<size_t>(0, cells.size()), 0.0,
@@ -284,7 +276,7 @@ openvdb::Vec3SGrid::Ptr velocityGrid(int step, const NodeVelocities& velocities,
   }
   const CellFlags swept = sweptCells(nodes, cells, transform, options.reach);
   // Splines need another node on every side.
-  addKnown(nodes, velocities(nodes, nodesOf(nodes, swept, 1, nodes.known)));
+  addKnown(nodes, velocities(emptyNodes(box, step), nodesOf(nodes, swept, 1, nodes.known)));
   const int factor = coarsening(nodes, swept, options.tolerance);
   const openvdb::MaskTree voxels = voxelsOf(nodes, body, cells, swept, factor);
   const auto grid = openvdb::Vec3SGrid::create(

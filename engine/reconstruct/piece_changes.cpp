@@ -14,7 +14,6 @@ constexpr int kLongestPath = 4;
 /// What a pixel of a path costs at least, as a share of the shorter pixel side, so that of free ones the shortest is taken.
 constexpr float kStepCost = 0.01f;
 
-constexpr PiecePixel kSides[4] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
 constexpr PiecePixel kRing[8] = {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}};
 
 PiecePixel beside(PiecePixel p, PiecePixel d) { return {p.x + d.x, p.y + d.y}; }
@@ -29,7 +28,7 @@ float PieceChanges::scoreAt(int label, PiecePixel p) const {
 float PieceChanges::costOfLoss(const PiecePixels& piece, int label, float most) const {
   std::vector<int> around;
   for (const PiecePixel& p : piece)
-    for (const PiecePixel& d : kSides) {
+    for (const PiecePixel& d : kPixelSides) {
       const int other = valueAt(p.x + d.x, p.y + d.y);
       if (other >= 0 && other != label) around.push_back(other);
     }
@@ -53,7 +52,7 @@ void PieceChanges::giveAway(PiecePixels piece, int label) {
     std::vector<std::pair<PiecePixel, int>> given;
     for (const PiecePixel& p : piece) {
       std::pair<float, int> best{-kNeverCost, -1};
-      for (const PiecePixel& d : kSides) {
+      for (const PiecePixel& d : kPixelSides) {
         const int other = valueAt(p.x + d.x, p.y + d.y);
         if (other >= 0 && other != label) best = std::max(best, {scoreAt(other, p), other});
       }
@@ -110,7 +109,7 @@ PiecePath PieceChanges::pathFrom(const PiecePixels& piece, int label, float most
     const std::vector<float> before = cost;
     PiecePixels next;
     for (const PiecePixel& p : front)
-      for (const PiecePixel& d : kSides) {
+      for (const PiecePixel& d : kPixelSides) {
         const PiecePixel q = beside(p, d);
         if (!box.contains(q.x, q.y) || valueAt(q.x, q.y) == label || (sparing && !isSpare(q))) continue;
         const size_t to = box.index(q.x, q.y), here = box.index(p.x, p.y);

@@ -13,6 +13,9 @@ struct PiecePixel {
 };
 using PiecePixels = std::vector<PiecePixel>;
 
+/// The steps to the pixels that share a side.
+constexpr PiecePixel kPixelSides[4] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
+
 /// What no change of a slice costs.
 constexpr float kNeverCost = std::numeric_limits<float>::max();
 

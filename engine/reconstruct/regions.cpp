@@ -1,7 +1,7 @@
 #include "engine/reconstruct/regions.h"
 
-#include "engine/numerics/disjoint_sets.h"
 #include "engine/numerics/mask_distance.h"
+#include "engine/reconstruct/slice_pieces.h"
 
 #include <cmath>
 
@@ -46,17 +46,11 @@ std::vector<RegionRun> findRuns(const LabelScore& score) {
   return runs;
 }
 
-/// Joins runs that touch runs of the row above; the region is the index of its first run.
+/// Joins runs that touch each other; the region is the index of its first run.
 void joinRuns(std::vector<RegionRun>& runs) {
-  DisjointSets regions(runs.size());
-  size_t above = 0;
-  for (size_t i = 0; i < runs.size(); ++i) {
-    while (runs[above].y < runs[i].y - 1 || (runs[above].y < runs[i].y && runs[above].x1 < runs[i].x0))
-      ++above;
-    for (size_t k = above; runs[k].y < runs[i].y && runs[k].x0 <= runs[i].x1; ++k)
-      regions.join(std::uint32_t(k), std::uint32_t(i));
-  }
-  for (size_t i = 0; i < runs.size(); ++i) runs[i].region = int(regions.find(std::uint32_t(i)));
+  const auto alike = [](const RegionRun&, const RegionRun&) { return true; };
+  const std::vector<std::uint32_t> first = joinedRuns(runs, Touching::kCorners, alike);
+  for (size_t i = 0; i < runs.size(); ++i) runs[i].region = int(first[i]);
 }
 
 struct Candidate {

@@ -1,7 +1,5 @@
 #include "engine/reconstruct/slice_pieces.h"
 
-#include "engine/numerics/disjoint_sets.h"
-
 namespace slicemorph {
 
 std::vector<PieceRun> findRuns(const PixelBox& domain, const int* slice) {
@@ -18,15 +16,9 @@ std::vector<PieceRun> findRuns(const PixelBox& domain, const int* slice) {
 }
 
 void joinToPieces(std::vector<PieceRun>& runs, Touching touching) {
-  const int reach = touching == Touching::kCorners;
-  DisjointSets pieces(runs.size());
-  for (size_t i = 0, above = 0; i < runs.size(); ++i) {
-    const PieceRun& run = runs[i];
-    while (runs[above].y < run.y - 1 || (runs[above].y < run.y && runs[above].x1 + reach <= run.x0)) ++above;
-    for (size_t k = above; runs[k].y < run.y && runs[k].x0 < run.x1 + reach; ++k)
-      if (runs[k].label == run.label) pieces.join(std::uint32_t(k), std::uint32_t(i));
-  }
-  for (size_t i = 0; i < runs.size(); ++i) runs[i].piece = pieces.find(std::uint32_t(i));
+  const auto alike = [](const PieceRun& a, const PieceRun& b) { return a.label == b.label; };
+  const std::vector<std::uint32_t> first = joinedRuns(runs, touching, alike);
+  for (size_t i = 0; i < runs.size(); ++i) runs[i].piece = first[i];
 }
 
 }  // namespace slicemorph

@@ -64,7 +64,7 @@ class SparePieces {
       std::vector<PieceRun> runs = piecesOf(i);
       std::vector<size_t> count = countOf(runs);
       for (size_t l = 0; l < count.size(); ++l)
-        while (count[l] > most_[l] && dropOne(i, runs, gap_.labels[l].label))
+        while (count[l] > most_[l] && dropOne(i, runs, count, gap_.labels[l].label))
           runs = piecesOf(i), count = countOf(runs);
     }
   }
@@ -114,9 +114,9 @@ class SparePieces {
   PieceChanges changesOf(size_t slice) const { return {plan_, moments_[slice - 1], slices_[slice]}; }
   /// Takes a path, unless without its pixels another label has one more piece, and more than it may, or none where
   /// it is on both planes.
-  bool takePath(size_t slice, const PiecePath& path, int label) {
+  /// `before`: pieces per label of the slice as it is.
+  bool takePath(size_t slice, const PiecePath& path, int label, const std::vector<size_t>& before) {
     PieceChanges changes = changesOf(slice);
-    const std::vector<size_t> before = countOf(piecesOf(slice));
     const std::vector<int> labels = changes.take(path, label);
     const std::vector<size_t> after = countOf(piecesOf(slice));
     for (size_t l = 0; l < after.size(); ++l)
@@ -128,13 +128,13 @@ class SparePieces {
     return true;
   }
   bool isBeside(size_t slice, PiecePixel p, int label, const PixelSet& own) const {
-    for (const auto& [dx, dy] : {std::pair(1, 0), std::pair(0, 1), std::pair(-1, 0), std::pair(0, -1)})
-      if (valueAt(slice, p.x + dx, p.y + dy) == label && !own.has(p.x + dx, p.y + dy)) return true;
+    for (const PiecePixel& d : kPixelSides)
+      if (valueAt(slice, p.x + d.x, p.y + d.y) == label && !own.has(p.x + d.x, p.y + d.y)) return true;
     return false;
   }
 
   /// Makes the label's pieces on a slice one fewer where that costs least.
-  bool dropOne(size_t slice, const std::vector<PieceRun>& runs, int label) {
+  bool dropOne(size_t slice, const std::vector<PieceRun>& runs, const std::vector<size_t>& count, int label) {
     std::map<std::uint32_t, PiecePixels> found;
     for (const PieceRun& run : runs)
       if (run.label == label)
@@ -149,7 +149,7 @@ class SparePieces {
       if (best.cost == kNeverCost) return false;
       if (best.path.pixels.empty())
         changesOf(slice).giveAway(best.piece, label);
-      else if (!takePath(slice, best.path, label))
+      else if (!takePath(slice, best.path, label, count))
         continue;
       return true;
     }
@@ -232,7 +232,7 @@ class SparePieces {
     for (const bool sparing : {false, true}) {
       const PieceChange tie = cheapestTie(label, pieces, loss, sparing);
       if (tie.path.pixels.empty()) break;
-      if (takePath(tie.slice, tie.path, label)) return;
+      if (takePath(tie.slice, tie.path, label, countOf(piecesOf(tie.slice)))) return;
     }
     if (loss < kNeverCost)
       for (const auto& [slice, pixels] : pieces) changesOf(slice).giveAway(pixels, label);

@@ -180,9 +180,9 @@ std::vector<LooseComponent> looseComponents(const FloatGrid& levelSet, int allow
   return loose;
 }
 
-int removeSmallComponents(FloatGrid& levelSet, int allowed) {
+int removeSmallComponents(FloatGrid& levelSet, const std::vector<LooseComponent>& loose) {
   int removed = 0;
-  for (const LooseComponent& component : looseComponents(levelSet, allowed)) {
+  for (const LooseComponent& component : loose) {
     if (!(component.share < kSmallComponent)) continue;
     remove(levelSet, component.voxels);
     ++removed;

@@ -19,9 +19,8 @@ struct LooseComponent {
 /// All but the `allowed` largest components, those with inside tiles counted as one, the smallest first; never one with inside tiles.
 std::vector<LooseComponent> looseComponents(const FloatGrid& levelSet, int allowed);
 
-/// Removes the smallest components of the inside while there are more than `allowed`, but only those that
-/// hold less than 3 % of the inside voxels in leaves. Such components break off where a feature gets thinner
-/// than a voxel or two. Returns the number removed.
-int removeSmallComponents(FloatGrid& levelSet, int allowed);
+/// Removes those of the level set's loose components that hold less than 3 % of the inside voxels in leaves. Such
+/// components break off where a feature gets thinner than a voxel or two. Returns the number removed.
+int removeSmallComponents(FloatGrid& levelSet, const std::vector<LooseComponent>& loose);
 
 }  // namespace slicemorph

@@ -39,7 +39,7 @@ LostPoints lostPoints(const Mesh& mesh, const FloatGrid& levelSet, size_t count)
 
 /// Points per square voxel whose balls, as thick as a wall is to be, cover it.
 constexpr double kPointsPerVoxel = 4;
-/// Of a larger surface there are fewer points; two per square voxel still cover it.
+/// Of a surface of more than a million square voxels there are fewer; a quarter as many still cover it.
 constexpr double kMostPoints = 1 << 22;
 
 }  // namespace

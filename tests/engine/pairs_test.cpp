@@ -12,6 +12,7 @@
 #include "slicemorph/io/input.h"
 #include "slicemorph/slicemorph.h"
 #include "tests/support/all_tests.h"
+#include "tests/support/random_rotation.h"
 #include "tests/support/section_parts.h"
 #include "tests/support/shapes.h"
 
@@ -255,14 +256,6 @@ TEST(Landmarks, MeetThoughProportionsDiffer) {
   expectLandmarks(MorphPlan({man, armadillo}), back, *armadillo.levelSet, 0.12);
 }
 
-Mat3d anyTurn(std::mt19937& random) {
-  // Four normal deviates are a random rotation's quaternion but for their length.
-  std::normal_distribution<double> normal;
-  openvdb::math::Quat<double> q(normal(random), normal(random), normal(random), normal(random));
-  q.normalize();
-  return Mat3d(q);
-}
-
 /// A mesh turned about the origin, as an object of so many voxels.
 Object lying(const std::string& path, const Mat3d& turned, int voxels) {
   Mesh mesh = repairMesh(readPolygons(parseInput(path)).mesh).mesh;
@@ -288,7 +281,7 @@ TEST(Landmarks, MeetHoweverAnObjectLies) {
     MorphOptions freely;
     freely.up = Vec3d(0.0);
     for (int i = 0; i < (allTests() ? 20 : 1); ++i) {
-      const Mat3d turned = anyTurn(random);
+      const Mat3d turned = randomRotation(random);
       expectLandmarks(MorphPlan({lying(from, turned, 64), second}, freely), *pair.landmarks, *second.levelSet,
                       0.08, turned);
     }
@@ -305,7 +298,7 @@ TEST(Facing, RealHeadsMeetHoweverTheyLie) {
   MorphOptions freely;
   freely.up = Vec3d(0.0);
   for (int i = 0; i < (allTests() ? 20 : 1); ++i) {
-    const Mat3d ofHorse = anyTurn(random), ofSpot = anyTurn(random);
+    const Mat3d ofHorse = randomRotation(random), ofSpot = randomRotation(random);
     const Object a = lying(horse, ofHorse, 64), b = lying(spot, ofSpot, 64);
     const auto expectNear = [](const Vec3d& arrived, const Vec3d& nose, const Object& object) {
       const double off = (arrived - nose).length() / (64 * object.levelSet->voxelSize()[0]);

@@ -4,6 +4,7 @@
 #include "tests/support/all_tests.h"
 #include "tests/support/fields.h"
 #include "tests/support/quadruped.h"
+#include "tests/support/random_rotation.h"
 
 #include <gtest/gtest.h>
 
@@ -80,16 +81,9 @@ TEST(ChooseFrames, FindsTheSameHoweverBothObjectsLie) {
   constexpr double kSameWay = 0.35;
   const shapes::Quadruped::Swing running{35, -20, 25, -35};
   std::mt19937 random(3);
-  std::normal_distribution<double> normal;
-  const auto anyTurn = [&] {
-    // Four normal deviates are a random rotation's quaternion but for their length.
-    openvdb::math::Quat<double> q(normal(random), normal(random), normal(random), normal(random));
-    q.normalize();
-    return Mat3d(q);
-  };
   for (int i = 0; i < (allTests() ? 20 : 4); ++i) {
     SCOPED_TRACE(i);
-    const Mat3d first = anyTurn(), second = anyTurn();
+    const Mat3d first = randomRotation(random), second = randomRotation(random);
     Fields pair{animal(first), animal(second, running)};
     const Mat3d found = turnOf(chooseFrames(pair, kNames, straight(Vec3d(0.0)), {}));
     EXPECT_LT(apart(second.transpose() * found * first, Mat3d::identity()), kSameWay);

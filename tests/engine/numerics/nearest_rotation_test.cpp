@@ -1,6 +1,8 @@
 // The nearest rotation against brute force, and by Newton's steps against the singular value decomposition.
 #include "engine/numerics/nearest_rotation.h"
 
+#include "tests/support/random_rotation.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,14 +14,6 @@ namespace {
 double traceWith(const Mat3d& rotation, const Mat3d& s) {
   const Mat3d m = rotation.transpose() * s;
   return m(0, 0) + m(1, 1) + m(2, 2);
-}
-
-Mat3d randomRotation(std::mt19937& random) {
-  // Four normal deviates are a random rotation's quaternion but for their length.
-  std::normal_distribution<double> normal;
-  openvdb::math::Quat<double> q(normal(random), normal(random), normal(random), normal(random));
-  q.normalize();
-  return Mat3d(q);
 }
 
 /// Any matrix, or one that is near a rotation times stretches of `least` to 1, mirrored or not.

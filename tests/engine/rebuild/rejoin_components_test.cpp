@@ -31,7 +31,7 @@ TEST(RejoinComponents, ASeveredRodIsWholeAgain) {
   for (double radius : {0.15, 0.25}) {
     const FloatGrid::Ptr whole = rod(radius), severed = rod(radius, 0.3);
     ASSERT_EQ(countPieces(*severed), 2) << radius;
-    EXPECT_EQ(rejoinComponents(*severed, 1, always), 1) << radius;
+    EXPECT_EQ(rejoinComponents(*severed, 1, always).joints, 1) << radius;
     EXPECT_EQ(countPieces(*severed), 1) << radius;
     for (auto value = whole->cbeginValueOn(); value; ++value) {
       EXPECT_NEAR(severed->tree().getValue(value.getCoord()), *value, kRejoinVoxel) << value.getCoord();
@@ -42,7 +42,7 @@ TEST(RejoinComponents, ASeveredRodIsWholeAgain) {
 TEST(RejoinComponents, WhatBelongsApartStaysApart) {
   const auto unchanged = [](double radius, double gap, int allowed, bool belongs) {
     const FloatGrid::Ptr before = rod(radius, gap), grid = before->deepCopy();
-    return rejoinComponents(*grid, allowed, [=](const std::vector<Vec3d>&) { return belongs; }) == 0 &&
+    return rejoinComponents(*grid, allowed, [=](const std::vector<Vec3d>&) { return belongs; }).joints == 0 &&
            sameValues(*grid, *before);
   };
   EXPECT_FALSE(unchanged(0.25, 0.3, 1, true));

@@ -92,7 +92,7 @@ TEST(SmallComponents, TheSmallestAreRemoved) {
       {{0, 0, 0}, 2}, {{2.9, 0, 0}, 0.25}, {{0, 2.9, 0}, 0.35}, {{0, 0, -2.9}, 0.3}};
   for (int allowed = 1; allowed <= 4; ++allowed) {
     FloatGrid::Ptr grid = balls(list);
-    EXPECT_EQ(removeSmallComponents(*grid, allowed), 4 - allowed);
+    EXPECT_EQ(removeSmallComponents(*grid, looseComponents(*grid, allowed)), 4 - allowed);
     const auto parts = partsOf(*grid);
     ASSERT_EQ(int(parts.size()), allowed);
     const double kept[4] = {2, 0.35, 0.3, 0.25};
@@ -119,7 +119,7 @@ TEST(SmallComponents, TheSmallestAreRemoved) {
 TEST(SmallComponents, LargePartsStay) {
   FloatGrid::Ptr grid = balls({{{-1, 0, 0}, 0.9}, {{1, 0, 0}, 0.7}});
   const FloatGrid::Ptr before = grid->deepCopy();
-  EXPECT_EQ(removeSmallComponents(*grid, 1), 0);
+  EXPECT_EQ(removeSmallComponents(*grid, looseComponents(*grid, 1)), 0);
   EXPECT_TRUE(sameValues(*grid, *before));
 }
 
