@@ -266,6 +266,21 @@ print(slicemorph.__file__, slicemorph.__version__)
     assert os.path.exists(places[0] + "/py.typed") and os.path.exists(places[0] + "/_option_types.py")
 
 
+def case_slicer_modules(folder):
+    """The modules of 3D Slicer are found, describe themselves, and read NRRD by the plug-in of the installation."""
+    modules = PREFIX + "/lib/slicemorph/cli-modules"
+    assert sorted(os.listdir(modules)) == ["SlicemorphFillBetweenSlices", "SlicemorphMorph", "SlicemorphSurface"]
+    for name in os.listdir(modules):
+        assert run(modules + "/" + name, "--xml").stdout.startswith("<?xml")
+    box = np.zeros((9, 6, 7), np.uint8)
+    box[::4, 2:5, 2:5] = 4
+    head = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 7 6 9\nspace: left-posterior-superior\n" \
+           "space directions: (1,0,0) (0,1,0) (0,0,2)\nspace origin: (0,0,0)\nencoding: raw\n\n"
+    open(folder + "/in.nrrd", "wb").write(head.encode() + box.tobytes())
+    run(modules + "/SlicemorphFillBetweenSlices", "--inputLabels", "in.nrrd", "--outputLabels", "out.nrrd", folder=folder)
+    assert np.array_equal(read_nrrd(folder + "/out.nrrd")[1], np.repeat(box[:1], 9, 0))
+
+
 def case_package(folder):
     """The engine alone needs no library of io; a later minor version is refused."""
     version = re.search(r"project\(slicemorph VERSION (\d+)\.(\d+)", open(REPOSITORY + "/CMakeLists.txt").read())
