@@ -5,7 +5,7 @@ import re
 import subprocess
 import xml.etree.ElementTree as ElementTree
 
-OF_THE_SCENE = {"image": ".nrrd", "geometry": ".vtp", "pointfile": ".fcsv"}
+OF_THE_SCENE = {"image": ".nrrd", "geometry": ".vtp"}
 WHERE_GIVEN = ("string", "file", "directory")
 TAGS = ("filter-progress", "filter-stage-progress", "filter-name", "filter-comment", "filter-time", "filter-start", "filter-end")
 
@@ -58,7 +58,8 @@ class Module:
                 and e.find("longflag") is None and e.find("flag") is None and e.find("index") is None]
 
     def command(self, given):
-        """The command line for values by parameter name, of objects of the scene their files; the others have their defaults."""
+        """The command line for values by parameter name: of objects of the scene their files, of points a list of triples. What is
+        not given has its default."""
         unknown = set(given) - {e.findtext("name") for e in self.parameters()}
         assert not unknown, unknown
         words, placed = [self.path], {}
@@ -66,6 +67,10 @@ class Module:
             words += ["--returnparameterfile", os.path.join(os.getcwd(), "answers.params")]
         for element in self.parameters():
             name, flag = element.findtext("name"), (element.findtext("longflag") or "").lstrip("-")
+            if element.tag == "point":
+                for point in given.get(name, []):
+                    words += ["--" + flag, ",".join("%.8g" % x for x in point)]
+                continue
             value = str(given.get(name, element.findtext("default") or ""))
             if element.find("index") is not None:
                 placed[int(element.findtext("index"))] = value

@@ -94,16 +94,6 @@ def write_ply(path, radius, middle, n=32):
     return path
 
 
-def write_points(path, points):
-    """A list of control points as Slicer writes it for coordinateSystem="lps"."""
-    with open(path, "w") as file:
-        file.write("# Markups fiducial file version = 5.6\n# CoordinateSystem = LPS\n"
-                   "# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n")
-        for n, p in enumerate(points, 1):
-            file.write("%d,%.6f,%.6f,%.6f,0,0,0,1,1,1,0,F-%d,,vtkMRMLScalarVolumeNode1,2,0\n" % (n, *p, n))
-    return path
-
-
 # -- phantoms ---------------------------------------------------------------------------------------------------------
 def distances(middle):
     """From each voxel to a point, which is given in voxels from the middle of the scan; millimetres."""
@@ -342,15 +332,16 @@ def case_landmarks():
     files = [write_ply("%s.ply" % name, 20, middle) for name in "ab"]
     first = middle + 20 * np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [-1, 0, 0]])
     second = middle + 20 * np.array([[0.96, 0.28, 0], [-0.28, 0.96, 0], [0, 0, 1], [-0.96, -0.28, 0]])
-    marks = [write_points(MORPH.file_for("firstLandmarks", "vtkMRMLMarkupsFiducialNode%d" % n), p) for n, p in ((1, first), (2, second))]
     given = {"firstModel": files[0], "secondModel": files[1], "outputModel": "out.vtp", "resolution": "32"}
-    heard(MORPH.run({**given, "firstLandmarks": marks[0], "secondLandmarks": marks[1]}), "Morph")
-    PROGRAM.run("morph", *files, "-o", "same.vtp", "--at", 0.5, "--resolution", 32, "--landmarks", ",".join(marks))
+    heard(MORPH.run({**given, "firstLandmarks": first, "secondLandmarks": second}), "Morph")
+    for name, points in (("1.txt", first), ("2.txt", second)):
+        np.savetxt(name, points, "%.8g")
+    PROGRAM.run("morph", *files, "-o", "same.vtp", "--at", 0.5, "--resolution", 32, "--landmarks", "1.txt,2.txt")
     PROGRAM.run("morph", *files, "-o", "without.vtp", "--at", 0.5, "--resolution", 32)
     read = lambda path: open(path, "rb").read()
     assert read("out.vtp") == read("same.vtp") and read("out.vtp") != read("without.vtp")
-    write_points(marks[1], second[:3])
-    assert "3" in MORPH.run({**given, "firstLandmarks": marks[0], "secondLandmarks": marks[1]}, code=2).errors
+    told = MORPH.run({**given, "firstLandmarks": first, "secondLandmarks": second[:3]}, code=2).errors
+    assert "4 landmarks on the first" in told and "3 on the second" in told, told
 
 
 # -- surfaces ---------------------------------------------------------------------------------------------------------
@@ -408,7 +399,6 @@ def case_wrong_input():
     ball = write_ply("ball.ply", 20, (0, 0, 0))
     open("cut.nrrd", "wb").write(open("labels.nrrd", "rb").read()[:2000])
     open("empty.nrrd", "wb").close()
-    points = write_points("points.fcsv", [(0, 0, 0)])
     pair = {"firstModel": ball, "secondModel": ball}
     before = set(os.listdir("."))
     for module, given, says in (
@@ -420,10 +410,11 @@ def case_wrong_input():
             (MORPH, {**pair, "frames": 3, "folder": "missing"}, ["missing"]),
             (MORPH, {**pair, "outputModel": "missing/x.vtp"}, ["missing"]),
             (MORPH, {**pair, "outputModel": "x.vtp", "time": 2}, ["--time 2", "0 to 1"]),
+            (MORPH, {**pair, "outputModel": "x.vtp", "firstLandmarks": [(1, 2)]}, ["firstLandmarks 1,2", "x,y,z"]),
             (MORPH, {**pair, "outputModel": "x.vtp", "time": "soon"}, ["--time soon", "not a number"]),
             (MORPH, {**pair, "outputModel": "x.vtp", "method": "magic"}, ["method magic", "slices"]),
             (MORPH, {**pair, "outputModel": "x.vtp", "resolution": 32, "voxelSize": 1}, ["resolution", "voxel-size", "exclude"]),
-            (MORPH, {**pair, "outputModel": "x.vtp", "firstLandmarks": points}, ["landmarks", "first"]),
+            (MORPH, {**pair, "outputModel": "x.vtp", "firstLandmarks": [(0, 0, 0)]}, ["1 landmarks on the first", "0 on the second"]),
             (FILL, {}, ["nothing is given to fill"]),
             (FILL, {"inputLabels": labels}, ["result is missing"]),
             (FILL, {"inputLabels": labels, "outputVolume": "x.nrrd"}, ["label map and a volume"]),

@@ -36,7 +36,7 @@ std::string tagOf(ParameterKind kind) {
     case ParameterKind::kModel:
       return "geometry";
     case ParameterKind::kPoints:
-      return "pointfile";
+      return "point";
     case ParameterKind::kFile:
       return "file";
     case ParameterKind::kFolder:
@@ -56,8 +56,8 @@ std::string tagOf(ParameterKind kind) {
   return "string";
 }
 
-/// Slicer offers scalar volumes and label maps for `scalar`, label maps and segmentations for `label`. Points are written
-/// in LPS, as everything else is in files.
+/// Slicer offers scalar volumes and label maps for `scalar`, label maps and segmentations for `label`. It gives points in
+/// LPS, as everything else is in files.
 std::string attributesOf(const ModuleParameter& parameter) {
   std::string text, extensions;
   if (parameter.kind == ParameterKind::kVolume) text += " type=\"scalar\"";
@@ -66,7 +66,7 @@ std::string attributesOf(const ModuleParameter& parameter) {
   for (const std::string& extension : parameter.extensions)
     extensions += (extensions.empty() ? "" : ",") + extension;
   if (!extensions.empty()) text += " fileExtensions=\"" + extensions + "\"";
-  if (parameter.kind == ParameterKind::kPoints) text += " coordinateSystem=\"lps\"";
+  if (parameter.kind == ParameterKind::kPoints) text += " multiple=\"true\" coordinateSystem=\"lps\"";
   if (!parameter.beside.empty()) text += " reference=\"" + parameter.beside + "\"";
   return text;
 }

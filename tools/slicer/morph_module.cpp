@@ -57,13 +57,12 @@ ParameterGroup timeGroup() {
 }
 
 ParameterGroup landmarkGroup() {
-  const std::string help = "; the n-th point of one list belongs with the n-th of the other";
-  return {
-      "Landmarks",
-      "Places that belong together, where the match needs help.",
-      true,
-      {inputOf(ParameterKind::kPoints, "firstLandmarks", "On the first object", "Points on it" + help),
-       inputOf(ParameterKind::kPoints, "secondLandmarks", "On the second object", "Points on it" + help)}};
+  const std::string help = "Control points on it; the n-th of one list belongs with the n-th of the other";
+  return {"Landmarks",
+          "Places that belong together, where the match needs help.",
+          true,
+          {inputOf(ParameterKind::kPoints, "firstLandmarks", "On the first object", help),
+           inputOf(ParameterKind::kPoints, "secondLandmarks", "On the second object", help)}};
 }
 
 ParameterGroup matchingGroup() {
@@ -105,10 +104,14 @@ std::string framesFolder(const ModuleValues& values) {
 void giveLandmarks(const ModuleValues& values, OptionSet& options) {
   const std::string &first = values.text("firstLandmarks"), &second = values.text("secondLandmarks");
   if (first.empty() && second.empty()) return;
-  if (first.empty() || second.empty())
-    throw InputError(std::string("there are landmarks on the ") + (first.empty() ? "second" : "first") +
-                     " object only; the other one needs as many");
-  options.set(options.row("landmarks"), {first + "," + second});
+  const std::vector<std::string> on = parted(first, ';'), to = parted(second, ';');
+  if (first.empty() || second.empty() || on.size() != to.size())
+    throw InputError("there are " + std::to_string(first.empty() ? 0 : on.size()) +
+                     " landmarks on the first object and " + std::to_string(second.empty() ? 0 : to.size()) +
+                     " on the second; the n-th of one belongs with the n-th of the other");
+  std::string pairs;
+  for (size_t i = 0; i < on.size(); ++i) pairs += (i ? ";" : "") + on[i] + "=" + to[i];
+  options.set(options.row("landmarks"), {pairs});
 }
 
 /// The options of `slicemorph morph` for what is given; `output`: the object's file, empty if it is not wanted.

@@ -38,7 +38,7 @@ ParameterKind kindOf(const OptionRow& row) {
 
 /// The formats of a kind that both Slicer and io/formats.cpp have; first what Slicer prefers of them.
 std::vector<std::string> extensionsOf(ParameterKind kind, bool output) {
-  if (kind == ParameterKind::kPoints) return {".fcsv"};
+  if (kind == ParameterKind::kPoints) return {};
   if (kind == ParameterKind::kModel && output) return {".vtp", ".ply", ".stl", ".obj"};
   if (kind == ParameterKind::kModel) return {".ply", ".stl", ".obj"};
   return {".nrrd", ".nii.gz", ".nii", ".mha"};
@@ -67,7 +67,14 @@ void ModuleValues::set(const std::string& name, const std::string& text) {
       throw InputError("--" + name + " " + text + " is out of range; it must be " +
                        formatNumber(known.range.least) + " to " + formatNumber(known.range.most, 9));
   }
-  texts_[name] = text;
+  std::string& value = texts_[name];
+  if (known.kind == ParameterKind::kPoints) {
+    if (parseNumbers("--" + name, text).size() != 3)
+      throw InputError("--" + name + " " + text + " is no point; expected x,y,z");
+    value += (value.empty() ? "" : ";") + text;
+  } else {
+    value = text;
+  }
 }
 
 const std::string& ModuleValues::text(const std::string& name) const {

@@ -11,15 +11,16 @@
 /// and the reading of the command line that Slicer builds of that (module_values.h).
 namespace slicemorph {
 
-/// What a value is, and so which element describes it. Objects of the scene (volumes, label maps, models, points) go
-/// through files that Slicer writes and reads; a remark is what a module answers.
+/// What a value is, and so which element describes it. Objects of the scene (volumes, label maps, models) go
+/// through files that Slicer writes and reads, a list of control points is given point by point; a remark is what a module
+/// answers.
 enum class ParameterKind {
   kVolume,
   kLabelMap,
   kModel,
-  kPoints,
   kFile,
   kFolder,
+  kPoints,
   kFlag,
   kInteger,
   kNumber,
@@ -55,9 +56,9 @@ class ModuleValues {
   explicit ModuleValues(const std::vector<ParameterGroup>& groups);
 
   const ModuleParameter& parameter(const std::string& name) const;
-  /// Throws InputError for a number that is none, or out of range.
+  /// Takes a value, of a list of points one more. Throws InputError for a number that is none, or out of range.
   void set(const std::string& name, const std::string& text);
-  /// The value, or the default. Names that the module does not have throw std::logic_error.
+  /// The value, or the default; points as `x,y,z;x,y,z`. Names that the module does not have throw std::logic_error.
   const std::string& text(const std::string& name) const;
   double number(const std::string& name) const;
   /// Whether there is a value that is not the default.
