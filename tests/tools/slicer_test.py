@@ -210,7 +210,7 @@ def case_options_of_the_program():
             found = re.search(r" --%s (\S+)? ?(.*?)(?= --[a-z]|$)" % option, told)
             if e.tag == "string-enumeration":
                 assert found and found.group(1) == "|".join(c.text for c in e.findall("element")), (option, found)
-            help_text = e.findtext("description").split("; 0 is the default")[0]
+            help_text = e.findtext("description").split("; 0 stands for the default")[0]
             options += " --" + option + " " in told and help_text in told
         assert options >= 5, (module.name, options)
 
@@ -231,6 +231,29 @@ def case_fill_labels():
     assert output in result.text and "slices" in result.answers["remarks"] and result.answers["remarks"] in result.text.replace("\n", "; ")
     PROGRAM.run("reconstruct", given, "-o", "same.nrrd", "--image", "labels")
     assert np.array_equal(read_nrrd("same.nrrd")[0], dense)
+
+
+def case_segmentations():
+    """A segmentation of Slicer is a label map with its names in the header; one of two layers is refused, not taken in part."""
+    layers = np.stack([drawn(np.where(two_labels() == label, value, 0).astype(np.uint8)) for label, value in ((3, 1), (7, 2))])
+    for count, path in ((1, "one.nrrd"), (2, "two.nrrd")):
+        segments = "".join("Segment%d_ID:=Segment_%d\nSegment%d_LabelValue:=%d\nSegment%d_Layer:=%d\n" % (n, n + 1, n, n + 1, n, n * (count - 1))
+                           for n in range(2))
+        write_nrrd("plain.nrrd", layers.sum(0).astype(np.uint8))
+        head, body = open("plain.nrrd", "rb").read().split(b"\n\n", 1)
+        if count == 2:
+            for old, new in (("dimension: 3", "dimension: 4"), ("sizes: ", "sizes: 2 "), ("directions: ", "directions: none "),
+                             ("kinds: ", "kinds: list ")):
+                head = head.replace(old.encode(), new.encode())
+            body = gzip.compress(layers.tobytes(order="F"))
+        open(path, "wb").write(head + b"\n" + segments.encode() + b"\n" + body)
+    FILL.run({"inputLabels": "one.nrrd", "outputLabels": "out.nrrd"})
+    FILL.run({"inputLabels": "plain.nrrd", "outputLabels": "same.nrrd"})
+    assert np.array_equal(check_place("out.nrrd"), check_place("same.nrrd"))
+    for module, given in ((FILL, {"inputLabels": "two.nrrd", "outputLabels": "x.nrrd"}), (SURFACE, {"inputLabels": "two.nrrd", "outputModel": "x.vtp"}),
+                          (MORPH, {"firstLabels": "one.nrrd", "secondLabels": "two.nrrd", "outputLabels": "x.nrrd"})):
+        told = module.run(given, code=2).errors
+        assert "two.nrrd" in told and "several volumes" in told and not glob.glob("x.*"), told
 
 
 def case_fill_volume():

@@ -54,7 +54,8 @@ int runModule(const SlicerModule& module, const std::vector<std::string>& words)
   }
   openvdb::initialize();
   SlicerEvents events("Slicemorph: " + module.title);
-  module.run(arguments.values, events);
+  WholeImages whole(events);
+  module.run(arguments.values, whole);
   if (!arguments.returnFile.empty())
     writeTextFile(arguments.returnFile, "remarks = " + events.remarks() + "\n");
   events.finish();

@@ -62,4 +62,13 @@ void SlicerEvents::finish() {
   std::fflush(stdout);
 }
 
+void WholeImages::note(const Note& note) {
+  if (note.code == "image.volume-chosen")
+    throw InputError(
+        note.about,
+        "holds several volumes: the layers of a segmentation whose segments overlap, or times; give a "
+        "label map or one volume of it (by hand FILE:N takes the N-th, from 0)");
+  to_.note(note);
+}
+
 }  // namespace slicemorph

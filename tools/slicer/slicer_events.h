@@ -36,6 +36,20 @@ class SlicerEvents : public JobEvents {
   double told_ = 0;  ///< what was reported last; it never goes back
 };
 
+/// Passes events on, but throws InputError where an image holds several volumes, of which a job takes the first: of a
+/// segmentation with layers that would be some of its segments, unasked.
+class WholeImages : public JobEvents {
+ public:
+  explicit WholeImages(JobEvents& to) : to_(to) {}
+  void report(const char* stage, double fraction) override { to_.report(stage, fraction); }
+  bool cancelled() const override { return to_.cancelled(); }
+  void note(const Note& note) override;
+  void fileWritten(const std::string& path, bool kept) override { to_.fileWritten(path, kept); }
+
+ private:
+  JobEvents& to_;
+};
+
 /// A part of a job as a job of its own: its fractions 0 to 1 become `from` to `to` of the whole.
 class PartEvents : public JobEvents {
  public:

@@ -120,7 +120,7 @@ ModuleParameter ofOption(Command command, const std::string& option) {
   parameter.option = option;
   if (isNumeric(parameter.kind) && parameter.value.empty()) {
     parameter.value = "0";
-    parameter.help += "; 0 is the default";
+    parameter.help += "; 0 stands for the default";
     parameter.range.least = std::fmin(parameter.range.least, 0);
   }
   return parameter;
