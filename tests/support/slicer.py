@@ -54,8 +54,9 @@ class Module:
 
     def answers(self):
         """Names of what the module answers by --returnparameterfile."""
-        return [e.findtext("name") for e in self.parameters() if e.findtext("channel") == "output" and e.tag in ("string", "integer", "double")
-                and e.find("longflag") is None and e.find("flag") is None and e.find("index") is None]
+        return [e.findtext("name") for e in self.parameters()
+                if e.findtext("channel") == "output" and e.tag in ("string", "integer", "double")
+                and all(e.find(way) is None for way in ("flag", "longflag", "index"))]
 
     def command(self, given):
         """The command line for values by parameter name: of objects of the scene their files, of points a list of triples. What is

@@ -210,6 +210,7 @@ def case_debian_packages(folder):
     assert set(owners) == installed, sorted(set(owners) ^ installed)[:10]
     assert all(len(names) == 1 for names in owners.values()), [file for file, names in owners.items() if len(names) > 1]
     assert owners["bin/slicemorph"] == ["slicemorph"] and owners["share/man/man1/slicemorph.1"] == ["slicemorph"]
+    assert owners["lib/slicemorph/cli-modules/SlicemorphMorph"] == ["slicemorph"]
     assert owners["include/slicemorph/slicemorph.h"] == ["libslicemorph-dev"]
     assert "libopenvdb10.0" in fields["slicemorph"]["Depends"] and "libinsighttoolkit5" in fields["slicemorph"]["Depends"]
     assert "libopenvdb-dev" in fields["libslicemorph-dev"]["Depends"]
