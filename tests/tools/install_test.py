@@ -210,6 +210,7 @@ def case_debian_packages(folder):
     assert set(owners) == installed, sorted(set(owners) ^ installed)[:10]
     assert all(len(names) == 1 for names in owners.values()), [file for file, names in owners.items() if len(names) > 1]
     assert owners["bin/slicemorph"] == ["slicemorph"] and owners["share/man/man1/slicemorph.1"] == ["slicemorph"]
+    assert owners["lib/slicemorph/cli-modules/SlicemorphMorph"] == ["slicemorph"]
     assert owners["include/slicemorph/slicemorph.h"] == ["libslicemorph-dev"]
     assert "libopenvdb10.0" in fields["slicemorph"]["Depends"] and "libinsighttoolkit5" in fields["slicemorph"]["Depends"]
     assert "libopenvdb-dev" in fields["libslicemorph-dev"]["Depends"]
@@ -264,6 +265,21 @@ print(slicemorph.__file__, slicemorph.__version__)
     told = run("/usr/bin/python3", "-c", script, folder=folder, PYTHONPATH=os.path.dirname(places[0]), PATH="").stdout
     assert told.startswith(places[0]), told
     assert os.path.exists(places[0] + "/py.typed") and os.path.exists(places[0] + "/_option_types.py")
+
+
+def case_slicer_modules(folder):
+    """The modules of 3D Slicer are found, describe themselves, and read NRRD by the plug-in of the installation."""
+    modules = PREFIX + "/lib/slicemorph/cli-modules"
+    assert sorted(os.listdir(modules)) == ["SlicemorphFillBetweenSlices", "SlicemorphMorph", "SlicemorphSurface"]
+    for name in os.listdir(modules):
+        assert run(modules + "/" + name, "--xml").stdout.startswith("<?xml")
+    box = np.zeros((9, 6, 7), np.uint8)
+    box[::4, 2:5, 2:5] = 4
+    head = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 7 6 9\nspace: left-posterior-superior\n" \
+           "space directions: (1,0,0) (0,1,0) (0,0,2)\nspace origin: (0,0,0)\nencoding: raw\n\n"
+    open(folder + "/in.nrrd", "wb").write(head.encode() + box.tobytes())
+    run(modules + "/SlicemorphFillBetweenSlices", "--inputLabels", "in.nrrd", "--outputLabels", "out.nrrd", folder=folder)
+    assert np.array_equal(read_nrrd(folder + "/out.nrrd")[1], np.repeat(box[:1], 9, 0))
 
 
 def case_package(folder):

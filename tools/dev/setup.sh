@@ -8,7 +8,7 @@ packages=(
   libjemalloc-dev python3-dev pybind11-dev
 )
 test_packages=(libgtest-dev libbenchmark-dev libopenvdb-tools libnanovdb-tools python3-openvdb python3-numpy python3-matplotlib python3-tqdm mypy
-  openimageio-tools python3-openimageio python3-nibabel python3-tifffile teem-apps python3-pydicom python3-scipy mricron-data ffmpeg
+  openimageio-tools python3-openimageio python3-nibabel python3-lxml python3-tifffile teem-apps python3-pydicom python3-scipy mricron-data ffmpeg
   dcm2niix dcmtk dicom3tools plastimatch elastix chromium clang-format slurmctld slurmd slurm-client munge
   man-db groff-base dpkg-dev blender)
 
