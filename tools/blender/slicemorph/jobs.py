@@ -11,7 +11,7 @@ from .program import Process, Unusable, find_program
 from .settings import preferences
 
 kLook = 0.2  # seconds between two looks at the program
-kOutputs = {"VOLUME": "{}.####.vdb", "MESH_CACHE": "{}.####.ply", "SHAPE_KEYS": "{}.glb"}
+kOutputs = {"VOLUME": "{}.####.vdb", "MESH_CACHE": "{}.usda", "SHAPE_KEYS": "{}.glb"}
 
 current = None  # the Job that runs
 last = ""  # how the one before ended, for the panel
@@ -68,6 +68,8 @@ class Job:
                    "velocity": "vel", "velocity-unit": "second"}
         if asked.resolution:
             options["resolution"] = asked.resolution
+        if self.result == "MESH_CACHE":
+            options["usd"] = "mesh"
         if self.result == "SHAPE_KEYS":
             options["glb-up"] = "z" if up == "z" else "y"
         return options
