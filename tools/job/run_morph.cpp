@@ -17,11 +17,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// What the steps of a job take, in times of making one frame, for the progress; measured on shapes at 256 voxels.
-/// Reading and planning, and both by a plan that was made before.
-constexpr double kPlanned = 8, kReadPlan = 3;
+// What the steps of a job take, in times of making one frame at kUsualResolution, for the progress; measured on blade to
+// creature at 128 voxels, whose frames take a quarter of that.
+/// Reading and planning, and both by a plan that was made before. That hardly depends on the voxels.
+constexpr double kPlanned = 17, kReadPlan = 3;
 /// The same for a further frame, where inputs are sequences.
 constexpr double kPlannedNext = 1.5;
+/// Making a frame, and measuring it for a report.
+constexpr double kMade = 1, kMeasured = 1;
+/// Voxels along an object where nothing is said, as kDefaultResolution of the inputs.
+constexpr int kUsualResolution = 256;
 /// Following the surface through a frame, where all are put into one .glb, and for the page of a report.
 constexpr double kFollowed = 1, kFollowedInPage = 0.2;
 /// A page shows so many frames at most (tools/report/report_page.cpp).
@@ -41,21 +46,25 @@ struct MorphSteps {
   size_t followed = 0, reported = 0;  ///< see kFollowed
 };
 
-/// `isDone`: whether the frame of an index is there from an earlier run, so that it costs nothing. `page`: a report is one.
+/// `isDone`: whether the frame of an index is there from an earlier run, so that it costs nothing.
 template <typename IsDone>
-MorphSteps stepsOf(const MorphSettings& settings, size_t end, const IsDone& isDone, bool page) {
+MorphSteps stepsOf(const MorphSettings& settings, size_t end, const FrameReport& report,
+                   const IsDone& isDone) {
   MorphSteps steps;
   size_t made = 0;
+  const double finer = settings.load.resolution > 0 ? settings.load.resolution / double(kUsualResolution) : 1;
+  // Surfaces have so many voxels.
+  const double cost = (kMade + (report.wanted() ? kMeasured : 0)) * finer * finer;
   for (size_t i = 0; i < end; ++i) {
     const bool makes = settings.frames[i].wanted && !isDone(i);
     const bool stays = i > 0 && (!settings.moving() || (!settings.planFile.empty() && !makes));
     const double first = settings.planFile.empty() ? kPlanned : kReadPlan;
     steps.planned.push_back(steps.all.add(stays ? 0 : i == 0 ? first : kPlannedNext));
-    steps.made.push_back(steps.all.add(makes ? 1 : 0));
+    steps.made.push_back(steps.all.add(makes ? cost : 0));
     made += makes;
   }
-  steps.followed = steps.all.add(settings.oneGlb() ? kFollowed * double(made) : 0);
-  steps.reported = steps.all.add(page ? kFollowedInPage * double(std::min(end, kPageFrames)) : 0);
+  steps.followed = steps.all.add(settings.oneGlb() ? kFollowed * finer * finer * double(made) : 0);
+  steps.reported = steps.all.add(report.hasPage() ? kFollowedInPage * double(std::min(end, kPageFrames)) : 0);
   return steps;
 }
 
@@ -124,7 +133,7 @@ void runMorph(const MorphSettings& settings, JobEvents& caller) {
   const auto isDone = [&](size_t i) {
     return log.has(jobs[i]) && (!report.wanted() || log.row(jobs[i]).is_object());
   };
-  const MorphSteps steps = stepsOf(settings, end, isDone, report.hasPage());
+  const MorphSteps steps = stepsOf(settings, end, report, isDone);
   // One frame after another: each uses all threads, and this bounds the memory. Also those that are left out are gone
   // through: of sequences the plan of each follows that of the one before.
   for (size_t i = 0; i < end; ++i) {

@@ -64,12 +64,13 @@ class Job:
     def _options(self, asked):
         up = inputs.upright_axis(self.space)
         options = {"output": str(self.output), "frames": self.frames, "start": self.start, "fps": self.fps,
-                   "method": asked.method, "fit": asked.fit, "align": "auto" if asked.align else "none", "upright": up,
-                   "velocity": "vel", "velocity-unit": "second"}
+                   "method": asked.method, "fit": asked.fit, "align": "auto" if asked.align else "none", "upright": up}
         if asked.resolution:
             options["resolution"] = asked.resolution
         if self.result == "MESH_CACHE":
-            options["usd"] = "mesh"
+            options["usd"] = "mesh"  # has its velocities per second
+        else:
+            options.update({"velocity": "vel", "velocity-unit": "second"})
         if self.result == "SHAPE_KEYS":
             options["glb-up"] = "z" if up == "z" else "y"
         return options
