@@ -1,5 +1,6 @@
 #include "slicemorph/io/input.h"
 
+#include "engine/numerics/readable.h"
 #include "engine/volume/image_shape.h"
 #include "engine/volume/level_set.h"
 #include "engine/volume/mesh_measures.h"
@@ -68,7 +69,8 @@ void requireForBand(const SolidMesh& solid, double voxelSize, const MemoryLimit&
                bytes = voxels * kBandVoxelBytes;
   if (!(bytes > limit.left()) || voxels > kMostBandVoxels) return;
   std::ostringstream what, advice;
-  what << "a grid with voxels of " << voxelSize << " and " << voxels << " of these around the surface";
+  what << "a grid with voxels of " << voxelSize << " and " << readableCount(voxels)
+       << " of these around the surface";
   advice << "use a --voxel-size of at least " << voxelSize * std::sqrt(bytes / std::max(limit.left(), 1.0));
   limit.require(bytes, "", what.str(), advice.str());
 }

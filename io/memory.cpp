@@ -1,5 +1,7 @@
 #include "slicemorph/io/memory.h"
 
+#include "engine/numerics/readable.h"
+
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -96,14 +98,7 @@ double takenMemory() {
   return std::isfinite(kilobytes) ? 1024 * kilobytes : 0;
 }
 
-std::string describeBytes(double bytes) {
-  constexpr const char* kUnits[] = {"KB", "MB", "GB", "TB"};
-  size_t unit = 0;
-  for (bytes /= 1024; bytes >= 1000 && unit < 3; ++unit) bytes /= 1024;
-  char text[48];
-  std::snprintf(text, sizeof text, bytes < 9.95 ? "%.1f %s" : "%.0f %s", bytes, kUnits[unit]);
-  return text;
-}
+std::string describeBytes(double bytes) { return readableBytes(bytes); }
 
 double parseBytes(const std::string& option, const std::string& text, double free) {
   char* end = nullptr;

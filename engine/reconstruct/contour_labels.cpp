@@ -1,5 +1,6 @@
 #include "engine/reconstruct/contour_labels.h"
 
+#include "engine/numerics/readable.h"
 #include "slicemorph/errors.h"
 
 #include <openvdb/tools/Interpolation.h>
@@ -251,7 +252,7 @@ ImageLattice contourLattice(const std::vector<ContourSet>& sets, double voxelSiz
     count *= last - first + 1;
     if (count > kMostVoxels)
       throw InputError("voxel size " + std::to_string(voxelSize) + " would make a lattice of more than " +
-                       std::to_string(long(kMostVoxels)) + " voxels; choose a larger one");
+                       readableCount(kMostVoxels) + " voxels; choose a larger one");
     lattice.size[a] = int(last - first) + 1;
     lattice.origin += (phase[a] + first * spacing[a]) * directions[a];
     lattice.step[a] = spacing[a] * directions[a];

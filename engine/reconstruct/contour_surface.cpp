@@ -1,6 +1,7 @@
 #include "engine/reconstruct/contour_surface.h"
 
 #include "engine/numerics/lattice_cell.h"
+#include "engine/numerics/readable.h"
 #include "engine/reconstruct/lattice_level_set.h"
 #include "engine/reconstruct/meet_contours.h"
 #include "engine/reconstruct/plane_set.h"
@@ -35,7 +36,7 @@ void requireSize(const ContourSet& set, const PlaneSet& planes, double h) {
   const double nodes = size[0] * size[1] * size[2] / (h * h * h);
   if (nodes > kMostNodes)
     throw InputError(set.name + ": voxel size " + std::to_string(h) + " would make a lattice of " +
-                     std::to_string(nodes / 1e6) + " million nodes; at least " +
+                     readableCount(nodes) + " nodes; at least " +
                      std::to_string(h * std::cbrt(nodes / kMostNodes)) + " is possible");
 }
 

@@ -128,10 +128,11 @@ PlateSurface withVerdicts(const PlaneSet& planes, int stride, const PlateSetting
   return surface;
 }
 
-void reportLevel(Progress* progress, double share) {
+/// `done` of `all` levels are done; each has about four times the nodes at the surface of the one before.
+void reportLevel(Progress* progress, int done, int all) {
   if (!progress) return;
   if (progress->cancelled()) throw Cancelled();
-  progress->report("reconstruct", share);
+  progress->report("reconstruct", (std::pow(4.0, done) - 1) / (std::pow(4.0, all) - 1));
 }
 
 }  // namespace
@@ -144,7 +145,7 @@ PlateSurface plateSurface(const PlaneSet& planes, double voxelSize, Progress* pr
   for (const PlaneSection& section : planes.sections) slopes.emplace_back(section.edges.size(), 1.0f);
   PlateSurface surface;
   for (int level = top; level >= 0; --level) {
-    reportLevel(progress, double(top - level) / (top + 1));
+    reportLevel(progress, top - level, top + 1);
     const Lattice lattice = coarser(finest, level);
     surface = {lattice, level == top ? firstGuess(planes, lattice) : refined(surface, lattice)};
     if (level < top) slopes = measuredSlopes(planes, surface, std::move(slopes));

@@ -1,5 +1,6 @@
 #include "engine/volume/voxelise.h"
 
+#include "engine/numerics/readable.h"
 #include "engine/volume/manifold.h"
 #include "engine/volume/mesh_measures.h"
 #include "slicemorph/errors.h"
@@ -51,9 +52,10 @@ void refuseAbsurdSize(const Mesh& mesh, double voxelSize) {
   const double allowed = std::max(
       {longest / kMostVoxelsAlong, farthest / kFarthestVoxel, voxelSize * std::sqrt(band / kMostBandVoxels)});
   if (std::isfinite(allowed) && voxelSize >= allowed) return;
-  why << "voxel size " << voxelSize << " would make a grid of " << std::ceil(longest / voxelSize)
-      << " voxels along the longest side and about " << band << " voxels in the narrow band; at most "
-      << kMostVoxelsAlong << " and " << kMostBandVoxels
+  why << "voxel size " << voxelSize << " would make a grid of "
+      << readableCount(std::ceil(longest / voxelSize)) << " voxels along the longest side and about "
+      << readableCount(band) << " voxels in the narrow band; at most " << readableCount(kMostVoxelsAlong)
+      << " and " << readableCount(kMostBandVoxels)
       << " are allowed: for this surface a voxel size of at least " << allowed;
   throw InputError(why.str());
 }

@@ -1,5 +1,6 @@
 #include "io/image/dicom_reader.h"
 
+#include "engine/numerics/readable.h"
 #include "io/image/dicom_pixels.h"
 #include "io/image/dicom_segmentation.h"
 #include "io/image/dicom_slice_places.h"
@@ -94,9 +95,9 @@ void noteOnValues(const DicomValues& values, Notes& notes) {
   char text[160];
   std::snprintf(
       text, sizeof text,
-      "%zu voxels are outside of what was scanned (PixelPaddingValue %g): they have the least value of the "
+      "%s voxels are outside of what was scanned (PixelPaddingValue %g): they have the least value of the "
       "others, %g",
-      values.padded, values.padding, values.least);
+      readableCount(double(values.padded)).c_str(), values.padding, values.least);
   notes.emplace_back("image.padding-filled", Severity::kNote, "", text);
 }
 

@@ -1,5 +1,6 @@
 #include "io/image/dicom_segmentation.h"
 
+#include "engine/numerics/readable.h"
 #include "io/image/dicom_pixels.h"
 #include "io/image/image_formats.h"
 #include "slicemorph/errors.h"
@@ -237,7 +238,7 @@ ImageFile readDicomSegmentation(const DicomSeries& series, int segment, bool for
     file.notes.emplace_back("image.segments-overlap", Severity::kWarning, "",
                             "segments " + std::to_string(pair.first) + " (" + nameOf(series, pair.first) +
                                 ") and " + std::to_string(pair.second) + " (" + nameOf(series, pair.second) +
-                                ") share " + std::to_string(count) + " voxels: the label map has " +
+                                ") share " + readableCount(double(count)) + " voxels: the label map has " +
                                 std::to_string(pair.second) + " there (:@" + std::to_string(pair.first) +
                                 " behind the name reads one segment alone)");
   return file;

@@ -1,5 +1,6 @@
 #include "io/mesh/glb_writer.h"
 
+#include "engine/numerics/readable.h"
 #include "io/atomic_file.h"
 #include "io/mesh/vertex_normals.h"
 #include "slicemorph/errors.h"
@@ -267,8 +268,8 @@ void write(const std::vector<MovingMesh>& meshes, double framesPerSecond, const 
   const double bytes = sizeOf(meshes);
   if (bytes > 0.99 * double(std::numeric_limits<std::uint32_t>::max()))
     throw IoError(name,
-                  "cannot be written: it would have " + std::to_string(size_t(bytes / 1e6)) +
-                      " MB and .glb holds at most 4 GiB; use fewer frames, a lower --resolution or a file a "
+                  "cannot be written: it would have " + readableBytes(bytes) +
+                      " and .glb holds at most 4 GiB; use fewer frames, a lower --resolution or a file a "
                       "frame (name.####.glb)");
   if (numbers.empty()) {
     numbers.resize(meshes.back().first + meshes.back().points.size());

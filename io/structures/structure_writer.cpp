@@ -1,3 +1,4 @@
+#include "engine/numerics/readable.h"
 #include "io/atomic_file.h"
 #include "io/format.h"
 #include "io/image/itk_library.h"
@@ -125,8 +126,8 @@ Notes writeSegmentation(const std::string& path, const StructureSet& set) {
   SegmentFrames content = segmentFrames(set, empty);
   if (content.frames.empty()) refuseNothing(path);
   if (content.bits.size() > std::numeric_limits<std::uint32_t>::max() - 1)
-    throw InputError(path, "its frames would take " + std::to_string(content.bits.size()) +
-                               " bytes, and DICOM holds less than 4 GiB; write fewer structures a file");
+    throw InputError(path, "its frames would take " + readableBytes(double(content.bits.size())) +
+                               ", and DICOM holds less than 4 GiB; write fewer structures a file");
   const StructureSet kept = withoutEmpty(set, empty, notes);
   const ObjectHead head = headOf(kept, notes);
   AtomicFile file(path);

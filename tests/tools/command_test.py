@@ -46,7 +46,6 @@ USAGE = [
     ("empty value", "convert {d}/a.obj -o {o}/m.vdb --iso=", 2, "--iso", ""),
     ("unknown option", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frmes 3", 2, "--frmes", ""),
     ("one input", "morph {d}/a.obj -o {o}/m.####.vdb", 2, "at least two inputs", ""),
-    ("no output", "morph {d}/a.obj {d}/b.obj", 2, "needs an output", ""),
     ("frames negative", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frames -3", 2, ["--frames -3", "1 to"], ""),
     ("frames zero", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frames 0", 2, "--frames 0", ""),
     ("frames text", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frames many", 2, "--frames", ""),

@@ -1,5 +1,6 @@
 #include "tools/commands/info_command.h"
 
+#include "engine/numerics/readable.h"
 #include "slicemorph/io/file_info.h"
 #include "slicemorph/io/input.h"
 #include "tools/commands/command_options.h"
@@ -109,13 +110,13 @@ void printLine(const char* name, const std::string& value) {
 }
 
 void printMesh(const MeshInfo& m) {
-  printLine("points", std::to_string(m.points));
-  printLine("faces", std::to_string(m.faces));
-  printLine("shells", std::to_string(m.shells));
+  printLine("points", readableCount(double(m.points)));
+  printLine("faces", readableCount(double(m.faces)));
+  printLine("shells", readableCount(double(m.shells)));
   printLine("closed", m.closed ? "yes"
-                               : "no: " + std::to_string(m.boundaryEdges) + " boundary edges in " +
-                                     std::to_string(m.boundaryLoops) + " loops, " +
-                                     std::to_string(m.nonManifoldEdges) + " non-manifold edges");
+                               : "no: " + readableCount(double(m.boundaryEdges)) + " boundary edges in " +
+                                     readableCount(double(m.boundaryLoops)) + " loops, " +
+                                     readableCount(double(m.nonManifoldEdges)) + " non-manifold edges");
   printLine("box", toText(m.boxMin) + " .. " + toText(m.boxMax));
   if (m.closed) printLine("volume", formatNumber(m.signedVolume));
   if (!m.colors.empty()) printLine("colours", "of its " + m.colors);
@@ -126,7 +127,7 @@ void printMesh(const MeshInfo& m) {
 void printGrid(const GridInfo& g, bool chosen, const std::string& why) {
   std::printf("grid %s%s\n", g.name.c_str(), chosen ? " (read when none is named)" : "");
   printLine("type", g.type + ", " + g.gridClass + (g.halfFloat ? ", half float" : ""));
-  printLine("active voxels", std::to_string(g.activeVoxels));
+  printLine("active voxels", readableCount(double(g.activeVoxels)));
   printLine("voxel size",
             toText(g.voxelSize) + (g.rotated ? ", rotated" : "") + (g.uniform ? "" : ", not uniform"));
   printLine("box", toText(g.boxMin) + " .. " + toText(g.boxMax));
@@ -138,10 +139,16 @@ void printGrid(const GridInfo& g, bool chosen, const std::string& why) {
   if (!g.problem.empty()) printLine("problem", g.problem);
 }
 
+/// How many voxels an image has, where they are too many to be multiplied in the head: " (9.8 million)".
+std::string countOf(const ImageInfo& i) {
+  const double count = double(i.size[0]) * double(i.size[1]) * double(i.size[2]);
+  return count < 1e6 ? "" : " (" + readableCount(count) + ")";
+}
+
 void printImage(const ImageInfo& i) {
   std::printf("image %s%s%s\n", i.name.c_str(), i.about.empty() ? "" : ": ", i.about.c_str());
   printLine("voxels", std::to_string(i.size[0]) + " x " + std::to_string(i.size[1]) + " x " +
-                          std::to_string(i.size[2]) + (i.type.empty() ? "" : ", " + i.type) +
+                          std::to_string(i.size[2]) + countOf(i) + (i.type.empty() ? "" : ", " + i.type) +
                           (i.volumes > 1 ? ", one of " + std::to_string(i.volumes) + " volumes" : ""));
   if (i.placed) {
     printLine("spacing", toText(i.spacing) + " mm");
@@ -165,15 +172,15 @@ void printStructure(const StructureInfo& s) {
     gaps = ", in several directions";
   }
   printLine("planes", std::to_string(s.planes) + gaps);
-  printLine("contours", std::to_string(s.contours));
+  printLine("contours", readableCount(double(s.contours)));
   printLine("volume", s.volume ? formatNumber(*s.volume / 1000) + " ml, between the contours' planes as slabs"
                                : "not told by slabs: `slicemorph reconstruct --report` measures it");
   printLine("box", toText(s.boxMin) + " .. " + toText(s.boxMax));
 }
 
 void printText(const FileInfo& info) {
-  std::printf("%s: %s, %llu bytes", info.path.c_str(), info.format.c_str(),
-              static_cast<unsigned long long>(info.bytes));
+  std::printf("%s: %s, %s", info.path.c_str(), info.format.c_str(),
+              readableBytes(double(info.bytes)).c_str());
   if (info.contents == Contents::kMesh) {
     std::printf("\n");
     printMesh(info.mesh);

@@ -2,6 +2,7 @@
 #include "tools/commands/apply_command.h"
 #include "tools/commands/compare_command.h"
 #include "tools/commands/convert_command.h"
+#include "tools/commands/demo_command.h"
 #include "tools/commands/info_command.h"
 #include "tools/commands/manual.h"
 #include "tools/commands/morph_command.h"
@@ -75,6 +76,7 @@ int run(int argc, char** argv) {
   slicemorph::addReconstructCommand(program);
   slicemorph::addRenderCommand(program);
   slicemorph::addSliceCommand(program);
+  slicemorph::addDemoCommand(program);
   try {
     program.parse(argc, argv);
     return kDone;

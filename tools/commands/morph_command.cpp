@@ -3,6 +3,7 @@
 #include "tools/commands/command_options.h"
 #include "tools/commands/common_options.h"
 #include "tools/commands/terminal_events.h"
+#include "tools/job/default_output.h"
 #include "tools/job/job_file.h"
 #include "tools/job/limit_threads.h"
 #include "tools/job/morph_checks.h"
@@ -21,6 +22,7 @@ void runMorphCommand(OptionSet& options) {
   const JobOptions& given = options.values();
   printNotes("", applyPlanFile(options), given.quiet, given.verbose);
   if (!given.config.empty()) applyJobFile(given.config, options);
+  DefaultOutput fresh(kMorph, options);
   MorphJob job;
   // --print-config alone prints an empty job file to be filled in, for which no inputs are needed.
   if (!given.printConfig || !given.config.empty() || !given.inputs.empty()) job = morphJob(options);
@@ -33,6 +35,7 @@ void runMorphCommand(OptionSet& options) {
   const auto limit = limitThreads(given.threads);
   job.settings.load.memory.enforce();
   TerminalEvents events(given.quiet, given.verbose);
+  events.notes(fresh.notes());
   runMorph(job.settings, events);
 }
 

@@ -20,6 +20,7 @@ void runPlanCommand(OptionSet& options) {
   if (!given.planFile.empty())
     options.refuse("plan", "--plan " + given.planFile + " is for morph; -o names the plan that is written");
   if (!given.config.empty()) applyJobFile(given.config, options);
+  if (given.output.empty()) options.refuse("output", "plan needs an output; for example: -o morph.plan");
   checkEssentials(options);
   const std::string output = given.output;
   if (extensionOf(output) != ".plan")

@@ -3,6 +3,7 @@
 #include "tools/commands/command_options.h"
 #include "tools/commands/common_options.h"
 #include "tools/commands/terminal_events.h"
+#include "tools/job/default_output.h"
 #include "tools/job/limit_threads.h"
 #include "tools/job/option_values.h"
 #include "tools/job/reconstruct.h"
@@ -11,8 +12,9 @@
 namespace slicemorph {
 namespace {
 
-void runReconstruct(const OptionSet& options) {
+void runReconstruct(OptionSet& options) {
   const JobOptions& given = options.values();
+  DefaultOutput fresh(kReconstruct, options);
   const ReconstructJob job = reconstructJob(options);
   checkStudyOutput(job.output, job.source, job.names);
   for (const std::string& report : job.reports) {
@@ -22,6 +24,7 @@ void runReconstruct(const OptionSet& options) {
   const auto limit = limitThreads(given.threads);
   job.memory.enforce();
   TerminalEvents events(given.quiet, given.verbose);
+  events.notes(fresh.notes());
   reconstruct(job, events);
 }
 

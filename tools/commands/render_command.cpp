@@ -4,24 +4,28 @@
 #include "tools/commands/command_options.h"
 #include "tools/commands/common_options.h"
 #include "tools/commands/terminal_events.h"
+#include "tools/job/default_output.h"
 #include "tools/job/limit_threads.h"
 #include "tools/job/option_values.h"
 #include "tools/job/render_pictures.h"
 
+#include <optional>
+
 namespace slicemorph {
 namespace {
 
-void runRender(const OptionSet& options) {
+void runRender(OptionSet& options) {
   const JobOptions& given = options.values();
   if (given.inputs.empty())
     throw InputError("render needs an input; for example: slicemorph render a.vdb -o a.png");
+  std::optional<DefaultOutput> fresh;
+  if (given.contactSheet.empty()) fresh.emplace(kRender, options);
   const RenderJob job = renderJob(options);
-  if (job.output.empty() && job.sheet.empty())
-    throw InputError("render needs an output: -o name.png, or --contact-sheet sheet.png");
   checkRenderOutputs(job);
   const auto limit = limitThreads(given.threads);
   job.load.memory.enforce();
   TerminalEvents events(given.quiet, given.verbose);
+  if (fresh) events.notes(fresh->notes());
   renderPictures(job, events);
 }
 

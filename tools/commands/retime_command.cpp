@@ -3,6 +3,7 @@
 #include "tools/commands/command_options.h"
 #include "tools/commands/common_options.h"
 #include "tools/commands/terminal_events.h"
+#include "tools/job/default_output.h"
 #include "tools/job/limit_threads.h"
 #include "tools/job/retime_job.h"
 #include "tools/job/run_retime.h"
@@ -10,12 +11,14 @@
 namespace slicemorph {
 namespace {
 
-void runRetimeCommand(const OptionSet& options) {
+void runRetimeCommand(OptionSet& options) {
   const JobOptions& given = options.values();
+  DefaultOutput fresh(kRetime, options);
   const RetimeJob job = retimeJob(options);
   const auto limit = limitThreads(given.threads);
   job.settings.load.memory.enforce();
   TerminalEvents events(given.quiet, given.verbose);
+  events.notes(fresh.notes());
   runRetime(job, events);
 }
 

@@ -16,6 +16,8 @@ class TerminalEvents : public JobEvents {
   bool cancelled() const override { return progress_.cancelled(); }
   void note(const Note& note) override;
   void fileWritten(const std::string& path, bool kept) override;
+  /// Removes the progress, so that other output does not run into it.
+  void clear() { progress_.clear(); }
 
  private:
   const bool quiet_, verbose_;

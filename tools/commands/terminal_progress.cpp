@@ -1,5 +1,7 @@
 #include "tools/commands/terminal_progress.h"
 
+#include "engine/numerics/readable.h"
+
 #include <signal.h>
 #include <unistd.h>
 
@@ -10,19 +12,18 @@
 namespace slicemorph {
 namespace {
 
+/// Seconds between two drawings of the line, and after which it is drawn anew where nothing is reported.
+constexpr double kRedrawn = 0.1, kCountedDown = 1;
+
 /// Global, since a signal handler can access nothing else.
 volatile sig_atomic_t interrupted = 0;
 
 extern "C" void onInterrupt(int) { interrupted = 1; }
 
-std::string formatSeconds(double seconds) {
-  const long s = std::lround(seconds);
-  char text[32];
-  if (s >= 3600)
-    std::snprintf(text, sizeof text, "%ld:%02ld:%02ld", s / 3600, s / 60 % 60, s % 60);
-  else
-    std::snprintf(text, sizeof text, "%ld:%02ld", s / 60, s % 60);
-  return text;
+/// A time left: it is an estimate, so that from two minutes on seconds are told by tens.
+std::string spokenTimeLeft(double seconds) {
+  const double step = seconds < 120 ? 1 : 10, rounded = step * std::ceil(seconds / step);
+  return rounded < 10 ? std::to_string(int(rounded)) + " s" : readableDuration(rounded);
 }
 
 }  // namespace
@@ -39,35 +40,36 @@ TerminalProgress::TerminalProgress(bool quiet) : shown_(!quiet && isatty(STDERR_
 
 TerminalProgress::~TerminalProgress() { clear(); }
 
-bool TerminalProgress::cancelled() const { return interrupted != 0; }
+double TerminalProgress::now() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+bool TerminalProgress::cancelled() const {
+  if (shown_) {
+    // Whoever holds the lock draws.
+    const std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);
+    if (lock && width_ > 0 && now() - lastDrawn_ >= kCountedDown) draw();
+  }
+  return interrupted != 0;
+}
 
 void TerminalProgress::report(const char* stage, double fraction) {
   if (!shown_) return;
   const std::lock_guard<std::mutex> lock(mutex_);
-  const Clock::time_point now = Clock::now();
-  if (stage_ != stage) {
-    stage_ = stage;
-    stageFraction_ = fraction;
-    stageStart_ = now;
-  } else if (now - lastDrawn_ < std::chrono::milliseconds(100)) {
-    return;
-  }
-  lastDrawn_ = now;
-  std::string line = stage_ + " " + std::to_string(int(100 * std::clamp(fraction, 0.0, 1.0))) + "%" +
-                     timeLeft(now, fraction);
+  left_.report(stage, fraction, now());
+  const bool fresh = stage_ != stage;
+  stage_ = stage;
+  if (fresh || now() - lastDrawn_ >= kRedrawn) draw();
+}
+
+/// The lock must be held.
+void TerminalProgress::draw() const {
+  lastDrawn_ = now();
+  std::string line = stage_ + " " + std::to_string(int(100 * left_.fraction())) + "%";
+  if (const std::optional<double> left = left_.at(lastDrawn_)) line += ", " + spokenTimeLeft(*left) + " left";
   const size_t width = line.size();
   if (width < width_) line.append(width_ - width, ' ');
   width_ = width;
   std::fprintf(stderr, "\r%s", line.c_str());
   std::fflush(stderr);
-}
-
-/// Estimated from the current stage alone, since stages differ in speed; empty in its first half second.
-std::string TerminalProgress::timeLeft(Clock::time_point now, double fraction) const {
-  const double done = fraction - stageFraction_;
-  const double seconds = std::chrono::duration<double>(now - stageStart_).count();
-  if (done <= 0 || seconds < 0.5) return {};
-  return ", " + formatSeconds(seconds * (1 - fraction) / done) + " left";
 }
 
 void TerminalProgress::clear() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "slicemorph/progress.h"
+#include "tools/job/time_left.h"
 
 #include <chrono>
 #include <mutex>
@@ -12,27 +13,31 @@ namespace slicemorph {
 /// program at once.
 void cancelOnInterrupt();
 
-/// One line on stderr, redrawn in place: stage, percentage, time left. Silent unless stderr is a terminal.
+/// One line on stderr, redrawn in place: stage, percentage, time left. The percentage never goes back. Silent unless stderr
+/// is a terminal.
 class TerminalProgress : public Progress {
  public:
   explicit TerminalProgress(bool quiet);
   ~TerminalProgress() override;
 
   void report(const char* stage, double fraction) override;
+  /// Jobs ask often, also where they have nothing to report for long: the time left is counted down here.
   bool cancelled() const override;
   /// Removes the line, so that other output does not run into it.
   void clear();
 
  private:
   using Clock = std::chrono::steady_clock;
-  std::string timeLeft(Clock::time_point now, double fraction) const;
+  double now() const;
+  void draw() const;
 
   const bool shown_;
-  std::mutex mutex_;
+  const Clock::time_point start_ = Clock::now();
+  mutable std::mutex mutex_;
   std::string stage_;
-  double stageFraction_ = 0;  ///< fraction at which the stage began
-  Clock::time_point stageStart_, lastDrawn_;
-  size_t width_ = 0;  ///< of the line on the screen
+  TimeLeft left_;
+  mutable double lastDrawn_ = -1;  ///< seconds since the start
+  mutable size_t width_ = 0;       ///< of the line on the screen
 };
 
 }  // namespace slicemorph

@@ -1,5 +1,6 @@
 #include "tools/job/apply_map.h"
 
+#include "engine/numerics/readable.h"
 #include "engine/volume/image_grid.h"
 #include "engine/volume/resample_image.h"
 #include "io/image/image_formats.h"
@@ -148,7 +149,7 @@ void carryPositions(const ApplyJob& job, const PositionFile& file, const TimeMap
       std::count_if(points.begin(), points.end(), [&](const Vec3d& p) { return !map.box().isInside(p); });
   if (outside > 0)
     events.note({"apply.far-away", Severity::kWarning, job.what,
-                 std::to_string(outside) + " of " + std::to_string(points.size()) +
+                 readableCount(double(outside)) + " of " + readableCount(double(points.size())) +
                      " points are far from the objects, where the map is only continued; are they in the "
                      "objects' coordinates and units?"});
   if (file.hasNormals())
@@ -187,7 +188,7 @@ ImageLattice latticeOver(const openvdb::BBoxd& box, double voxelSize) {
   double voxels = 1;
   for (int d = 0; d < 3; ++d) voxels *= std::ceil(extents[d] / edge) + 1;
   if (voxels > kMostFieldVoxels)
-    throw InputError("--voxel-size " + formatNumber(voxelSize) + ": a field of " + formatNumber(voxels, 2) +
+    throw InputError("--voxel-size " + formatNumber(voxelSize) + ": a field of " + readableCount(voxels) +
                      " voxels; it is dense: choose a larger one, or --like an image");
   ImageLattice lattice;
   lattice.origin = box.min();

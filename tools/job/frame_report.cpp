@@ -36,18 +36,20 @@ std::vector<LabelMeasures> labelsOf(const FrameTask& task, const MorphFrame& fra
   return {measureAbove(*frame.image, isoOf(task))};
 }
 
-bool hasPage(const MorphSettings& settings) {
+bool asksForPage(const MorphSettings& settings) {
   return std::any_of(settings.reports.begin(), settings.reports.end(),
                      [](const std::string& path) { return OutputName(path).extension() == ".html"; });
 }
 
 PageJob pageJobOf(const MorphSettings& settings) {
-  return {settings.inputs, hasPage(settings) ? settings.wantedFrames().size() : 0, settings.glb};
+  return {settings.inputs, asksForPage(settings) ? settings.wantedFrames().size() : 0, settings.glb};
 }
 
 }  // namespace
 
 FrameReport::FrameReport(const MorphSettings& settings) : settings_(settings), page_(pageJobOf(settings)) {}
+
+bool FrameReport::hasPage() const { return asksForPage(settings_); }
 
 FrameFigures FrameReport::measure(const FrameTask& task, const MorphFrame& frame) {
   FrameFigures figures;
@@ -109,7 +111,7 @@ void FrameReport::write(const FrameMaker& maker, const Notes& notes, Progress& p
   for (const LoadedObject& input : maker.inputs())
     report.inputs.push_back(measureShape(*input.object.levelSet)), report.placings.push_back(input.placing);
   report.notes = notes;
-  if (hasPage(settings_)) report.page = page_.finish(maker.commonPlan(), progress);
+  if (hasPage()) report.page = page_.finish(maker.commonPlan(), progress);
   report.loadSeconds = maker.seconds().load, report.planSeconds = maker.seconds().plan;
   report.restDistance = maker.plan().restDistance;
   if (const MorphPlan* plan = maker.plan().slices.get()) {

@@ -14,6 +14,8 @@ class FrameReport {
   explicit FrameReport(const MorphSettings& settings);
 
   bool wanted() const { return !settings_.reports.empty(); }
+  /// One of the reports is a page, for which surfaces are followed.
+  bool hasPage() const;
   /// Measures a frame that was made; frames in order, since its shape is compared with that of
   /// the frame before, which was measured, too, or given to compareWith().
   FrameFigures measure(const FrameTask& task, const MorphFrame& frame);
@@ -26,7 +28,7 @@ class FrameReport {
   /// Puts the frame, whose row is the next one, on the page if it is one of those shown.
   void addToPage(const FrameTask& task, const MorphFrame& frame);
 
-  /// Throws IoError.
+  /// `progress`: of the page, 0 to 1. Throws IoError.
   void write(const FrameMaker& maker, const Notes& notes, Progress& progress) const;
 
  private:

@@ -150,7 +150,7 @@ void FrameWriter::finishUsda() {
   events_.fileWritten(settings_.usdVolume, false);
 }
 
-void FrameWriter::finish(const MorphPlan* plan, double from) {
+void FrameWriter::finish(const MorphPlan* plan, Progress& following) {
   finishUsda();
   if (volumes_) {
     volumes_->commit();
@@ -158,7 +158,6 @@ void FrameWriter::finish(const MorphPlan* plan, double from) {
     events_.fileWritten(settings_.output, false);
   }
   if (!settings_.oneGlb()) return;
-  PartProgress following(events_, from, 1);
   const std::vector<MovingMesh> meshes = followSurfaces(surfaces_, plan, {}, &following);
   surfaces_.clear();
   events_.note(noteOn(settings_.output, meshes, numbers_, numbers_.size() < settings_.frames.size()));

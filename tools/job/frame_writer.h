@@ -23,9 +23,9 @@ class FrameWriter {
   void prepare(const FrameMaker& maker, double done);
   /// Throws IoError, and what writing images throws.
   void write(const FrameTask& task, const MorphFrame& frame);
-  /// Writes the file if all frames go into one. `plan`: of all frames; null: there is none. `from`: share of
-  /// the job that is done.
-  void finish(const MorphPlan* plan, double from);
+  /// Writes the file if all frames go into one. `plan`: of all frames; null: there is none. `following`:
+  /// of what that takes, 0 to 1.
+  void finish(const MorphPlan* plan, Progress& following);
 
  private:
   void addVolume(const FrameTask& task, const Image& image);

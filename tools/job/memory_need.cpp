@@ -1,5 +1,6 @@
 #include "tools/job/memory_need.h"
 
+#include "engine/numerics/readable.h"
 #include "tools/job/option_values.h"
 
 #include <algorithm>
@@ -37,14 +38,13 @@ MemoryNeed needOfMorph(const std::vector<LoadedObject>& inputs) {
       if (inner) voxels += bandVoxelsOf(*inner);
   }
   return {kMorphBase + kMorphVoxel * voxels,
-          "matching shapes of " + formatNumber(voxels / 1e6, 2) + " million voxels around their surfaces",
+          "matching shapes of " + readableCount(voxels) + " voxels around their surfaces",
           "a --voxel-size twice as large, or half the --resolution, takes a quarter for these"};
 }
 
 MemoryNeed needOfComparison(const FloatGrid& a, const FloatGrid& b) {
   const double voxels = bandVoxelsOf(a) + bandVoxelsOf(b);
-  return {kCompareVoxel * voxels,
-          "comparing surfaces of " + formatNumber(voxels / 1e6, 2) + " million voxels",
+  return {kCompareVoxel * voxels, "comparing surfaces of " + readableCount(voxels) + " voxels",
           "a --voxel-size twice as large takes a quarter"};
 }
 

@@ -152,7 +152,8 @@ void MorphSession::save(const std::string& path, const FrameJob& given, const Mo
   }
   FrameWriter writer(s, events_);
   writer.write({s, as.inputs, plan, job}, made);
-  writer.finish(nullptr, 1);
+  Progress none;
+  writer.finish(nullptr, none);
 }
 
 }  // namespace slicemorph

@@ -73,6 +73,10 @@ Rows inputRows() {
               images + "; more than two follow each other in time")
           .positional("INPUT")
           .basic(),
+      Row(kDemo, "inputs", at<&J::inputs>, "",
+          "Two shapes, as for `morph`; none for those that come with the program")
+          .positional("INPUT")
+          .basic(),
       Row(kRender, "inputs", at<&J::inputs>, "",
           "Shapes and fog; name.####.vdb stands for all files of that name that are there")
           .positional("INPUT")
@@ -213,16 +217,19 @@ Rows outputRows() {
           "Result: " + writableShapes() + ", pictures .png .exr, slices .exr, of images also " +
               writableList(Contents::kImage) +
               "; #### stands for the frame number; a .glb or .usda without #### holds all frames, animated")
+          .fallback("beside the first input, of .vdb files or images")
           .basic(),
       Row(kApply, "output", at<&J::output>, "OUTPUT",
           "Result: a copy of WHAT with other positions, with its extension; of an image: " +
               writableList(Contents::kImage) + "; of --field also " + writableList(Contents::kGrids))
-          .required(),
+          .fallback("beside WHAT, with its extension")
+          .basic(),
       Row(kRetime, "output", at<&J::output>, "OUTPUT",
           "Result: name.####.vdb, or name.usda for these and a USD stage that shows them; a frame that shows "
           "a "
           "file is that file, but for the velocities' length")
-          .required(),
+          .fallback("beside the input")
+          .basic(),
       Row(kApply, "field", at<&J::field>, "",
           "Write the map itself: at the points of time --from the displacement to where they are at --to, in "
           "world units "
@@ -231,14 +238,16 @@ Rows outputRows() {
           .basic(),
       Row(kSlice, "output", at<&J::output>, "OUTPUT",
           "Images: name.####.exr, one a slice from 1, or name.exr, one file of several parts")
-          .required(),
+          .fallback("beside the input, one file a slice")
+          .basic(),
       Row(kReconstruct, "output", at<&J::output>, "OUTPUT",
           "Result: " + writableList(Contents::kImage) +
               " (a dense label map or grey image; with #### a mask of each label); " +
               writableList(Contents::kMesh) + " (surfaces, #### stands for the label); " +
               writableList(Contents::kGrids) + " (a level set per label; of EXR slices all their grids); " +
               structureList() + " (named structures)")
-          .required(),
+          .fallback("beside the input: .vdb of EXR slices, else an image")
+          .basic(),
       Row(kConvert, "output", at<&J::output>, "OUTPUT",
           "Result: " + writableList(Contents::kGrids) +
               " (a level set; of an image its values, with --iso the surface beside them), " +
@@ -246,9 +255,14 @@ Rows outputRows() {
               " (an image; of a shape 1 inside), " + structureList() +
               " (labels, or the shape, as structures)")
           .required(),
+      Row(kDemo, "output", at<&J::output>, "FOLDER",
+          "Folder of the results, of each pair of shapes in one of its own, which must not be there yet")
+          .fallback("slicemorph-demo in the current folder")
+          .basic(),
       Row(kRender, "output", at<&J::output>, "OUTPUT",
           "Pictures: .png, .exr (with mask, Z and N); #### stands for the number; a preview: .gif, .mp4 "
           "(needs ffmpeg)")
+          .fallback(".png beside the first input; none with --contact-sheet")
           .basic(),
       Row(kReconstruct, "report", at<&J::reports>, "FILE.json|FILE.csv",
           "Volume, area and extents of every label")
@@ -564,7 +578,8 @@ Rows sliceRows(Command command, const std::string& prefix) {
 }
 
 Rows farmRows() {
-  constexpr unsigned kWorkers = kMatchers | kRetime | kSlice | kReconstruct | kConvert | kRender | kCompare;
+  constexpr unsigned kWorkers =
+      kDemo | kMatchers | kRetime | kSlice | kReconstruct | kConvert | kRender | kCompare;
   return {
       Row(kWorkers, "threads", at<&J::threads>, "N", "Threads to use; the result is the same")
           .range(1, 1024)

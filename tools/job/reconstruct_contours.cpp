@@ -225,10 +225,12 @@ void reconstructContours(const ReconstructJob& job, const InputSpec& input, JobE
     events.notes(about(input.path, more));
     notes.insert(notes.end(), more.begin(), more.end());
   };
-  for (ContourSet& set : sets) {
+  for (size_t n = 0; n < sets.size(); ++n) {
+    ContourSet& set = sets[n];
     ContourSurface surface;
     try {
-      surface = contourSurface(set, options, &events);
+      PartProgress own(events, double(n) / double(sets.size()), double(n + 1) / double(sets.size()));
+      surface = contourSurface(set, options, &own);
     } catch (const GeometryError& error) {
       if (alone) throw;
       note({leftOut("", error.what())});

@@ -61,7 +61,8 @@ bool reconstructCross(const ReconstructJob& job, const Image& labels, const Imag
     options.voxelSize = job.voxelSize > 0 ? job.voxelSize : voxelSizeOf(set, labels.lattice);
     options.bridgedGaps = kEveryGap;
     try {
-      surfaces.push_back(contourSurface(set, options, &events));
+      PartProgress own(events, double(n) / double(cross.size()), double(n + 1) / double(cross.size()));
+      surfaces.push_back(contourSurface(set, options, &own));
     } catch (const GeometryError&) {
       notes.emplace_back("reconstruct.no-body", Severity::kWarning, name,
                          "is on one slice only, or on none: left as it is, nothing can be filled in");

@@ -7,6 +7,7 @@
 #include "tools/job/frame_writer.h"
 #include "tools/job/resume_log.h"
 #include "tools/job/stopwatch.h"
+#include "tools/job/work_steps.h"
 
 #include <algorithm>
 #include <memory>
@@ -16,13 +17,20 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Shares for the progress line, measured on jobs of 24 frames.
-/// Reading and planning in the whole job, where the inputs stay the same.
-constexpr double kPlanned = 0.25;
-/// Reading and planning in the time of one frame, where inputs are sequences.
-constexpr double kFramePlanned = 0.6;
-/// Making the frames in the rest of the job, where they are then put into one .glb.
-constexpr double kFramesMade = 0.5;
+// What the steps of a job take, in times of making one frame at kUsualResolution, for the progress; measured on blade to
+// creature at 128 voxels, whose frames take a quarter of that.
+/// Reading and planning, and both by a plan that was made before. That hardly depends on the voxels.
+constexpr double kPlanned = 17, kReadPlan = 3;
+/// The same for a further frame, where inputs are sequences.
+constexpr double kPlannedNext = 1.5;
+/// Making a frame, and measuring it for a report.
+constexpr double kMade = 1, kMeasured = 1;
+/// Voxels along an object where nothing is said, as kDefaultResolution of the inputs.
+constexpr int kUsualResolution = 256;
+/// Following the surface through a frame, where all are put into one .glb, and for the page of a report.
+constexpr double kFollowed = 1, kFollowedInPage = 0.2;
+/// A page shows so many frames at most (tools/report/report_page.cpp).
+constexpr size_t kPageFrames = 24;
 
 /// The end of the frames that are to be made: the number of those that have to be gone through.
 size_t endOfFrames(const MorphSettings& settings) {
@@ -31,24 +39,33 @@ size_t endOfFrames(const MorphSettings& settings) {
   return end;
 }
 
-/// A frame's part of the job's progress, 0 to 1.
-struct FrameSteps {
-  double from, planned;  ///< begin and end of reading and planning
-  double made;           ///< begin of making the frame
+/// The steps of a job, as numbers in WorkSteps.
+struct MorphSteps {
+  WorkSteps all;
+  std::vector<size_t> planned, made;  ///< of each frame of the sequence up to the last one
+  size_t followed = 0, reported = 0;  ///< see kFollowed
 };
 
-/// `index`: of the frame in the whole sequence. Frames that --range leaves out only count where plans follow them.
-FrameSteps stepsOf(const MorphSettings& settings, size_t index) {
-  const std::vector<FrameJob>& frames = settings.frames;
-  const auto counted = [&](size_t end) {
-    if (settings.moving()) return double(end);
-    return double(std::count_if(frames.begin(), frames.begin() + std::ptrdiff_t(end),
-                                [](const FrameJob& frame) { return frame.wanted; }));
-  };
-  const double step = (settings.oneFile() ? kFramesMade : 1) / counted(endOfFrames(settings));
-  if (!settings.moving()) return {0, kPlanned, kPlanned + (1 - kPlanned) * counted(index) * step};
-  const double from = double(index) * step, planned = from + kFramePlanned * step;
-  return {from, planned, planned};
+/// `isDone`: whether the frame of an index is there from an earlier run, so that it costs nothing.
+template <typename IsDone>
+MorphSteps stepsOf(const MorphSettings& settings, size_t end, const FrameReport& report,
+                   const IsDone& isDone) {
+  MorphSteps steps;
+  size_t made = 0;
+  const double finer = settings.load.resolution > 0 ? settings.load.resolution / double(kUsualResolution) : 1;
+  // Surfaces have so many voxels.
+  const double cost = (kMade + (report.wanted() ? kMeasured : 0)) * finer * finer;
+  for (size_t i = 0; i < end; ++i) {
+    const bool makes = settings.frames[i].wanted && !isDone(i);
+    const bool stays = i > 0 && (!settings.moving() || (!settings.planFile.empty() && !makes));
+    const double first = settings.planFile.empty() ? kPlanned : kReadPlan;
+    steps.planned.push_back(steps.all.add(stays ? 0 : i == 0 ? first : kPlannedNext));
+    steps.made.push_back(steps.all.add(makes ? cost : 0));
+    made += makes;
+  }
+  steps.followed = steps.all.add(settings.oneGlb() ? kFollowed * finer * finer * double(made) : 0);
+  steps.reported = steps.all.add(report.hasPage() ? kFollowedInPage * double(std::min(end, kPageFrames)) : 0);
+  return steps;
 }
 
 /// Passes events on and keeps the notes, for the report.
@@ -116,31 +133,34 @@ void runMorph(const MorphSettings& settings, JobEvents& caller) {
   const auto isDone = [&](size_t i) {
     return log.has(jobs[i]) && (!report.wanted() || log.row(jobs[i]).is_object());
   };
+  const MorphSteps steps = stepsOf(settings, end, report, isDone);
   // One frame after another: each uses all threads, and this bounds the memory. Also those that are left out are gone
   // through: of sequences the plan of each follows that of the one before.
   for (size_t i = 0; i < end; ++i) {
-    const FrameSteps steps = stepsOf(settings, i);
     const bool nextIsMade = i + 1 < end && jobs[i + 1].wanted && !isDone(i + 1);
     // The first frame tells how inputs are placed, and which options they ask for.
     if (!settings.planFile.empty() && i > 0 && !jobs[i].wanted && !(nextIsMade && report.wanted())) continue;
-    maker.moveTo(i, steps.from, steps.planned);
-    if (i == 0) writer.prepare(maker, steps.planned);
+    maker.moveTo(i, steps.all.from(steps.planned[i]), steps.all.to(steps.planned[i]));
+    if (i == 0) writer.prepare(maker, steps.all.to(steps.planned[i]));
     events.throwIfCancelled();
     const bool kept = jobs[i].wanted && isDone(i);
     if (jobs[i].wanted && !kept && (settings.oneFile() || claims.take(jobs[i]))) {
-      events.report("making frames", steps.made);
+      events.report("making frames", steps.all.from(steps.made[i]));
       log.add(jobs[i], makeAndWrite(maker.task(), writer, report, events));
+      events.report("making frames", steps.all.to(steps.made[i]));
       if (!settings.oneFile()) claims.free(), events.fileWritten(jobs[i].path, false);
       continue;
     }
     if (kept) report.addKept(maker.task(), log.row(jobs[i])), events.fileWritten(jobs[i].path, true);
     if (nextIsMade) report.compareWith(maker.task());
   }
-  writer.finish(maker.commonPlan(), kPlanned + (1 - kPlanned) * kFramesMade);
+  PartProgress following(events, steps.all.from(steps.followed), steps.all.to(steps.followed));
+  writer.finish(maker.commonPlan(), following);
   claims.free();
   events.notes(claims.finish());
   log.finish();
-  report.write(maker, events.kept(), events);
+  PartProgress reporting(events, steps.all.from(steps.reported), steps.all.to(steps.reported));
+  report.write(maker, events.kept(), reporting);
 }
 
 }  // namespace slicemorph

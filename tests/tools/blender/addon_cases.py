@@ -91,7 +91,7 @@ def case_volumes_in():
 
 
 def case_motion_blur():
-    for result in ("VOLUME", "SHAPE_KEYS"):
+    for result in RESULTS:
         asked = begin()
         for x in (-3, 3):
             bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32, location=(x, 0, 0))

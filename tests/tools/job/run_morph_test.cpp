@@ -17,7 +17,10 @@ namespace fs = std::filesystem;
 
 /// Records a job's events, and cancels it after some files.
 struct Recorder : JobEvents {
-  void report(const char*, double fraction) override { most = std::max(most, fraction); }
+  void report(const char*, double fraction) override {
+    EXPECT_GE(fraction, most) << "progress goes back";
+    most = std::max(most, fraction);
+  }
   bool cancelled() const override { return files.size() >= endAfter; }
   void note(const Note& note) override { seen.push_back(note); }
   void fileWritten(const std::string& path, bool kept) override {

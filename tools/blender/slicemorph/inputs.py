@@ -20,7 +20,8 @@ from .vdb_files import move_vdb
 kSame = 1e-5  # entries of matrices that differ by less are the same
 kUpright = 0.99  # cosine of the angle by which an axis may differ from the scene's up
 kOurs = ("output", "frames", "start", "fps", "range", "at", "weights", "keys", "velocity", "velocity-unit", "config",
-         "print-config", "plan", "resume", "quiet", "glb-up", "glb-unit")
+         "print-config", "plan", "resume", "quiet", "glb-up", "glb-unit",
+         "usd")
 
 
 def chosen_things(scene, context):

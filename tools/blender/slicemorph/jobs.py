@@ -11,7 +11,7 @@ from .program import Process, Unusable, find_program
 from .settings import preferences
 
 kLook = 0.2  # seconds between two looks at the program
-kOutputs = {"VOLUME": "{}.####.vdb", "MESH_CACHE": "{}.####.ply", "SHAPE_KEYS": "{}.glb"}
+kOutputs = {"VOLUME": "{}.####.vdb", "MESH_CACHE": "{}.usda", "SHAPE_KEYS": "{}.glb"}
 
 current = None  # the Job that runs
 last = ""  # how the one before ended, for the panel
@@ -64,10 +64,13 @@ class Job:
     def _options(self, asked):
         up = inputs.upright_axis(self.space)
         options = {"output": str(self.output), "frames": self.frames, "start": self.start, "fps": self.fps,
-                   "method": asked.method, "fit": asked.fit, "align": "auto" if asked.align else "none", "upright": up,
-                   "velocity": "vel", "velocity-unit": "second"}
+                   "method": asked.method, "fit": asked.fit, "align": "auto" if asked.align else "none", "upright": up}
         if asked.resolution:
             options["resolution"] = asked.resolution
+        if self.result == "MESH_CACHE":
+            options["usd"] = "mesh"  # has its velocities per second
+        else:
+            options.update({"velocity": "vel", "velocity-unit": "second"})
         if self.result == "SHAPE_KEYS":
             options["glb-up"] = "z" if up == "z" else "y"
         return options

@@ -8,9 +8,6 @@ import numpy
 from .program import Unusable
 
 kComponents = {5121: "<u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
-kPlyTypes = {"char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "<i2", "int16": "<i2",
-             "ushort": "<u2", "uint16": "<u2", "int": "<i4", "int32": "<i4", "uint": "<u4", "uint32": "<u4",
-             "float": "<f4", "float32": "<f4", "double": "<f8", "float64": "<f8"}
 
 
 def write_ply(path, points, triangles, colors=None):
@@ -31,31 +28,47 @@ def write_ply(path, points, triangles, colors=None):
         file.write(faces.tobytes())
 
 
-def read_ply(path):
-    """Points (N x 3), triangles (M x 3) and colours (N x 3, 0 to 1, or None) of a binary PLY as slicemorph writes it:
-    all faces are triangles, colours are bytes."""
-    with open(path, "rb") as file:
-        data = file.read()
-    end = data.find(b"end_header\n") + len(b"end_header\n")
-    counts, fields = {}, {}
-    for words in map(str.split, data[:end].decode("ascii", "replace").splitlines()):
-        if words[0] == "element":
-            element = words[1]
-            counts[element], fields[element] = int(words[2]), []
-        elif words[:2] == ["property", "list"]:
-            fields[element] += [("count", kPlyTypes[words[2]]), ("corners", kPlyTypes[words[3]], 3)]
-        elif words[0] == "property":
-            fields[element].append((words[2], kPlyTypes[words[1]]))
-    if b"format binary_little_endian" not in data[:end] or list(counts) != ["vertex", "face"]:
-        raise Unusable(f"{path}: not a PLY as slicemorph writes it")
-    vertices = numpy.frombuffer(data, fields["vertex"], counts["vertex"], end)
-    faces = numpy.frombuffer(data, fields["face"], counts["face"], end + vertices.nbytes)
-    if (faces["count"] != 3).any():
-        raise Unusable(f"{path}: not all of its faces are triangles")
-    points = numpy.stack([vertices[axis] for axis in "xyz"], 1).astype(numpy.float32)
-    colored = "red" in vertices.dtype.names
-    colors = numpy.stack([vertices[channel] for channel in ("red", "green", "blue")], 1) / 255 if colored else None
-    return points, faces["corners"], colors
+class UsdaMeshes:
+    """The time samples of the mesh in a .usda that slicemorph wrote, each read when it is asked for."""
+
+    def __init__(self, path):
+        self.path, self.places = path, {}  # {attribute: {number: where in the file its value is}}
+        self.origin, at, samples = numpy.zeros(3), 0, None
+        with open(path, "rb") as file:
+            for line in file:
+                words = line[:200].split()
+                if words[-2:] == [b"=", b"{"] and words[1].endswith(b".timeSamples"):
+                    samples = self.places.setdefault(words[1][:-len(b".timeSamples")].decode(), {})
+                elif words and words[0] == b"}":
+                    samples = None
+                elif samples is not None:
+                    samples[int(words[0][:-1])] = at, at + len(line)
+                elif words[1:2] == [b"xformOp:translate"]:
+                    self.origin = self._numbers(line.split(b"=")[1]).ravel()
+                at += len(line)
+        if "points" not in self.places:
+            raise Unusable(f"{path}: not a mesh as slicemorph writes it")
+
+    def frame(self, number):
+        """Points (N x 3), triangles (M x 3), and of the points colours (N x 3, linear light) and velocities (N x 3, a
+        second), or None."""
+        with open(self.path, "rb") as file:
+            points, triangles, colors, velocities = (self._value(file, name, number) for name in (
+                "points", "faceVertexIndices", "primvars:displayColor", "velocities"))
+        return points + self.origin, triangles.astype(numpy.int32), colors, velocities
+
+    def _value(self, file, name, number):
+        place = self.places.get(name, {}).get(number)
+        if not place:
+            return None
+        file.seek(place[0])
+        value = file.read(place[1] - place[0]).split(b":", 1)[1]
+        return None if value.strip().startswith(b"None") else self._numbers(value)
+
+    @staticmethod
+    def _numbers(text):
+        text = text.translate(None, b"()[]\n").strip(b", ")
+        return numpy.fromstring(text, sep=",").reshape(-1, 3) if text else numpy.zeros((0, 3))
 
 
 class MovingMesh:

@@ -13,7 +13,7 @@ try:
 except ImportError:
     pty = None
 
-kProgress = re.compile(r"(\S.*?) (\d+)%(?:, (\S+) left)?\s*")
+kProgress = re.compile(r"(\S.*?) (\d+)%(?:, (.+) left)?\s*")
 
 
 class Unusable(Exception):

@@ -4,10 +4,11 @@ import bpy
 import numpy
 
 from . import materials
-from .mesh_files import read_glb, read_ply
+from .mesh_files import UsdaMeshes, read_glb
 from .program import Unusable
 
 kColors = "Color"  # attribute of meshes
+kVelocity = "velocity"  # attribute by which Cycles blurs meshes, way per second
 kMade = "slicemorph"  # custom property of what a morph made: its name
 
 
@@ -73,7 +74,7 @@ def add_volume(job, scene):
 
 # ---- meshes
 
-def new_mesh(name, points, triangles, colors=None):
+def new_mesh(name, points, triangles, colors=None, velocities=None):
     mesh = bpy.data.meshes.new(name)
     mesh.vertices.add(len(points))
     mesh.loops.add(3 * len(triangles))
@@ -88,15 +89,20 @@ def new_mesh(name, points, triangles, colors=None):
     if colors is not None:
         layer = mesh.color_attributes.new(kColors, "FLOAT_COLOR", "POINT")
         layer.data.foreach_set("color", numpy.pad(colors, ((0, 0), (0, 1)), constant_values=1).astype(numpy.float32).ravel())
+    if velocities is not None:
+        layer = mesh.attributes.new(kVelocity, "FLOAT_VECTOR", "POINT")
+        layer.data.foreach_set("vector", velocities.astype(numpy.float32).ravel())
     return mesh
 
 
 def add_mesh_cache(job, scene):
     """A mesh a frame, in a collection outside the scene, and an object whose nodes show the frame's."""
     frames, paint = made(bpy.data.collections.new(f"{job.name} frames"), job), None
+    meshes = UsdaMeshes(job.output)
+    yield True
     for number in range(job.start, job.start + job.frames):
         name = f"{job.name}.{number:08d}f"  # nodes take them in the order of their names
-        mesh = made(new_mesh(name, *read_ply(frame_file(job, number))), job)
+        mesh = made(new_mesh(name, *meshes.frame(number)), job)
         if len(mesh.color_attributes):
             paint = paint or made(materials.painted(job.name, kColors), job)
             mesh.materials.append(paint)
