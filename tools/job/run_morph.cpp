@@ -27,7 +27,7 @@ constexpr double kPlannedNext = 1.5;
 constexpr double kMade = 1, kMeasured = 1;
 /// Voxels along an object where nothing is said, as kDefaultResolution of the inputs.
 constexpr int kUsualResolution = 256;
-/// Following the surface through a frame, where all are put into one .glb, and for the page of a report.
+/// Following the surface through a frame, where all are put into one .glb, and for the page of a report; an estimate.
 constexpr double kFollowed = 1, kFollowedInPage = 0.2;
 /// A page shows so many frames at most (tools/report/report_page.cpp).
 constexpr size_t kPageFrames = 24;

@@ -43,7 +43,7 @@ std::string gridOfSequence(const MorphSettings& settings, JobEvents& events) {
   return loaded.file->entries()[loaded.grid].name;
 }
 
-/// What planning a pair of files takes, in times of making one frame, for the progress; measured on smoke.
+/// What planning a pair of files takes, in times of making one frame, for the progress; an estimate.
 constexpr double kPairPlanned = 4;
 /// And copying a file.
 constexpr double kCopied = 0.1;
