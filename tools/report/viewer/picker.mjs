@@ -99,9 +99,18 @@ class Picker {
     return from < 0 ? null : carried(this.data, from, k, place.at[from]);
   }
 
+  /// Limbs that meet have one letter, too, for who does not tell their colours apart.
+  letterOf(group) {
+    const groups = [...new Set(this.data.shapes.flatMap(s => s.limbs.map(l => l.group)))].filter(g => g >= 0).sort((a, b) => a - b);
+    return String.fromCharCode(65 + groups.indexOf(group) % 26);
+  }
+
   marksOf(k) {
     const marks = [];
     const mark = (key, text, colour, place, kind, label, more = {}) => place && marks.push({ key, text, colour, place, kind, label, view: k, ...more });
+    if (byId('limbs').checked)
+      this.data.shapes[k].limbs.forEach((limb, i) => limb.group >= 0 && mark('limb' + i, this.letterOf(limb.group), colourOf(limb.group),
+        limb.line[limb.line.length - 1], 'limb', 'limb ' + this.letterOf(limb.group)));
     this.data.landmarks.forEach((l, i) => mark('landmark' + i, '', colourOf(i), l[k], 'landmark', 'landmark ' + (i + 1)));
     this.data.features.forEach((f, i) => f.kind === 'disk' && mark('disk' + i, '', '#1d2126', f.positions[k][0], 'landmark', f.name));
     this.places.forEach((p, index) => {
@@ -206,7 +215,10 @@ class Picker {
     byId('pickTake').onclick = () => this.takeExpected();
     byId('jobCopy').onclick = () => this.copy();
     byId('jobSave').onclick = () => this.save();
-    byId('limbs').onchange = () => this.views.forEach(v => { v.limbs.visible = byId('limbs').checked, v.draw(); });
+    byId('limbs').onchange = () => {
+      this.views.forEach(v => { v.limbs.visible = byId('limbs').checked, v.draw(); });
+      this.showMarks();
+    };
     byId('limbsLabel').hidden = !this.data.shapes.some(s => s.limbs.length);
     for (const option of [...byId('paint').options])
       if (option.value === 'meeting' && this.data.overlap === null || option.value === 'own' && !this.data.shapes.some(s => s.own)) option.remove();
@@ -242,7 +254,8 @@ class Picker {
 
 function facts(data) {
   if (data.overlap === null) return 'Not matched yet.';
-  const text = `Matched: they overlap by ${(100 * data.overlap).toFixed(0)} %`;
+  // Of shapes that are equal nothing was measured.
+  const text = data.overlap > 0 ? `Matched: they overlap by ${(100 * data.overlap).toFixed(0)} %` : 'Matched';
   if (data.turns.length !== 1) return text + '.';
   const { degrees, margin } = data.turns[0];
   return text + `, turned by ${Math.round(degrees)}\u00b0 against each other` +

@@ -245,9 +245,10 @@ export class ShapeView {
       const hit = this.hitAt(e.clientX, e.clientY);
       if (hit) this.act.markMoved(node.mark, hit, false);
     });
-    const end = () => {
-      if (node.drag && node.drag.moved) this.act.markMoved(node.mark, null, true);
+    const end = e => {
+      const moved = node.drag && node.drag.moved;
       node.drag = null;
+      if (moved) this.act.markMoved(node.mark, e.type === 'pointerup' ? this.hitAt(e.clientX, e.clientY) : null, true);
     };
     node.addEventListener('pointerup', end);
     node.addEventListener('pointercancel', end);
