@@ -400,7 +400,7 @@ def help_of_all_options(d, o):
     """Help has groups; --help-all has all options with defaults, --help some of them in the same words."""
     problems = []
     order = ["Inputs", "Shape", "Matching", "Outputs", "Images", "Pictures", "Farm", "Help"]
-    for command in ("morph", "slice", "reconstruct", "convert", "render", "compare", "info"):
+    for command in ("morph", "slice", "reconstruct", "convert", "render", "compare", "info", "pick"):
         short, all_of_it = (options_of(run(command + word, {}).stdout) for word in (" --help", " --help-all"))
         for options, groups in (short, all_of_it):
             if groups != [g for g in order if g in groups] or "Inputs" not in groups:

@@ -6,6 +6,7 @@
 #include "tools/commands/info_command.h"
 #include "tools/commands/manual.h"
 #include "tools/commands/morph_command.h"
+#include "tools/commands/pick_command.h"
 #include "tools/commands/plan_command.h"
 #include "tools/commands/reconstruct_command.h"
 #include "tools/commands/render_command.h"
@@ -68,6 +69,7 @@ int run(int argc, char** argv) {
   program.get_formatter()->column_width(34);
   slicemorph::addMorphCommand(program);
   slicemorph::addPlanCommand(program);
+  slicemorph::addPickCommand(program);
   slicemorph::addApplyCommand(program);
   slicemorph::addRetimeCommand(program);
   slicemorph::addConvertCommand(program);

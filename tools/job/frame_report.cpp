@@ -2,6 +2,7 @@
 
 #include "tools/job/describe_job.h"
 #include "tools/job/option_values.h"
+#include "tools/job/pick_job.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +16,9 @@ using Json = nlohmann::ordered_json;
 /// Measures of inputs that are cached: enough for the inputs of a frame, so that inputs that do not change
 /// are measured once; a bound where they do.
 constexpr size_t kMostKeptMeasures = 8;
+
+/// Name of the job file that the page of a report makes.
+constexpr const char* kPickedJob = "pairs.toml";
 
 GridFigures figuresOf(const openvdb::GridBase& grid) {
   GridFigures figures{grid.getName(), grid.activeVoxelCount(), {}, {}};
@@ -111,7 +115,11 @@ void FrameReport::write(const FrameMaker& maker, const Notes& notes, Progress& p
   for (const LoadedObject& input : maker.inputs())
     report.inputs.push_back(measureShape(*input.object.levelSet)), report.placings.push_back(input.placing);
   report.notes = notes;
-  if (hasPage()) report.page = page_.finish(maker.commonPlan(), progress);
+  if (hasPage()) {
+    report.page = page_.finish(maker.commonPlan(), progress);
+    if (maker.commonPlan())
+      report.page.pick = pickPartOf(settings_, maker.inputs(), maker.commonPlan(), kPickedJob, {}, progress);
+  }
   report.loadSeconds = maker.seconds().load, report.planSeconds = maker.seconds().plan;
   report.restDistance = maker.plan().restDistance;
   if (const MorphPlan* plan = maker.plan().slices.get()) {

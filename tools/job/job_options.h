@@ -56,7 +56,8 @@ struct JobOptions {
   double sliceTime = 0;             ///< of `slice`
   double fromTime = 0, toTime = 1;  ///< of `apply`, as the next one
   bool field = false;
-  double factor = 1;  ///< of `retime`, as the next one
+  bool noPlan = false;  ///< of `pick`
+  double factor = 1;    ///< of `retime`, as the next one
   std::string curve;
 
   // Pictures

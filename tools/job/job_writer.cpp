@@ -169,6 +169,19 @@ constexpr const char* kNoRegion = R"(
 # weights = [0, 1]
 )";
 
+constexpr const char* kJobHead =
+    "# Job of: slicemorph morph --config FILE. What the command line says wins.\n";
+
+/// Throws InputError where a text is no job file. `said`: what it is for.
+void checkToml(const std::string& text, const std::string& said) {
+  try {
+    (void)toml::parse(text);
+  } catch (const toml::parse_error& error) {
+    throw InputError(said +
+                     ": a job file cannot hold one of these names: " + std::string(error.description()));
+  }
+}
+
 }  // namespace
 
 std::string tomlOf(const std::vector<double>& numbers) {
@@ -178,8 +191,37 @@ std::string tomlOf(const std::vector<double>& numbers) {
   return tomlList(items);
 }
 
+std::string tomlOf(const std::vector<std::vector<Vec3d>>& landmarks) {
+  std::vector<std::string> marks;
+  for (const std::vector<Vec3d>& landmark : landmarks) {
+    std::vector<std::string> positions;
+    for (const Vec3d& position : landmark) positions.push_back(tomlOfVector(position));
+    marks.push_back(tomlList(positions));
+  }
+  return tomlList(marks);
+}
+
+std::string givenJobText(const OptionSet& options, const JobTables& tables) {
+  std::string text = kJobHead;
+  std::map<std::string, std::string> values = tables.values;
+  if (!tables.keys.empty()) values["keys"] = describe(tables.keys, tables.inputs);
+  for (const OptionRow* row : options.rows()) {
+    if (!row->inFiles || !row->field) continue;
+    const auto value = values.find(row->name);
+    const std::vector<std::string> given = options.texts(row->name);
+    if (value != values.end())
+      text += row->name + " = " + value->second + "\n";
+    else if (!given.empty())
+      text += row->name + " = " + valueOf(*row, given) + "\n";
+  }
+  for (const Feature& feature : tables.features) text += describe(feature);
+  for (const Region& region : tables.regions) text += describe(region, tables.inputs);
+  checkToml(text, "the job");
+  return text;
+}
+
 std::string jobText(const OptionSet& options, const JobTables& tables) {
-  std::string text = "# Job of: slicemorph morph --config FILE. What the command line says wins.\n";
+  std::string text = kJobHead;
   JobTables all = tables;
   if (!tables.keys.empty()) all.values["keys"] = describe(tables.keys, tables.inputs);
   for (const OptionRow* row : options.rows())
@@ -188,12 +230,7 @@ std::string jobText(const OptionSet& options, const JobTables& tables) {
   if (tables.features.empty()) text += kNoFeature;
   for (const Region& region : tables.regions) text += describe(region, tables.inputs);
   if (tables.regions.empty()) text += kNoRegion;
-  try {
-    (void)toml::parse(text);
-  } catch (const toml::parse_error& error) {
-    throw InputError("--print-config: a job file cannot hold one of these names: " +
-                     std::string(error.description()));
-  }
+  checkToml(text, "--print-config");
   return text;
 }
 

@@ -24,7 +24,12 @@ struct JobTables {
 /// which TOML requires.
 std::string jobText(const OptionSet& options, const JobTables& tables);
 
+/// The same of what was given alone, without comments.
+std::string givenJobText(const OptionSet& options, const JobTables& tables);
+
 /// A TOML list of numbers, `[1, 0.5]`.
 std::string tomlOf(const std::vector<double>& numbers);
+/// A TOML list of landmarks, `[[[0, 0, 0], [1, 0, 0]]]`.
+std::string tomlOf(const std::vector<std::vector<Vec3d>>& landmarks);
 
 }  // namespace slicemorph

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 namespace slicemorph {
 namespace {
@@ -112,6 +113,34 @@ VelocitySettings velocityOf(const OptionSet& options, const MorphSettings& s, bo
           given.velocityHalf};
 }
 
+/// A path from the root of the file system; what stands behind a file's name, as a grid, stays there.
+std::string fromRoot(const std::string& path) {
+  return path.empty() || path[0] == '/' ? path : (std::filesystem::current_path() / path).string();
+}
+
+/// The job file of what was given, which may lie anywhere: inputs by their whole paths. Features that are points are left
+/// out. Empty where no file holds the inputs, or a name is none that a job file can have.
+std::string jobTextOf(const OptionSet& options, JobTables tables, const std::vector<Landmark>& landmarks) {
+  const JobOptions& given = options.values();
+  if (std::any_of(given.held.begin(), given.held.end(), [](const auto& held) { return bool(held); }))
+    return "";
+  OptionSet whole = options;
+  std::vector<std::string> inputs;
+  for (const std::string& input : given.inputs) inputs.push_back(fromRoot(input));
+  whole.set(whole.row("inputs"), inputs);
+  if (!given.like.empty()) whole.set(whole.row("like"), {fromRoot(given.like)});
+  if (!landmarks.empty()) tables.values["landmarks"] = tomlOf(landmarks);
+  auto& features = tables.features;
+  features.erase(std::remove_if(features.begin(), features.end(),
+                                [](const Feature& f) { return f.kind == Feature::Kind::kPoint; }),
+                 features.end());
+  try {
+    return givenJobText(whole, tables);
+  } catch (const InputError&) {
+    return "";
+  }
+}
+
 /// Settings that follow from single options.
 MorphSettings plainSettings(const OptionSet& options) {
   const JobOptions& given = options.values();
@@ -181,6 +210,7 @@ MorphJob morphJob(const OptionSet& options) {
   checkPurposes(job.settings, options);
   checkOutputKind(job.settings, options);
   checkMethodInputs(job.settings, options);
+  job.settings.jobText = jobTextOf(options, job.tables, job.settings.landmarks);
   return job;
 }
 

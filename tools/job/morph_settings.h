@@ -88,6 +88,7 @@ struct MorphSettings {
   bool quiet = false, resume = false;
   bool eachAlone = false;  ///< plans of sequences do not follow each other
   JobOptions options;      ///< as typed, for code that needs no more
+  std::string jobText;     ///< as a job file but for features that are points; empty: no file can say it
   std::vector<std::pair<std::string, std::string>> frameSettings;  ///< all options that frames depend on
 
   /// What the method can do.

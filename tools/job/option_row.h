@@ -30,6 +30,7 @@ enum Command : unsigned {
   kInfo = 64,
   kApply = 128,
   kRetime = 256,
+  kPick = 512,
   kDemo = 1024,
 };
 

@@ -52,7 +52,7 @@ class Row {
   OptionRow row_;
 };
 
-constexpr unsigned kMatchers = kMorph | kApply;
+constexpr unsigned kMatchers = kMorph | kApply | kPick;
 constexpr unsigned kVoxelisers = kMatchers | kSlice | kConvert | kRender | kCompare;
 
 std::string readableShapes() {
@@ -117,13 +117,17 @@ Rows inputRows() {
               "; with --field only the objects")
           .positional("INPUT")
           .basic(),
+      Row(kPick, "inputs", at<&J::inputs>, "",
+          "Two or more objects, as for `morph`; of a sequence its first file is shown")
+          .positional("INPUT")
+          .basic(),
       Row(kMatchers, "upright", at<&J::upright>, "",
           "The inputs' axis that points up: objects are turned about it rather than laid down; none: they "
           "lie anyhow")
           .oneOf({"auto", "x", "y", "z", "none"})
           .fallback("as --glb-up says; none for images")
           .basic(),
-      Row(kMorph, "fit", at<&J::fit>, "",
+      Row(kMorph | kPick, "fit", at<&J::fit>, "",
           "Inputs of different sizes are scaled to the first one's size, or also moved into its box; of one "
           "alone: "
           "file.obj{scale=0.001,upright=z,fit=box}; the transforms are in the report")
@@ -224,6 +228,13 @@ Rows outputRows() {
               writableList(Contents::kImage) + "; of --field also " + writableList(Contents::kGrids))
           .fallback("beside WHAT, with its extension")
           .basic(),
+      Row(kPick, "output", at<&J::output>, "PAGE.html",
+          "Page that shows the inputs side by side, to point at places that belong together; it makes a job "
+          "file for "
+          "`morph --config`")
+          .required(),
+      Row(kPick, "no-plan", at<&J::noPlan>, "",
+          "Show the shapes at once, without matching them: no colours tell what meets what"),
       Row(kRetime, "output", at<&J::output>, "OUTPUT",
           "Result: name.####.vdb, or name.usda for these and a USD stage that shows them; a frame that shows "
           "a "
@@ -614,6 +625,11 @@ Rows farmRows() {
       Row(kWorkers, "verbose", at<&J::verbose>, "", "Print, too, how decisions were reached")
           .excludes({"quiet"})
           .notInFrames()
+          .basic(),
+      Row(kPick, "config", at<&J::config>, "FILE.toml",
+          "Job file of `morph`, whose features are shown and whose options go on into the page's; the "
+          "command line wins")
+          .notInFiles()
           .basic(),
       Row(kMorph, "config", at<&J::config>, "FILE.toml",
           "Take options from a file (key = value, keys as the long options, inputs, output; tables "

@@ -9,21 +9,10 @@
 #include "io/mesh/glb_writer.h"
 #include "slicemorph/errors.h"
 #include "tools/report/dump_slices.h"
+#include "tools/report/page_template.h"
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
-
-// The page without its data, linked into the program; tools/dev/make_viewer.sh makes it.
-extern "C" const char slicemorphPage[], slicemorphPageEnd[];
-__asm__(
-    ".section .rodata\n"
-    "slicemorphPage:\n"
-    ".incbin \"" SLICEMORPH_PAGE
-    "\"\n"
-    "slicemorphPageEnd:\n"
-    ".byte 0\n"
-    ".previous\n");
 
 namespace slicemorph {
 namespace {
@@ -42,32 +31,6 @@ std::vector<size_t> spread(size_t count, size_t most) {
   std::vector<size_t> indices;
   for (size_t i = 0; i < n; ++i) indices.push_back(n > 1 ? (i * (count - 1) + (n - 1) / 2) / (n - 1) : 0);
   return indices;
-}
-
-std::string base64(std::string_view bytes) {
-  static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve(bytes.size() * 4 / 3 + 4);
-  for (size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    for (size_t k = 0; k < 3; ++k)
-      group = group << 8 | (i + k < bytes.size() ? std::uint8_t(bytes[i + k]) : 0);
-    for (size_t k = 0; k < 4; ++k) text += i + k > bytes.size() ? '=' : kDigits[group >> (18 - 6 * k) & 63];
-  }
-  return text;
-}
-
-std::string script(const std::string& id, const std::string& type, const std::string& text) {
-  return "<script id=\"" + id + "\" type=\"" + type + "\">" + text + "</script>\n";
-}
-
-/// JSON for a script element of a page: what could end the element is escaped.
-std::string inPage(const Json& json) {
-  std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
-  for (size_t at = 0; (at = text.find("</", at)) != std::string::npos; at += 3) text.insert(at + 1, 1, '\\');
-  for (size_t at = 0; (at = text.find("<!", at)) != std::string::npos; at += 7)
-    text.replace(at, 1, "\\u003c");
-  return text;
 }
 
 }  // namespace
@@ -120,15 +83,12 @@ PageParts PageShapes::finish(const MorphPlan* plan, Progress& progress) const {
 std::string pageOf(const Json& report, const PageParts& parts) {
   Json figures = report;
   figures["viewer"] = {{"frames", parts.frames}};
-  std::string data = script("report", "application/json", inPage(figures));
-  if (!parts.glb.empty()) data += script("glb", "text/plain", base64(parts.glb));
+  std::string data = pageData("report", figures);
+  if (!parts.glb.empty()) data += pageData("glb", "text/plain", base64Of(parts.glb));
   if (!parts.sheet.empty())
-    data += script("sheetData", "text/plain", "data:image/png;base64," + base64(parts.sheet));
-  if (!parts.slices.empty()) data += script("slices", "application/json", inPage(parts.slices));
-  const std::string_view page(slicemorphPage, size_t(slicemorphPageEnd - slicemorphPage)),
-      mark = "<!--DATA-->";
-  const size_t at = page.find(mark);
-  return std::string(page.substr(0, at)) + data + std::string(page.substr(at + mark.size()));
+    data += pageData("sheetData", "text/plain", "data:image/png;base64," + base64Of(parts.sheet));
+  if (!parts.slices.empty()) data += pageData("slices", parts.slices);
+  return pageWith(data + parts.pick);
 }
 
 }  // namespace slicemorph

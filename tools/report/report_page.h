@@ -16,6 +16,7 @@ struct PageParts {
   std::vector<size_t> frames;       ///< frames of the report, from 0, that the player has
   std::string sheet;                ///< contact sheet, a PNG; empty: none
   std::vector<std::string> slices;  ///< an SVG each
+  std::string pick;                 ///< of pickPart, to point at places of the inputs; empty: none
 };
 
 /// The job that a page is about.

@@ -16,7 +16,7 @@
 namespace slicemorph {
 namespace {
 
-const Command kCommands[] = {kMorph, kSlice, kReconstruct, kConvert, kRender, kCompare, kInfo, kDemo};
+const Command kCommands[] = {kMorph, kSlice, kReconstruct, kConvert, kRender, kCompare, kInfo, kDemo, kPick};
 
 bool isNumber(const OptionRow& row) {
   return row.type == OptionType::kInteger || row.type == OptionType::kNumber;

@@ -1,11 +1,13 @@
-// The page of `slicemorph morph --report report.html`: a player, curves and tables of the data that stand in the page.
+// The page of `slicemorph morph --report report.html`: a player, curves and tables of the data that stand in the page; and of
+// `slicemorph pick`, of whose shapes a report shows the same.
 import * as THREE from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
+import { startPicker } from './picker.mjs';
+import { addLights, byId, decode, frameAll } from './stage.mjs';
 
-const byId = id => document.getElementById(id);
-const report = JSON.parse(byId('report').textContent);
-const frames = report.frames;
+const report = byId('report') ? JSON.parse(byId('report').textContent) : null;
+const frames = report ? report.frames : [];
 const last = frames.length - 1;
 /// What is to be done when the time changes; the time is a place among the frames, from 0 to the last.
 const listeners = [];
@@ -30,12 +32,6 @@ function number(value) {
   return Math.abs(value) >= 1e6 || Math.abs(value) < 1e-3 ? value.toExponential(3) : String(Number(value.toPrecision(5)));
 }
 
-function decode(text) {
-  const binary = atob(text.trim()), bytes = new Uint8Array(binary.length);
-  for (let i = 0; i < bytes.length; ++i) bytes[i] = binary.charCodeAt(i);
-  return bytes.buffer;
-}
-
 /// Visits the points of all frames: every mesh in all its shapes.
 function forPoints(scene, visit) {
   const p = new THREE.Vector3();
@@ -50,33 +46,6 @@ function forPoints(scene, visit) {
         visit(p.applyMatrix4(node.parent.matrixWorld));
       }
   });
-}
-
-/// Moves a camera back along its line of sight until it sees all points of all frames, with a margin.
-function frameAll(scene, camera, target, towards) {
-  camera.position.copy(target).add(towards);
-  camera.lookAt(target);
-  const up = Math.tan(camera.fov * Math.PI / 360) / 1.08, across = up * camera.aspect;
-  const turn = camera.quaternion.clone().invert(), q = new THREE.Vector3();
-  let distance = 0, behind = 0;
-  forPoints(scene, p => {
-    q.copy(p).sub(target).applyQuaternion(turn);
-    distance = Math.max(distance, q.z + Math.abs(q.x) / across, q.z + Math.abs(q.y) / up);
-    behind = Math.max(behind, q.length());
-  });
-  camera.position.copy(target).addScaledVector(towards, distance);
-  camera.near = distance / 100;
-  camera.far = distance + 10 * behind;
-  camera.updateProjectionMatrix();
-}
-
-function addLights(scene, camera) {
-  scene.add(new THREE.HemisphereLight(0xffffff, 0x6a6058, 0.9));
-  const key = new THREE.DirectionalLight(0xfff6ea, 1.9), fill = new THREE.DirectionalLight(0xdfe8ff, 0.5);
-  key.position.set(-0.6, 0.9, 0.8);
-  fill.position.set(1, 0.1, 0.4);
-  camera.add(key, fill);
-  scene.add(camera);
 }
 
 function say(text) {
@@ -116,7 +85,7 @@ function startPlayer() {
     forPoints(gltf.scene, p => box.expandByPoint(p));
     box.getCenter(controls.target);
     resize();
-    frameAll(gltf.scene, camera, controls.target, new THREE.Vector3(0.55, 0.3, 1).normalize());
+    frameAll(visit => forPoints(gltf.scene, visit), camera, controls.target, new THREE.Vector3(0.55, 0.3, 1).normalize());
     controls.update();
     const mixer = new THREE.AnimationMixer(gltf.scene), shown = report.viewer.frames;
     const actions = gltf.animations.map(clip => mixer.clipAction(clip).setLoop(THREE.LoopOnce));
@@ -255,17 +224,21 @@ function text(value) {
   return value === null || value === '' ? '-' : number(value);
 }
 
+function fillNotes(notes) {
+  for (const note of notes) {
+    const item = document.createElement('li');
+    item.textContent = note;
+    byId('notes').appendChild(item);
+  }
+  byId('notePart').hidden = !notes.length;
+}
+
 function fillText() {
   const names = report.settings.inputs.map(path => path.split('/').pop());
   byId('title').textContent = document.title = names.join(' \u2192 ');
   byId('facts').textContent = `${frames.length} frame${last ? 's' : ''}, method ${report.settings.method}; loaded in ` +
     `${number(report.seconds.load)} s, planned in ${number(report.seconds.plan)} s, at most ${number(report.peakMemoryBytes / 2 ** 20)} MB`;
-  for (const note of report.notes) {
-    const item = document.createElement('li');
-    item.textContent = note;
-    byId('notes').appendChild(item);
-  }
-  byId('notePart').hidden = !report.notes.length;
+  fillNotes(report.notes);
   byId('sheetPart').hidden = !byId('sheetData');
   if (byId('sheetData')) byId('sheet').src = byId('sheetData').textContent.trim();
   const inputs = [['file', 'volume', 'area', 'pieces', 'genus'],
@@ -291,9 +264,30 @@ function startSlices() {
   show();
 }
 
-fillText();
-drawCurves();
-startControls();
-startSlices();
-startPlayer();
-setPlace(0);
+/// In a report the shapes are drawn when they come into sight, as most readers do not need them.
+function pickWhenSeen() {
+  if (!report) {
+    const names = startPicker();
+    byId('title').textContent = document.title = names.join(' \u2192 ');
+    const { notes } = JSON.parse(byId('pick').textContent);
+    return fillNotes(notes);
+  }
+  const sight = new IntersectionObserver(entries => {
+    if (!entries.some(e => e.isIntersecting)) return;
+    sight.disconnect();
+    startPicker();
+  }, { rootMargin: '200px' });
+  sight.observe(byId('pickPart'));
+}
+
+for (const part of document.querySelectorAll('.ofReport')) part.hidden = !report;
+byId('pickPart').hidden = !byId('pick');
+if (report) {
+  fillText();
+  drawCurves();
+  startControls();
+  startSlices();
+  startPlayer();
+  setPlace(0);
+}
+if (byId('pick')) pickWhenSeen();
