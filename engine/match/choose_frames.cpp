@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <utility>
 
 namespace slicemorph {
@@ -67,11 +68,18 @@ bool isUpright(const Mat3d& rotation, const Vec3d& up) {
   return up.length() > 0 && (rotation * up).dot(up) > kUprightCosine * up.lengthSqr();
 }
 
+/// One of several turns, and what a quick matching after it reached where one was tried.
+struct AgreedTurn {
+  size_t index;
+  std::optional<Agreement> reached;
+};
+
 /// Of turns between which inner distances do not decide, the one after which a quick, coarse matching overlaps
 /// best, less the prices of strain and of turning.
-size_t bestByAgreement(const Fields& pair, const std::vector<Turn>& turns, const std::vector<size_t>& among,
-                       const MorphOptions& options, const Progress& progress) {
-  size_t best = among[0];
+AgreedTurn bestByAgreement(const Fields& pair, const std::vector<Turn>& turns,
+                           const std::vector<size_t>& among, const MorphOptions& options,
+                           const Progress& progress) {
+  AgreedTurn best{among[0], std::nullopt};
   double most = -1e30;
   for (size_t i : among) {
     if (among.size() == 1) break;
@@ -81,7 +89,7 @@ size_t bestByAgreement(const Fields& pair, const std::vector<Turn>& turns, const
     const Frames frames = frameObjects(pair, {Mat3d::identity(), turns[i].rotation}, options);
     const Agreement reached = quickAgreement(pair, frames, options);
     const double value = reached.after - kStrainPrice * reached.strain - price;
-    if (value > most) most = value, best = i;
+    if (value > most) most = value, best = {i, reached};
   }
   return best;
 }
@@ -111,8 +119,8 @@ bool leavesUpright(double freely, double upright) {
 
 /// Turns farther from the chosen one than this, radians, are another way round.
 constexpr double kOtherWay = M_PI / 3;
-/// A shape looks the same when turned if that distorts its own inner distances by less than this share of what the other
-/// way round distorts those of the pair.
+/// Shapes look the same when turned if that distorts each one's own inner distances by less than this share of what the
+/// other way round distorts those of the pair.
 constexpr double kLooksTheSame = 0.5;
 
 /// Below this share of the best upright turn's distortion a free one is told of; see kLeavesUprightAlike.
@@ -123,6 +131,7 @@ struct ChosenTurn {
   TurnChoice choice;
   bool alike = false;  ///< the objects are alike enough for a right way round
   double freely = 1;   ///< distortion of the best turn that leaves upright over that of the best upright one
+  std::optional<Agreement> reached = std::nullopt;  ///< by a quick matching after it, where one was tried
 };
 
 /// A turn beside which no other was measured.
@@ -137,7 +146,10 @@ TurnChoice choiceOf(const InnerSamples (&samples)[2], const std::vector<Turn>& r
   if (next == rivals.end() || !(choice.distortion > 0)) return choice;
   const double there = innerDistortion(samples[0], samples[1], next->rotation);
   const Mat3d between = chosen.rotation.transpose() * next->rotation;
-  if (innerDistortion(samples[0], samples[0], between) < kLooksTheSame * there) return choice;
+  const Mat3d ofSecond = next->rotation * chosen.rotation.transpose();
+  const double turnedThemselves = std::max(innerDistortion(samples[0], samples[0], between),
+                                           innerDistortion(samples[1], samples[1], ofSecond));
+  if (turnedThemselves < kLooksTheSame * there) return choice;
   choice.margin = std::max(there / choice.distortion - 1, 0.0);
   return choice;
 }
@@ -207,10 +219,11 @@ ChosenTurn chooseTurn(const Fields& pair, const TurnsToTry& toTry, const MorphOp
     while (count < std::min(among.size(), kMostUndecided) && distortion[among[count]] <= most) ++count;
     among.resize(count);
   }
-  const Turn& best = turns[bestByAgreement(pair, turns, among, options, progress)];
+  const AgreedTurn agreed = bestByAgreement(pair, turns, among, options, progress);
+  const Turn& best = turns[agreed.index];
   const TurnChoice choice = choiceOf(samples, rivals, best);
   return {best, choice, choice.distortion < (leaves ? kNothingAlikeFreely : kNothingAlike),
-          leaves || other.empty() ? 1 : distortion[other[0]] / distortion[upright[0]]};
+          leaves || other.empty() ? 1 : distortion[other[0]] / distortion[upright[0]], agreed.reached};
 }
 
 /// Mean price of the objects' turns relative to the first.
@@ -255,12 +268,19 @@ Notes doubtsOf(const ChosenTurn& chosen, const std::string& name) {
   return {{"frame.unsure", Severity::kWarning, name, text}};
 }
 
+/// The best frames so far, and their agreement where it is known.
+struct FrameTrials {
+  Frames best;
+  std::optional<Agreement> reached;
+};
+
 /// Frames with straight spines, every object turned relative to the first.
-Frames straightFrames(const Fields& fields, const std::vector<std::string>& names,
-                      const MorphOptions& options, const Progress& progress) {
+FrameTrials straightFrames(const Fields& fields, const std::vector<std::string>& names,
+                           const MorphOptions& options, const Progress& progress) {
   std::vector<Mat3d> rotations(fields.size(), Mat3d::identity());
   Notes notes;
   std::vector<TurnChoice> choices;
+  std::optional<Agreement> reached;
   for (size_t k = 1; k < fields.size() && options.align == Align::kAuto; ++k) {
     // The features refer to all objects, but only two are compared here.
     MorphOptions pairOptions = options;
@@ -271,26 +291,22 @@ Frames straightFrames(const Fields& fields, const std::vector<std::string>& name
     const ChosenTurn chosen = chooseTurn(pair, turns, pairOptions, progress);
     rotations[k] = chosen.turn.rotation;
     choices.push_back(chosen.choice);
+    // The same frames and options were tried then.
+    if (fields.size() == 2 && options.features.empty()) reached = chosen.reached;
     notes.push_back(turnNote(chosen.turn, names[k], names[0]));
     for (const Note& doubt : doubtsOf(chosen, names[k])) notes.push_back(doubt);
   }
   Frames frames = frameObjects(fields, rotations, options);
   frames.choices = std::move(choices);
   frames.notes.insert(frames.notes.begin(), notes.begin(), notes.end());
-  return frames;
+  return {std::move(frames), reached};
 }
-
-/// The best frames so far, and their agreement.
-struct FrameTrials {
-  Frames best;
-  Agreement reached;
-};
 
 /// The trials after one more, called `name` in its note. `wanted`: the frames are taken
 /// regardless of overlap.
 FrameTrials afterTrial(FrameTrials trials, const Frames& frames, const Fields& fields,
                        const MorphOptions& options, const char* name, bool wanted) {
-  const Agreement a = quickAgreement(fields, frames, options), &least = trials.reached;
+  const Agreement a = quickAgreement(fields, frames, options), &least = *trials.reached;
   const double gain = 0.5 * (a.before + a.after - least.before - least.after) +
                       turnPrice(trials.best, options.up) - turnPrice(frames, options.up);
   const bool wins = wanted || (gain > kPrice && a.after > least.after - kPrice);
@@ -322,7 +338,7 @@ Frames framesInOneWorld(const Fields& fields, const MorphOptions& options) {
 
 /// Whether a trial can still win, as no overlap is above 1 and no price below 0.
 bool mayBeBeaten(const FrameTrials& trials, const Vec3d& up) {
-  return 0.5 * (2 - trials.reached.before - trials.reached.after) + turnPrice(trials.best, up) > kPrice;
+  return 0.5 * (2 - trials.reached->before - trials.reached->after) + turnPrice(trials.best, up) > kPrice;
 }
 
 }  // namespace
@@ -332,10 +348,10 @@ Frames chooseFrames(const Fields& fields, const std::vector<std::string>& names,
   MorphOptions quick = options;
   quick.slices = kQuickSlices;
   if (options.align == Align::kDirections) return framesInOneWorld(fields, quick);
-  FrameTrials trials{straightFrames(fields, names, quick, progress), {}};
+  FrameTrials trials = straightFrames(fields, names, quick, progress);
   const std::vector<TurnChoice> choices = trials.best.choices;
   if (options.align == Align::kNone) return trials.best;
-  trials.reached = quickAgreement(fields, trials.best, quick);
+  if (!trials.reached) trials.reached = quickAgreement(fields, trials.best, quick);
   const auto consider = [&](const std::optional<Frames>& frames, const char* name, bool wanted) {
     if (progress.cancelled()) throw Cancelled();
     if (frames) trials = afterTrial(std::move(trials), *frames, fields, quick, name, wanted);
