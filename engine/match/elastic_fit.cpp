@@ -41,10 +41,11 @@ constexpr double kLikeNeighbours =
     0.5;  ///< weight of neighbours' rotations against the edges' own directions
 /// How far around a sample areas are compared, in sizes of the target, and up to which ratio they are alike.
 constexpr double kAround = 0.15, kMostRatio = 1.8;
-/// Strain around a node up to which it is taken as turned, and from which as crumpled. Half way the recorded motion
-/// horse_collapse was off by .636 % of its diagonal with them and by .655 % where all was taken as turned (with thin walls
-/// kept everywhere); samba by .912 and .914 %. With half of each samba gets worse: .941 %, not .926 %.
-constexpr double kTurned = 0.2, kCrumpled = 0.5;
+/// Share of a body's change that is no rotation (root of squares) up to which it is taken as turned, and from which as
+/// crumpled: where as much is strain as is turned, .71, rotations tell nothing of the way. It is .25 on the recorded motion
+/// samba and .83 on horse_collapse. Half way they are off by .925 and .641 % of the diagonal; decided node by node by strain
+/// (.2 to .5) .926 and .649 %, by this share .923 and .656 %.
+constexpr double kTurned = 0.5, kCrumpled = 0.8;
 constexpr float kHold = 1e-6f;  ///< keeps nodes that nothing else holds where they are
 
 using Four = Eigen::Array4f;
@@ -396,18 +397,17 @@ std::vector<Vec3d> consistentVectors(const BodyGraph& graph, const std::vector<M
   return vectors;
 }
 
-/// Per node, how far its edges' change is no rotation, 0 to 1.
-std::vector<double> crumpledShares(const BodyGraph& graph, const ElasticFit& fit) {
-  std::vector<double> strain(graph.position.size(), 0), weight(graph.position.size(), 1e-12);
-  const std::vector<double> ofEdges = edgeStrains(graph, fit);
+/// How far a fit's change is no rotation, 0 to 1: by what edges change beyond it against what they change in all.
+double crumpledShare(const BodyGraph& graph, const ElasticFit& fit) {
+  const std::vector<Vec3d> rotated = rotatedEdges(graph, fit.rotation);
+  double beyond = 0, turned = 0;
+  for (double strain : edgeStrains(graph, fit)) beyond += strain;
   for (size_t i = 0; i < graph.edges.size(); ++i) {
     const BodyGraph::Edge& e = graph.edges[i];
-    for (int node : {e.from, e.to})
-      strain[size_t(node)] += ofEdges[i], weight[size_t(node)] += double(e.weight);
+    const Vec3d before = graph.position[size_t(e.to)] - graph.position[size_t(e.from)];
+    turned += double(e.weight) * (rotated[i] - before).lengthSqr() / before.lengthSqr();
   }
-  for (size_t i = 0; i < strain.size(); ++i)
-    strain[i] = smoothstep(std::sqrt(strain[i] / weight[i]), kTurned, kCrumpled);
-  return strain;
+  return beyond > 0 ? smoothstep(std::sqrt(beyond / (beyond + turned)), kTurned, kCrumpled) : 0;
 }
 
 }  // namespace
@@ -468,13 +468,12 @@ ElasticFit partWay(const BodyGraph& graph, const ElasticFit& fit, double t) {
   std::vector<Mat3d> back;  // from the fit to the part of the way
   for (const Vec3d& v : consistentVectors(graph, fit.rotation))
     part.rotation.push_back(rotationFromVector(t * v)), back.push_back(rotationFromVector((t - 1) * v));
-  const std::vector<double> crumpled = crumpledShares(graph, fit);
-  // An edge's stretch is told by turning the fitted one back; both ends say how it is turned. Where it is not, as in what
-  // is crumpled, it goes straight.
+  const double straight = crumpledShare(graph, fit);
+  // An edge's stretch is told by turning the fitted one back; both ends say how it is turned. A body that
+  // is crumpled rather than turned goes straight.
   std::vector<Vec3d> wanted;
   for (const BodyGraph::Edge& e : graph.edges) {
     const size_t ends[2] = {size_t(e.from), size_t(e.to)};
-    const double straight = 0.5 * (crumpled[ends[0]] + crumpled[ends[1]]);
     const Vec3d before = graph.position[ends[1]] - graph.position[ends[0]],
                 after = fit.position[ends[1]] - fit.position[ends[0]];
     Vec3d edge(0.0);

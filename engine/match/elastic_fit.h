@@ -38,8 +38,8 @@ ElasticFit fitElastically(const BodyGraph& graph, const OrientedPoints& surface,
                           const BodyPose& start, double hopeless);
 
 /// The body part of the way to a fit of it, at `t` from 0 to 1: rotations and stretches are blended apart, node by node,
-/// and joined by one least-squares solution [XZWB05]; what is crumpled rather than turned goes straight. The same from the
-/// other side but for what is crumpled. Its figures are not set.
+/// and joined by one least-squares solution [XZWB05]; a body that is crumpled rather than turned goes straight. The same
+/// from the other side but for such a one. Its figures are not set.
 ElasticFit partWay(const BodyGraph& graph, const ElasticFit& fit, double t);
 
 /// By how much parts are turned against the whole, radians: all but 2 % of the nodes by no more.
