@@ -125,6 +125,9 @@ void convertVolumes(const ConvertSettings& s, const std::vector<InputFrame>& vol
   Image first;  // without its values
   for (const InputFrame& volume : volumes) {
     ImageFile file = imageToConvert(volume.input, s);
+    // Where volumes become one file, the time between them does count, and is told once.
+    for (Note& note : file.notes)
+      if (note.code == kTimeByRepetition && !writer) note.severity = Severity::kNote;
     printNotes(volume.input.text + ": ", file.notes, s.quiet, s.verbose);
     const ConvertSettings own = settingsFor(file, s);
     const auto [image, header] = onAskedLattice(std::move(file.image), std::move(file.header), own);
