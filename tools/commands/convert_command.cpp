@@ -48,8 +48,8 @@ ImageWithHeader onAskedLattice(Image image, ImageHeader header, const ConvertSet
   if (s.like.empty()) {
     on = cubicLattice(image.lattice, s.load);
   } else {
-    const ImageFile like = readImage(s.like, s.load.image);
-    on = like.image.lattice, header.forms = like.header.forms;
+    const ImageVoxels like = voxelsLike(s.like, s.load.image);
+    on = like.lattice, header.forms = like.forms;
   }
   require(s.load.memory, s.output, needOfImage(on, 1));
   return {isLabelMap(image, s.load.imageKind) ? nearestTo(image, on) : resampledTo(image, on),
