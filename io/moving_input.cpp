@@ -69,6 +69,11 @@ std::optional<LoadedObject> MovingInput::tried(size_t n, const LoadOptions& opti
   }
 }
 
+void MovingInput::refuseAsNothing(const LoadOptions& options) const {
+  loadObject(files_[0], options);  // says why the first is nothing
+  throw NothingError(input_.text, "none of its " + std::to_string(files_.size()) + " files holds anything");
+}
+
 void MovingInput::chooseGrid(const LoadOptions& options) {
   if (chosen_) return;
   LoadOptions first = options;
@@ -86,9 +91,7 @@ void MovingInput::chooseGrid(const LoadOptions& options) {
       return;
     }
   }
-  // Each file is nothing: the first says why.
-  loadObject(files_[0], options);
-  throw NothingError(input_.text, "none of its " + std::to_string(files_.size()) + " files holds anything");
+  refuseAsNothing(options);
 }
 
 const LoadedObject& MovingInput::pieceFor(size_t n, const LoadOptions& options) {
@@ -102,13 +105,13 @@ const LoadedObject& MovingInput::pieceFor(size_t n, const LoadOptions& options) 
     if (take(i)) return *piece_;
   for (size_t i = n + 1; i < files_.size(); ++i)
     if (take(i)) return *piece_;
-  throw NothingError(input_.text, "none of its files holds anything");
+  refuseAsNothing(options);
 }
 
 LoadedObject MovingInput::load(size_t frame, const LoadOptions& options) {
   const size_t n = std::min(frame, files_.size() - 1);
   if (!moves_) return loadObject(files_[n], options);
-  chooseGrid(options);
+  if (input_.isGrids() && input_.selection.empty()) chooseGrid(options);
   if (std::optional<LoadedObject> loaded = tried(n, options)) {
     piece_ = loaded, pieceAt_ = n;
     return *loaded;

@@ -31,7 +31,9 @@ class MovingInput {
  private:
   /// The object of the n-th file; none where it holds nothing.
   std::optional<LoadedObject> tried(size_t n, const LoadOptions& options);
+  /// Of a sequence of VDB files of which no grid is named.
   void chooseGrid(const LoadOptions& options);
+  [[noreturn]] void refuseAsNothing(const LoadOptions& options) const;
   const LoadedObject& pieceFor(size_t n, const LoadOptions& options);
 
   InputSpec input_;

@@ -1,6 +1,7 @@
 #include "engine/measure/label_comparison.h"
 
 #include "engine/numerics/distance_transform.h"
+#include "engine/numerics/percentile.h"
 #include "slicemorph/errors.h"
 
 #include <tbb/parallel_for.h>
@@ -85,13 +86,6 @@ void addDistances(const std::vector<char>& from, const std::vector<char>& to, co
     if (from[i]) distances.push_back(to[i] ? 0.f : std::abs(field[i]));
 }
 
-/// Of sorted values the one below which a share of them is, linear between two.
-double percentileOf(const std::vector<float>& sorted, double share) {
-  const double at = share * double(sorted.size() - 1);
-  const size_t low = size_t(at), high = std::min(low + 1, sorted.size() - 1);
-  return sorted[low] + (at - double(low)) * (double(sorted[high]) - sorted[low]);
-}
-
 template <typename Value>
 SurfaceDistance distanceOfLabel(const ImageLattice& lattice, const Value& value, std::int64_t label,
                                 const openvdb::CoordBBox& box) {
@@ -109,11 +103,10 @@ SurfaceDistance distanceOfLabel(const ImageLattice& lattice, const Value& value,
   }
   std::vector<float> distances;
   for (int m = 0; m < 2; ++m) addDistances(outer[m], outer[1 - m], in, lattice.spacing(), distances);
-  std::sort(distances.begin(), distances.end());
   SurfaceDistance result;
   result.mean = std::accumulate(distances.begin(), distances.end(), 0.0) / double(distances.size());
   result.p95 = percentileOf(distances, 0.95), result.p99 = percentileOf(distances, 0.99);
-  result.max = distances.back();
+  result.max = *std::max_element(distances.begin(), distances.end());
   return result;
 }
 

@@ -1,4 +1,5 @@
 #include "engine/measure/measure.h"
+#include "engine/numerics/percentile.h"
 #include "slicemorph/errors.h"
 
 #include <tbb/parallel_for.h>
@@ -197,13 +198,8 @@ void requireTriangles(const Mesh& mesh) {
 SurfaceDistance summarise(std::vector<double> distances) {
   SurfaceDistance result;
   result.mean = std::accumulate(distances.begin(), distances.end(), 0.0) / double(distances.size());
-  const auto rank = distances.begin() + (distances.size() - 1) * 99 / 100;
-  std::nth_element(distances.begin(), rank, distances.end());
-  result.p99 = *rank;
-  const auto lower = distances.begin() + (distances.size() - 1) * 95 / 100;
-  std::nth_element(distances.begin(), lower, rank);
-  result.p95 = rank == lower ? *rank : *lower;
-  result.max = *std::max_element(rank, distances.end());
+  result.p95 = percentileOf(distances, 0.95), result.p99 = percentileOf(distances, 0.99);
+  result.max = *std::max_element(distances.begin(), distances.end());
   return result;
 }
 

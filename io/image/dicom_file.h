@@ -30,6 +30,13 @@ enum DicomMark {
   kMarkCount
 };
 
+/// When a slice was acquired; seconds.
+struct DicomTimes {
+  std::optional<double> offset;    ///< behind the first of the file's temporal positions
+  std::optional<double> acquired;  ///< from a start that the slices of a series share
+  double repetition = 0;           ///< RepetitionTime, where a volume takes one; 0: not known
+};
+
 /// One slice: a frame of a file, or a tile of one.
 struct DicomFrame {
   int number = 0;                 ///< of the frame in its file, from 0
@@ -43,6 +50,7 @@ struct DicomFrame {
   double slope = 1, intercept = 0;
   int segment = 0;  ///< of a segmentation
   std::array<std::string, kMarkCount> marks;
+  DicomTimes times;
 };
 
 struct DicomSegment {

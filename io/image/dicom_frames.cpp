@@ -1,4 +1,5 @@
 #include "io/image/dicom_geometry.h"
+#include "io/image/dicom_times.h"
 
 #include <algorithm>
 #include <cctype>
@@ -32,6 +33,8 @@ constexpr DicomTag kEchoTime = 0x00180081, kEchoNumber = 0x00180086, kTemporalId
                    kAcquisitionTime = 0x00080032, kContentTime = 0x00080033, kFrameReferenceTime = 0x00541300,
                    kSiemensB = 0x0019100c, kSiemensDirection = 0x0019100e, kGeB = 0x00431039,
                    kGePart = 0x0043102f, kPhilipsB = 0x20011003;
+constexpr DicomTag kTiming = 0x00189112, kRepetition = 0x00180080, kAcquisitionType = 0x00180023,
+                   kSequences = 0x00180020, kAcquisitionDate = 0x00080022, kAcquisitionMoment = 0x0008002a;
 // Outside of functional groups.
 constexpr DicomTag kDoseScaling = 0x3004000e, kImagerSpacing = 0x00181164;
 
@@ -171,6 +174,25 @@ void readMarks(const Groups& groups, const DicomElements& data, const std::vecto
     if (d < index.size()) marks[kDimension] += (marks[kDimension].empty() ? "" : " ") + shortText(index[d]);
 }
 
+DicomTimes timesOf(const Groups& groups, const DicomElements& data) {
+  DicomTimes times;
+  const std::vector<double> offset = groups.numbers(kTemporalGroup, kTemporalOffset, "FD"),
+                            reference = data.numbers(kFrameReferenceTime),
+                            repetition = groups.numbers(kTiming, kRepetition);
+  if (!offset.empty()) times.offset = offset[0];
+  if (!reference.empty()) times.acquired = reference[0] / 1000;  // milliseconds
+  for (DicomTag tag : {kFrameReference, kFrameTime, kAcquisitionMoment})
+    if (!times.acquired) times.acquired = secondsOfDateTime(groups.text(kFrameContent, tag));
+  if (!times.acquired)
+    times.acquired = secondsOfDateTime(data.text(kAcquisitionDate), data.text(kAcquisitionTime));
+  // Only echo planar imaging of slices is sure to take one repetition a volume: others take one or more a line.
+  const std::string sequences = data.text(kSequences);
+  const bool lines = data.text(kAcquisitionType) == "3D" ||
+                     (!sequences.empty() && sequences.find("EP") == std::string::npos);
+  if (!repetition.empty() && !lines) times.repetition = std::max(0.0, repetition[0] / 1000);
+  return times;
+}
+
 /// Indices of the file's dimensions but for those of space and of segments.
 std::vector<size_t> otherDimensions(const DicomElements& data) {
   std::vector<size_t> others;
@@ -206,6 +228,7 @@ void readFunctionalGroups(const DicomElements& data, const std::vector<DicomElem
     // A position outside of the groups is none of each frame's.
     if (file.frames.size() > 1 && !groups.hasInGroup(kPlanePosition, kPosition)) frame.position.reset();
     readMarks(groups, data, dimensions, frame);
+    frame.times = timesOf(groups, data);
     if (file.uncertain.empty() && file.frames.size() > 1 && (!frame.position || !frame.axes))
       file.uncertain =
           "frame " + std::to_string(k + 1) + " has no " + (frame.position ? "direction" : "position");
@@ -229,6 +252,7 @@ void readDicomFrames(const DicomElements& data, DicomFile& file) {
   const Groups groups(none, none, data);
   readGeometry(groups, file.frames[0]);
   readMarks(groups, data, {}, file.frames[0]);
+  file.frames[0].times = timesOf(groups, data);
   if (data.has(kDoseScaling))
     file.frames[0].slope = data.first(kDoseScaling, "DS", 1), file.frames[0].intercept = 0;
   takeImagerSpacing(data, file);

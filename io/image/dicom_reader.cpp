@@ -1,9 +1,11 @@
 #include "io/image/dicom_reader.h"
 
 #include "engine/numerics/readable.h"
+#include "io/image/dicom_geometry.h"
 #include "io/image/dicom_pixels.h"
 #include "io/image/dicom_segmentation.h"
 #include "io/image/dicom_slice_places.h"
+#include "io/image/dicom_times.h"
 #include "io/image/image_formats.h"
 #include "io/image/straighten.h"
 #include "slicemorph/errors.h"
@@ -223,6 +225,13 @@ void describeSeries(const DicomChoice& choice, ImageFile& file) {
   if (segmentation) file.about += ", segments " + segmentsOf(series);
   const std::string apart = segmentation ? "" : series.volumes[choice.volume].apart;
   if (!apart.empty()) file.about += ", " + apart;
+  if (segmentation) return;
+  const DicomTimeStep step = timeStepOf(series);
+  file.header.timeStep = step.seconds, file.header.inSeconds = true;
+  if (step.byRepetition)
+    file.notes.emplace_back(kTimeByRepetition, Severity::kDetail, "",
+                            "its volumes are taken to follow each other by RepetitionTime, " +
+                                shortText(step.seconds) + " s: their temporal positions have no times");
 }
 
 }  // namespace

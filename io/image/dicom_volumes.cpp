@@ -58,6 +58,7 @@ class Splitter {
       for (const auto& [mark, value] : leaf.path) {
         volume.apart += volume.apart.empty() ? "" : ", ";
         volume.apart += mark == kMarkCount ? value : described(DicomMark(mark), value);
+        volume.marks.push_back(mark);
         volume.byOrderOnly = volume.byOrderOnly || mark == kMarkCount;
       }
       out.push_back(std::move(volume));

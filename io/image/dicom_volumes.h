@@ -13,6 +13,7 @@ struct DicomSliceRef {
 struct DicomVolume {
   std::vector<DicomSliceRef> slices;
   std::string apart;         ///< what tells it from the others of its series; empty: there is one
+  std::vector<int> marks;    ///< the same: DicomMark, or kMarkCount for the order in the files
   bool byOrderOnly = false;  ///< nothing but the order in the files does
 };
 

@@ -46,6 +46,9 @@ bool isStatedLabels(const ImageFile& file);
 /// Code of the warnings that tell how voxels were placed because --force insisted.
 constexpr const char* kGeometryForced = "image.geometry-forced";
 
+/// Code of the detail that the time between volumes is taken from a scan's repetition time.
+constexpr const char* kTimeByRepetition = "image.time-by-repetition";
+
 /// As openImageSlices.
 std::optional<ImageSlices> openNiftiSlices(const InputSpec& input, const ImageOptions& options);
 std::optional<ImageSlices> openNrrdSlices(const InputSpec& input, const ImageOptions& options);

@@ -22,7 +22,7 @@ import pydicom
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
 import dicom_files as dcm
 from cases import Skip, run_within
-from dicom_files import Grid, classic, enhanced, item, transformation
+from dicom_files import Grid, classic, enhanced, item, shared_groups, transformation
 from program import Program
 
 if len(sys.argv) < 2:
@@ -214,6 +214,58 @@ def case_volumes_of_slices():
         classic("twice/%d.dcm" % k, grid, k)
     classic("twice/again.dcm", grid, 1, pixels=grid.values(1, 1))
     refused("convert", "twice", "-o", "x.nii", says=["same place", "again.dcm"])
+
+
+def step_of(name):
+    """The time between the volumes of the first series as nibabel reads what is written of them, and its unit; what was said."""
+    said = run("convert", name + ":1@1-3", "-o", "o.nii").stderr
+    header = nib.load("o.nii").header
+    return float(header["pixdim"][4]), header.get_xyzt_units()[1], said
+
+
+def case_times():
+    """The time between volumes: of temporal positions their own, else from when slices were acquired, else RepetitionTime where
+    a volume takes one. Where times are uneven, or volumes are no times, none (NIfTI: 1 of no unit)."""
+    grid, at = Grid(), lambda v, k: "1200%06.3f" % (5 + 2.5 * v + 0.1 * k)
+    position = lambda v: {"TemporalPositionIdentifier": str(v + 1)}
+    slices = {"clock": (lambda v, k: {"AcquisitionDate": "20240229", "AcquisitionTime": at(v, k), "RepetitionTime": "700"}, 2.5, False),
+              "midnight": (lambda v, k: {"AcquisitionDate": ["20231231", "20240101", "20240101"][v], "AcquisitionTime":
+                                         ["235959.25", "000000.75", "000002.25"][v]}, 1.5, False),
+              "leap": (lambda v, k: {"AcquisitionDateTime": ["20240228235959", "20240229120000", "20240301000001"][v]}, 43201, False),
+              "tracer": (lambda v, k: {"FrameReferenceTime": str(30000 * v + 15000)}, 30, False),
+              "start": (lambda v, k: {"AcquisitionDate": "20240229", "AcquisitionTime": "120000", "RepetitionTime": "2200"}, 2.2, True),
+              "planar": (lambda v, k: {"ScanningSequence": ["GR", "EP"], "MRAcquisitionType": "2D", "RepetitionTime": "2200"}, 2.2, True),
+              "lines": (lambda v, k: {"ScanningSequence": "GR", "RepetitionTime": "8"}, None, False),
+              "solid": (lambda v, k: {"ScanningSequence": "EP", "MRAcquisitionType": "3D", "RepetitionTime": "8"}, None, False),
+              "uneven": (lambda v, k: {"AcquisitionDate": "20240229", "AcquisitionTime": "12000%d" % (v * v), "RepetitionTime": "2200"}, None, False),
+              "various": (lambda v, k: {"RepetitionTime": str(2000 + v)}, None, False),
+              "untold": (lambda v, k: {}, None, False)}
+    for name, (elements, step, repeated) in slices.items():
+        for v in range(3):
+            for k in range(3):
+                classic("%s/%d%d.dcm" % (name, k, v), grid, k, pixels=grid.values(k, v), number=10 * k + v, **position(v), **elements(v, k))
+        found, unit, said = step_of(name)
+        assert (abs(found - (step or 1)) < 1e-5 and unit == ("sec" if step else "unknown")), (name, found, unit)
+        assert ("RepetitionTime" in said) == repeated, (name, said)
+    # Echoes of one shot are no times, whatever else is told.
+    for v in range(3):
+        for k in range(3):
+            classic("echoes/%d%d.dcm" % (k, v), grid, k, number=10 * k + v, EchoTime=str(3 + v), RepetitionTime="2200")
+    assert step_of("echoes")[1] == "unknown"
+    # In functional groups.
+    content = lambda v, **e: {"FrameContentSequence": [item(TemporalPositionIndex=v + 1, **e)]}
+    timing = {"MRTimingAndRelatedParametersSequence": [item(RepetitionTime="1800")]}
+    groups = {"offset": (lambda v: dict(content(v), TemporalPositionSequence=[item(TemporalPositionTimeOffset=4.5 * v)]), 4.5),
+              "date": (lambda v: content(v, FrameAcquisitionDateTime="202001011200%02d" % (3 * v)), 3),
+              "repeat": (lambda v: content(v), 1.8)}
+    for name, (own, step) in groups.items():
+        enhanced(name + ".dcm", grid, [(k, dict(own(v), pixels=grid.values(k, v))) for v in range(3) for k in range(3)],
+                 shared=shared_groups(grid, **timing))
+        found, unit, said = step_of(name + ".dcm")
+        assert abs(found - step) < 1e-5 and unit == "sec", (name, found, unit)
+        assert ("RepetitionTime" in said) == (name == "repeat"), (name, said)
+    run("convert", "offset.dcm:1@1,3", "-o", "o.nii")
+    assert nib.load("o.nii").header["pixdim"][4] == 9
 
 
 def case_one_position():

@@ -48,8 +48,8 @@ ImageWithHeader onAskedLattice(Image image, ImageHeader header, const ConvertSet
   if (s.like.empty()) {
     on = cubicLattice(image.lattice, s.load);
   } else {
-    const ImageFile like = readImage(s.like, s.load.image);
-    on = like.image.lattice, header.forms = like.header.forms;
+    const ImageVoxels like = voxelsLike(s.like, s.load.image);
+    on = like.lattice, header.forms = like.forms;
   }
   require(s.load.memory, s.output, needOfImage(on, 1));
   return {isLabelMap(image, s.load.imageKind) ? nearestTo(image, on) : resampledTo(image, on),
@@ -125,6 +125,9 @@ void convertVolumes(const ConvertSettings& s, const std::vector<InputFrame>& vol
   Image first;  // without its values
   for (const InputFrame& volume : volumes) {
     ImageFile file = imageToConvert(volume.input, s);
+    // Where volumes become one file, the time between them does count, and is told once.
+    for (Note& note : file.notes)
+      if (note.code == kTimeByRepetition && !writer) note.severity = Severity::kNote;
     printNotes(volume.input.text + ": ", file.notes, s.quiet, s.verbose);
     const ConvertSettings own = settingsFor(file, s);
     const auto [image, header] = onAskedLattice(std::move(file.image), std::move(file.header), own);

@@ -168,8 +168,8 @@ void carryImage(const ApplyJob& job, const TimeMap& map, JobEvents& events) {
   ImageLattice on = file.image.lattice;
   // Codes of space belong to voxels, all else of a header to the values.
   if (!job.like.empty()) {
-    const ImageFile like = readImage(job.like, job.load.image);
-    on = like.image.lattice, header.forms = like.header.forms;
+    const ImageVoxels like = voxelsLike(job.like, job.load.image);
+    on = like.lattice, header.forms = like.forms;
   } else if (const LoadedObject* to = map.objectTo()) {
     on = to->image->lattice, header.forms = to->imageHeader.forms;
   }
@@ -216,7 +216,7 @@ void writeFieldGrid(const std::string& path, const VectorImage& field) {
 
 void writeField(const ApplyJob& job, const TimeMap& map, JobEvents& events) {
   VectorImage field;
-  field.lattice = !job.like.empty()  ? readImage(job.like, job.load.image).image.lattice
+  field.lattice = !job.like.empty()  ? voxelsLike(job.like, job.load.image).lattice
                   : map.objectFrom() ? map.objectFrom()->image->lattice
                                      : latticeOver(map.box(), job.load.voxelSize);
   const bool vdb = !isImageOutput(job.output);

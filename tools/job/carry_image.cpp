@@ -33,8 +33,8 @@ ImagePlan planImages(const MorphSettings& settings, const std::vector<LoadedObje
   if (labels)
     for (const LoadedObject& input : inputs) plan.labels.emplace_back(*input.image);
   if (!settings.like.empty()) {
-    const ImageFile like = readImage(settings.like, settings.load.image);
-    plan.lattice = like.image.lattice, plan.header.forms = like.header.forms;
+    const ImageVoxels like = voxelsLike(settings.like, settings.load.image);
+    plan.lattice = like.lattice, plan.header.forms = like.forms;
   } else {
     LatticeChoice choice = latticeAround(inputs);
     plan.lattice = choice.lattice, plan.notes = std::move(choice.notes);

@@ -44,6 +44,11 @@ ImageLattice cubicLattice(const ImageLattice& lattice, const LoadOptions& option
   return cubic;
 }
 
+ImageVoxels voxelsLike(const std::string& path, const ImageOptions& options) {
+  ImageFile like = readImage(path, options);
+  return {like.image.lattice, std::move(like.header.forms)};
+}
+
 LatticeChoice latticeAround(const std::vector<LoadedObject>& objects) {
   const ImageLattice& first = objects[0].image->lattice;
   const WorldToVoxel voxel(first);

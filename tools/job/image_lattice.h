@@ -3,6 +3,7 @@
 #include "slicemorph/io/input.h"
 #include "slicemorph/note.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,13 @@ void takeLabels(ImageFile& file, ImageKind kind);
 /// A lattice of cubic voxels over the same box: of the given voxel size, or with `resolution` voxels along
 /// the longest side.
 ImageLattice cubicLattice(const ImageLattice& lattice, const LoadOptions& options);
+
+/// The voxels of another image (--like), and the codes of space that belong to them.
+struct ImageVoxels {
+  ImageLattice lattice;
+  std::optional<NiftiForms> forms;
+};
+ImageVoxels voxelsLike(const std::string& path, const ImageOptions& options);
 
 /// The voxels of in-between images: those of the first image, extended as far as the other objects' shapes
 /// need; if so, the notes say it.

@@ -5,6 +5,7 @@
 #include "engine/volume/resample_image.h"
 #include "slicemorph/io/image_writer.h"
 #include "slicemorph/io/output.h"
+#include "tools/job/image_lattice.h"
 #include "tools/job/write_structures.h"
 #include "tools/report/structure_report.h"
 
@@ -34,8 +35,8 @@ void writeLabelImage(const ReconstructJob& job, Image dense, ImageHeader header,
   const OutputName name(job.output);
   const bool structures = isStructureOutput(job.output);
   if (!job.like.empty()) {
-    const ImageFile like = readImage(job.like, job.image);
-    dense = nearestTo(dense, like.image.lattice), header.forms = like.header.forms;
+    const ImageVoxels like = voxelsLike(job.like, job.image);
+    dense = nearestTo(dense, like.lattice), header.forms = like.forms;
   }
   if (job.takeImage) return job.takeImage(std::move(dense));
   const auto labels = std::make_shared<const Image>(std::move(dense));

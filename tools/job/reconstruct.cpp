@@ -66,8 +66,8 @@ ReconstructJob reconstructJob(const OptionSet& options) {
   job.every = given.every, job.between = given.between, job.voxelSize = given.load.voxelSize;
   job.space = meshSpace(options, job.output, MeshSpace::kLps);
   job.like = given.like, job.source = given.source, job.names = given.names, job.reports = given.reports;
-  job.image = loadSettings(options).image;
-  job.imageKind = loadSettings(options).imageKind;
+  const LoadOptions load = loadSettings(options);
+  job.image = load.image, job.imageKind = load.imageKind;
   job.memory = memorySettings(options);
   if (options.given("grids")) job.grids = parseNames("--grids", given.grids);
   return job;

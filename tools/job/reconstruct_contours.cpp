@@ -8,6 +8,7 @@
 #include "slicemorph/errors.h"
 #include "slicemorph/io/image_writer.h"
 #include "slicemorph/io/output.h"
+#include "tools/job/image_lattice.h"
 #include "tools/job/option_values.h"
 #include "tools/job/surface_writer.h"
 #include "tools/job/write_structures.h"
@@ -93,9 +94,9 @@ struct MapVoxels {
 /// ones.
 MapVoxels voxelsFor(const ReconstructJob& job, const Structures& made, JobEvents& events) {
   if (!job.like.empty()) {
-    const ImageFile like = readImage(job.like, job.image);
-    MapVoxels voxels{like.image.lattice, {}};
-    voxels.header.forms = like.header.forms;
+    const ImageVoxels like = voxelsLike(job.like, job.image);
+    MapVoxels voxels{like.lattice, {}};
+    voxels.header.forms = like.forms;
     return voxels;
   }
   if (job.voxelSize > 0) return {contourLattice(made.sets, job.voxelSize), {}};

@@ -6,6 +6,7 @@
 #include "slicemorph/io/image_writer.h"
 #include "slicemorph/io/output.h"
 #include "tools/job/given_slices.h"
+#include "tools/job/image_lattice.h"
 
 #include <algorithm>
 #include <utility>
@@ -75,8 +76,8 @@ void reconstructGrey(const ReconstructJob& job, ImageFile file, JobEvents& event
   Image image = job.between > 0 ? expandedStack(file.image, given.axis, job.between) : std::move(file.image);
   image = interpolateGrey(std::move(image), given);
   if (!job.like.empty()) {
-    const ImageFile like = readImage(job.like, job.image);
-    image = resampledTo(image, like.image.lattice), file.header.forms = like.header.forms;
+    const ImageVoxels like = voxelsLike(job.like, job.image);
+    image = resampledTo(image, like.lattice), file.header.forms = like.forms;
   }
   if (job.takeImage) return job.takeImage(std::move(image));
   writeImage(job.output, image, file.header);

@@ -3,12 +3,8 @@
 #include "io/paths.h"
 #include "slicemorph/io/input_spec.h"
 
-#include <algorithm>
-
 namespace slicemorph {
 namespace {
-
-bool isMeshInput(const std::string& input) { return parseInput(input).contents == Contents::kMesh; }
 
 UsdaStage stageOf(const MorphSettings& s, const OptionSet& options) {
   const JobOptions& given = options.values();
@@ -26,7 +22,9 @@ bool showsVolume(const MorphSettings& s, const OptionSet& options) {
     options.refuse("usd", "--usd volume: a .usda of a volume holds all frames; leave the #### out of -o " +
                               s.output + ", or ask for --usd mesh");
   if (usd != "auto") return usd == "volume";
-  return !sequence && !std::all_of(s.inputs.begin(), s.inputs.end(), isMeshInput);
+  bool meshes = true;
+  for (size_t k = 0; k < s.inputs.size(); ++k) meshes = meshes && s.input(k).contents == Contents::kMesh;
+  return !sequence && !meshes;
 }
 
 /// A mesh's velocities are those of USD, per second, and the map's.

@@ -162,7 +162,7 @@ Notes writeSurfaceStructures(const StructuresJob& job, const std::vector<NamedSu
   StructureSet set;
   set.input = job.input;
   if (!job.source.empty()) set.source = readDicomSource(job.source, job.image.force);
-  set.planes = !job.like.empty() ? planesOf(readImage(job.like, job.image).image.lattice)
+  set.planes = !job.like.empty() ? planesOf(voxelsLike(job.like, job.image).lattice)
                : set.source      ? set.source->planes
                                  : planesOf(otherwise);
   Notes notes;
