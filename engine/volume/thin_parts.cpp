@@ -39,7 +39,8 @@ LostPoints lostPoints(const Mesh& mesh, const FloatGrid& levelSet, size_t count)
 
 /// Points per square voxel whose balls, as thick as a wall is to be, cover it.
 constexpr double kPointsPerVoxel = 4;
-/// Of a surface of more than a million square voxels there are fewer; a quarter as many still cover it.
+/// Of a surface of more than a million square voxels there are fewer; a quarter as many still cover it, so up to four
+/// million. Beyond, thin walls are kept with gaps.
 constexpr double kMostPoints = 1 << 22;
 
 }  // namespace

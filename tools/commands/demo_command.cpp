@@ -48,18 +48,39 @@ std::vector<std::vector<std::string>> pairsOf(const OptionSet& options) {
   return {inputs};
 }
 
-/// The folder of all results: that of -o, else one that is not there yet; it is made.
+/// The folder of all results: that of -o, else one that is not there yet; it is made, so that of two programs each gets its
+/// own.
 std::string folderOf(const OptionSet& options) {
   const std::string& output = options.values().output;
-  const std::string folder =
-      output.empty()
-          ? freeName(kFolder, [](const std::string& name) { return !fs::exists(fs::symlink_status(name)); })
-          : output;
   std::error_code problem;
-  fs::create_directories(folder, problem);
-  if (problem) throw IoError(folder, "the folder cannot be made: " + problem.message());
-  return folder;
+  if (output.empty()) {
+    const auto isFree = [&](const std::string& name) {
+      const bool made = !fs::exists(fs::symlink_status(name)) && fs::create_directory(name, problem);
+      if (problem) throw IoError(name, "the folder cannot be made: " + problem.message());
+      return made;
+    };
+    return freeName(kFolder, isFree);
+  }
+  fs::create_directories(output, problem);
+  if (problem) throw IoError(output, "the folder cannot be made: " + problem.message());
+  return output;
 }
+
+/// Takes away folders in which nothing is, also in folders of theirs, when it ends.
+struct EmptyFolders {
+  ~EmptyFolders() {
+    std::error_code ignored;
+    for (const std::string& folder : folders) {
+      std::vector<fs::path> all = {folder};
+      for (fs::recursive_directory_iterator at(folder, ignored), end; at != end; at.increment(ignored))
+        if (at->is_directory(ignored)) all.push_back(at->path());
+      // What is within comes behind: removed first. What is not empty stays.
+      for (auto path = all.rbegin(); path != all.rend(); ++path)
+        if (fs::is_directory(*path, ignored)) fs::remove(*path, ignored);
+    }
+  }
+  std::vector<std::string> folders;
+};
 
 /// "155 files, 23.4 MB, made in 45 s".
 std::string summaryOf(const std::vector<std::string>& folders, double seconds) {
@@ -76,6 +97,7 @@ void runDemoCommand(const OptionSet& options) {
   const MemoryLimit memory = memorySettings(options);
   const std::string folder = folderOf(options);
   std::vector<DemoJob> jobs;
+  EmptyFolders emptied{{folder}};
   std::vector<std::string> folders;
   for (const std::vector<std::string>& pair : pairs) {
     const std::string name = joinedNames(pair, "_to_");

@@ -1,9 +1,11 @@
 #include "tools/job/default_output.h"
 
+#include "io/file_claim.h"
 #include "io/paths.h"
 #include "slicemorph/errors.h"
 #include "slicemorph/io/image_writer.h"
 #include "slicemorph/io/input_spec.h"
+#include "tools/job/option_values.h"
 
 #include <unistd.h>
 
@@ -15,8 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Names that are joined are cut to this, in bytes: file systems take 255 for the whole.
-constexpr size_t kLongestName = 60;
+/// Names that are joined are cut to this, in bytes. File systems take 255 for the whole: four names, what joins and ends them,
+/// and what files have in front and behind while they are written.
+constexpr size_t kLongestName = 45;
 
 /// A name for what a command makes, and the folder of its own that it goes into; empty: none.
 struct OutputIdea {
@@ -131,6 +134,7 @@ DefaultOutput::DefaultOutput(Command command, OptionSet& options) {
   const OutputIdea idea = ideaFor(command, options);
   // What is carried is what the result is a copy of.
   const std::string& beside = command == kApply && !given.field ? inputs.back() : inputs.front();
+  checkInputExists(beside);
   fs::path path = parseInput(beside).path;
   if (!path.has_filename()) path = path.parent_path();
   fs::path folder = path.parent_path();
@@ -139,7 +143,13 @@ DefaultOutput::DefaultOutput(Command command, OptionSet& options) {
     options.refuse("output", "-o is not given, and neither the folder of " + beside +
                                  " nor the current one can be written to; name an output by -o");
   if (idea.folder.empty()) {
-    const auto isFree = [&](const std::string& name) { return !fs::exists(folder / (name + idea.ending)); };
+    // Claimed before it is looked for: of two programs that look at once one alone gets the name. Not by the file's own
+    // claim, which is that of the frame.
+    const auto isFree = [&](const std::string& name) {
+      const fs::path file = folder / (name + idea.ending);
+      claim_ = std::make_unique<FileClaim>(file.string() + ".name", "output");
+      return claim_->held() && !fs::exists(fs::symlink_status(file));
+    };
     output_ = (folder / (freeName(idea.name, isFree) + idea.ending)).string();
   } else {
     // Also false where something else has the name; errors, as of a full disk, are thrown.

@@ -221,7 +221,7 @@ Rows outputRows() {
           "Result: " + writableShapes() + ", pictures .png .exr, slices .exr, of images also " +
               writableList(Contents::kImage) +
               "; #### stands for the frame number; a .glb or .usda without #### holds all frames, animated")
-          .fallback("beside the first input, of .vdb files or images")
+          .fallback("beside the first input, of .vdb files or images; plan has none")
           .basic(),
       Row(kApply, "output", at<&J::output>, "OUTPUT",
           "Result: a copy of WHAT with other positions, with its extension; of an image: " +

@@ -17,6 +17,8 @@ TEST(Readable, Counts) {
   EXPECT_EQ(readableCount(123456789), "123 million");
   EXPECT_EQ(readableCount(999600000), "1 billion");
   EXPECT_EQ(readableCount(-2500000), "-2.5 million");
+  EXPECT_EQ(readableCount(2.62e58), "2.62e+58");
+  EXPECT_EQ(readableCount(1 / 0.0), "inf");
 }
 
 TEST(Readable, Bytes) {
@@ -29,6 +31,7 @@ TEST(Readable, Bytes) {
   EXPECT_EQ(readableBytes(1023.0 * 1024 * 1024), "0.999 GB");
   EXPECT_EQ(readableBytes(1.5 * 1024 * 1024 * 1024), "1.5 GB");
   EXPECT_EQ(readableBytes(5000.0 * 1024 * 1024 * 1024 * 1024 * 1024), "5000 PB");
+  EXPECT_EQ(readableBytes(1e40), "1e+40 bytes");
 }
 
 TEST(Readable, Durations) {
