@@ -29,7 +29,7 @@ class Module:
     def __init__(self, path, env=None):
         """Asks for the description in the module's own folder, as Slicer does."""
         self.path, self.env = path, dict(os.environ, **(env or {}))
-        told = subprocess.run([path, "--xml"], cwd=os.path.dirname(path), env=self.env, capture_output=True, text=True, timeout=5)
+        told = subprocess.run([path, "--xml"], cwd=os.path.dirname(path), env=self.env, capture_output=True, text=True, timeout=60)
         assert told.returncode == 0 and not told.stderr, told
         assert told.stdout.startswith('<?xml version="1.0" encoding="utf-8"?>'), told.stdout[:80]
         self.xml = told.stdout

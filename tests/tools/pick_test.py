@@ -11,8 +11,10 @@ import base64
 import json
 import os
 import re
-import shutil
+import shlex
 import sys
+import time
+import tomllib
 
 sys.path.append("/usr/lib/python3/dist-packages")
 import numpy as np
@@ -142,6 +144,17 @@ def pick(folder, *words):
     return page
 
 
+def download(browser, folder, name):
+    """Saves the job file by the page's button; returns its text."""
+    browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=folder)
+    browser.run("document.getElementById('jobSave').click()")
+    until = time.time() + 90
+    while not os.path.exists(folder + "/" + name):
+        assert time.time() < until, "%s was not downloaded; there are %s" % (name, sorted(os.listdir(folder)))
+        time.sleep(0.05)
+    return open(folder + "/" + name).read()
+
+
 def near(a, b, within):
     assert np.abs(np.asarray(a) - b).max() <= within, (a, b, within)
 
@@ -212,6 +225,17 @@ def case_clicks_meet_the_surface(folder):
         near(np.array(job_of(browser)[1]), np.array([places[2]]), 0)
         for _ in range(2):
             browser.run("document.getElementById('pickUndo').click()")
+        assert job_of(browser)[0] == text
+        # The chosen place stays chosen where another one is removed.
+        chosen = "[...document.querySelectorAll('#placeTable tbody tr')].map(r => r.className === 'chosen')"
+        browser.run("document.querySelector('#placeTable tbody tr:nth-child(3) td').click()")
+        assert browser.run(chosen) == [False, False, True]
+        browser.run("document.querySelector('#placeTable tbody tr:nth-child(1) button').click()")
+        assert browser.run(chosen) == [False, True]
+        near(np.array(job_of(browser)[1]), np.array(places[1:]), 0)
+        # Keys undo also from a box to tick, which has nothing typed to be undone.
+        browser.run("document.getElementById('together').focus()")
+        browser.key("z", 90, modifiers=2)
         assert job_of(browser)[0] == text
         assert browser.errors() == [], browser.errors()
 
@@ -314,13 +338,7 @@ def case_three_pairs_turn_the_match(folder):
         for miss, place in zip(misses, job_of(browser)[1]):
             near(miss, 100 * np.linalg.norm(place[1] - elsewhere(place[0])) / sides, 5)
         assert misses[0] > 60 and misses[1] > 60, misses
-        browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=folder)
-        browser.run("document.getElementById('jobSave').click()")
-        for _ in range(100):
-            if os.path.exists(folder + "/pairs.toml"):
-                break
-            browser.run("new Promise(r => setTimeout(r, 50))")
-        assert open(folder + "/pairs.toml").read() == job_of(browser)[0]
+        assert download(browser, folder, "pairs.toml") == job_of(browser)[0]
         assert browser.errors() == [], browser.errors()
     report = folder + "/r.json"
     program.run("morph", "--config", folder + "/pairs.toml", "-o", folder + "/half.ply", "--at", "0.5", "--report", report)
@@ -349,8 +367,11 @@ def case_what_the_job_file_has_is_kept(folder):
         with open(folder + "/new.toml", "w") as file:
             file.write(text)
         assert browser.errors() == [], browser.errors()
-    old, new = (program.run("morph", "--config", folder + "/" + name, "--print-config").stdout for name in ("old.toml", "new.toml"))
-    for word in ("frames = 7", 'fit = "box"', 'output = "own.##.vdb"', "keys = [", 'name = "the \\"top\\""', 'name = "axis"', "[[region]]", "{scale=3}"):
+    # The output is that of the job which was given, and is not written over.
+    assert not re.search(r"^output", text, re.M), text
+    old, new = (program.run("morph", "--config", folder + "/" + name, "-o", folder + "/new.##.vdb", "--print-config").stdout
+                for name in ("old.toml", "new.toml"))
+    for word in ("frames = 7", 'fit = "box"', "keys = [", 'name = "the \\"top\\""', 'name = "axis"', "[[region]]", "{scale=3}"):
         assert word in old and word in new, word
     assert "resolution = 48" in new and new.count("\n[[feature]]") == 3, new
 
@@ -370,10 +391,54 @@ def case_in_a_report(folder):
             browser.click(*shape.aim(lambda p: p[:, 1]))
         text, places = job_of(browser)
         assert len(places) == 1 and 'resolution = 32' in text and '/blade.ply"' in text, text
+        assert not re.search("^(output|report)", text, re.M), text
         with open(folder + "/job.toml", "w") as file:
             file.write(text)
         assert browser.errors() == [], browser.errors()
-    assert "[[feature]]" in program.run("morph", "--config", folder + "/job.toml", "--print-config").stdout
+    assert "[[feature]]" in program.run("morph", "--config", folder + "/job.toml", "-o", folder + "/n.vdb", "--print-config").stdout
+
+
+def case_job_file_from_any_folder(folder):
+    """Taken in another folder it reads the same files; it writes nothing over, as the options of the one run are not in it."""
+    two_balls(folder)
+    elsewhere = folder + "/elsewhere"
+    os.mkdir(elsewhere)
+    os.chdir(folder)
+    for name, text in (("a.txt", "4 -2 5\n3 -1 5\n"), ("b.txt", "-0.5 0 0.25\n-1 0.5 0.25\n"), ("planes.txt", "3 -2 5 1 0 0\n")):
+        with open(name, "w") as file:
+            file.write(text)
+    both = 'inputs = ["a.obj", "b.obj"]\nresolution = 24\ncheck-landmarks = "a.txt,b.txt"\n'
+    with open("frames.toml", "w") as file:
+        file.write(both + 'frames = 3\noutput = "own.##.vdb"\nreport = ["own.json"]\ndump-slices = "own"\nrange = "1"\nresume = true\n'
+                   'quiet = true\nthreads = 1\nmemory = "4G"\n')
+    with open("slices.toml", "w") as file:
+        file.write(both + 'at = 0.5\noutput = "own.exr"\nexr = "slices"\nexr-planes = "planes.txt"\nverbose = true\n')
+    jobs = {}
+    for name, page in (("frames", "it's.html"), ("slices", "slices.html")):
+        program.run("pick", "--config", name + ".toml", "-o", page, "--no-plan")
+        text = data_of(page)[0]["job"]
+        jobs[name] = tomllib.loads(text)
+        with open("elsewhere/%s.toml" % name, "w") as file:
+            file.write(text)
+    here = os.getcwd()
+    both = {"inputs": [here + "/a.obj", here + "/b.obj"], "resolution": 24,
+            "check-landmarks": [[[4, -2, 5], [-0.5, 0, 0.25]], [[3, -1, 5], [-1, 0.5, 0.25]]]}
+    assert jobs["frames"] == {**both, "frames": 3}, jobs
+    assert jobs["slices"] == {**both, "at": 0.5, "exr": "slices", "exr-planes": here + "/planes.txt"}, jobs
+    before = set(os.listdir("."))
+    os.chdir(elsewhere)
+    for made in ("a_to_b", "a_to_b_2"):
+        written = program.run("morph", "--config", "frames.toml").stdout.split()
+        assert written == ["%s/%s/a_to_b.%04d.vdb" % (here, made, n) for n in (1, 2, 3)], written
+    program.run("morph", "--config", "slices.toml", "-o", "s.exr")
+    assert sorted(os.listdir(".")) == ["frames.toml", "s.exr", "slices.toml"], os.listdir(".")
+    assert set(os.listdir(here)) - before == {"a_to_b", "a_to_b_2"}, os.listdir(here)
+    os.chdir("/")
+    # The command that the page shows is one for a shell, whatever the page is called.
+    with Browser(960, 700) as browser:
+        browser.open(here + "/it's.html", READY)
+        shown = browser.run("document.getElementById('jobLine').textContent")
+        assert shlex.split(shown) == ["slicemorph", "morph", "--config", "it's.toml"], shown
 
 
 def case_three_shapes(folder):

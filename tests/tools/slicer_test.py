@@ -491,7 +491,7 @@ def until(process, fraction):
 def case_stopped():
     """Slicer kills what is cancelled: there is no file then; what ends by a gentler signal leaves nothing at all."""
     files = [write_ply("%d.ply" % radius, radius, (0, 0, 0)) for radius in (20, 10)]
-    given = {"firstModel": files[0], "secondModel": files[1], "outputModel": "out.vtp", "frames": 40, "folder": os.getcwd(),
+    given = {"firstModel": files[0], "secondModel": files[1], "outputModel": "out.vtp", "frames": 1000, "folder": os.getcwd(),
              **QUICK}
     for number, codes in ((signal.SIGKILL, {-9}), (signal.SIGTERM, {1})):
         process = MORPH.start(given)

@@ -118,24 +118,40 @@ std::string fromRoot(const std::string& path) {
   return path.empty() || path[0] == '/' ? path : (std::filesystem::current_path() / path).string();
 }
 
-/// The job file of what was given, which may lie anywhere: inputs by their whole paths. Features that are points are left
-/// out. Empty where no file holds the inputs, or a name is none that a job file can have.
-std::string jobTextOf(const OptionSet& options, JobTables tables, const std::vector<Landmark>& landmarks) {
-  const JobOptions& given = options.values();
-  if (std::any_of(given.held.begin(), given.held.end(), [](const auto& held) { return bool(held); }))
-    return "";
-  OptionSet whole = options;
-  std::vector<std::string> inputs;
-  for (const std::string& input : given.inputs) inputs.push_back(fromRoot(input));
-  whole.set(whole.row("inputs"), inputs);
-  if (!given.like.empty()) whole.set(whole.row("like"), {fromRoot(given.like)});
-  if (!landmarks.empty()) tables.values["landmarks"] = tomlOf(landmarks);
+/// Options of one run: where its results go, and how it is run. The last two are here as they may name files: the job file has
+/// the positions that these hold.
+constexpr const char* kNotOfTheJob[] = {"output", "report",    "dump-slices",    "resume",
+                                        "range",  "quiet",     "verbose",        "threads",
+                                        "memory", "landmarks", "check-landmarks"};
+constexpr const char* kFilesOfTheJob[] = {"inputs", "like", "exr-planes"};
+
+/// What was given without the options of one run, files by their whole paths.
+OptionSet withoutRun(const OptionSet& options) {
+  const auto isIn = [](const auto& names, const OptionRow& row) {
+    return std::find(std::begin(names), std::end(names), row.name) != std::end(names);
+  };
+  OptionSet whole(kMorph);
+  for (const OptionRow* row : options.rows()) {
+    std::vector<std::string> texts = options.texts(row->name);
+    if (texts.empty() || isIn(kNotOfTheJob, *row)) continue;
+    if (isIn(kFilesOfTheJob, *row)) std::transform(texts.begin(), texts.end(), texts.begin(), fromRoot);
+    whole.set(*row, texts);
+  }
+  return whole;
+}
+
+/// The job file of what was given, which may lie anywhere and writes over nothing that this run makes. Features that are
+/// points are left out. Empty where no file holds the inputs, or a name is none that a job file can have.
+std::string jobTextOf(const OptionSet& options, JobTables tables, const MorphSettings& s) {
+  if (std::any_of(s.held.begin(), s.held.end(), [](const auto& held) { return bool(held); })) return "";
+  if (!s.landmarks.empty()) tables.values["landmarks"] = tomlOf(s.landmarks);
+  if (!s.checkLandmarks.empty()) tables.values["check-landmarks"] = tomlOf(s.checkLandmarks);
   auto& features = tables.features;
   features.erase(std::remove_if(features.begin(), features.end(),
                                 [](const Feature& f) { return f.kind == Feature::Kind::kPoint; }),
                  features.end());
   try {
-    return givenJobText(whole, tables);
+    return givenJobText(withoutRun(options), tables);
   } catch (const InputError&) {
     return "";
   }
@@ -210,7 +226,7 @@ MorphJob morphJob(const OptionSet& options) {
   checkPurposes(job.settings, options);
   checkOutputKind(job.settings, options);
   checkMethodInputs(job.settings, options);
-  job.settings.jobText = jobTextOf(options, job.tables, job.settings.landmarks);
+  job.settings.jobText = jobTextOf(options, job.tables, job.settings);
   return job;
 }
 

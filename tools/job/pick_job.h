@@ -15,7 +15,8 @@ struct PickJob {
 };
 
 /// Reads the options of `pick` and the job file that they name, and checks that the inputs are there. Options and tables of
-/// the job file that are not about matching go on into the page's job file. Throws InputError, IoError.
+/// the job file that are not about matching go on into the page's job file, but for those of one run, as its output. Throws
+/// InputError, IoError.
 PickJob pickJob(const OptionSet& options);
 
 /// Reads the inputs, plans the morph and writes the page. Throws as runMorph.

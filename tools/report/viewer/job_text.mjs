@@ -14,13 +14,19 @@ export function coordinate(value, size) {
 
 export const vector = (place, size) => '[' + place.map(x => coordinate(x, size)).join(', ') + ']';
 
+/// One line of a comment, whatever is in the text: a line's end or another control character is none of TOML's comments.
+const comment = text => '# ' + text.replace(/[\x00-\x1f\x7f]/g, ' ');
+
+/// A word as a shell takes it.
+export const forShell = word => /^[\w.+-]+$/.test(word) ? word : "'" + word.replace(/'/g, "'\\''") + "'";
+
 /// `places`: {name, at}, at[k] being null where shape k was not pointed at.
 export function jobText(data, places) {
   let text = data.job;
   for (const place of places) {
     const missing = data.shapes.filter((_, k) => !place.at[k]).map(s => s.short);
     if (missing.length) {
-      text += '\n# ' + place.name.replace(/[\x00-\x1f\x7f]/g, ' ') + ': not yet on ' + missing.join(', ') + '\n';
+      text += '\n' + comment(place.name + ': not yet on ' + missing.join(', ')) + '\n';
       continue;
     }
     text += '\n[[feature]]\nname = ' + quoted(place.name) + '\npoint = [' +

@@ -2,7 +2,7 @@
 import { byId } from './stage.mjs';
 import { carried, colourOf, readData } from './pick_data.mjs';
 import { ShapeView, element } from './shape_view.mjs';
-import { jobText, vector } from './job_text.mjs';
+import { forShell, jobText, vector } from './job_text.mjs';
 import { length, minus } from './surface.mjs';
 
 const OFF = 0.1;  // share of a shape's size by which a match that misses a place is told in colour
@@ -62,6 +62,7 @@ class Picker {
   remove(index) {
     if (!this.places[index]) return;
     this.places.splice(index, 1);
+    if (index < this.chosen) --this.chosen;
     this.chosen = Math.min(this.chosen, this.places.length - 1);
     this.commit();
   }
@@ -193,7 +194,7 @@ class Picker {
     name.setAttribute('aria-label', 'name of place ' + (index + 1));
     name.oninput = () => { this.places[index].name = name.value, this.update(); };
     name.onchange = () => this.commit();
-    const remove = element('button', { type: 'button', textContent: 'remove', onclick: () => this.remove(index) });
+    const remove = element('button', { type: 'button', textContent: 'remove', onclick: e => { e.stopPropagation(), this.remove(index); } });
     remove.setAttribute('aria-label', 'remove place ' + (index + 1));
     const cell = node => element('td', {}, node ? [node] : []);
     const row = element('tr', {}, [cell(dot), cell(name), ...this.data.shapes.map(() => cell()), ...(this.data.overlap === null ? [] : [cell()]), cell(remove)]);
@@ -224,7 +225,7 @@ class Picker {
       if (option.value === 'meeting' && this.data.overlap === null || option.value === 'own' && !this.data.shapes.some(s => s.own)) option.remove();
     byId('paint').onchange = () => this.views.forEach(v => v.paint(byId('paint').value));
     document.addEventListener('keydown', e => {
-      if (!(e.ctrlKey || e.metaKey) || e.target.tagName === 'INPUT') return;
+      if (!(e.ctrlKey || e.metaKey) || e.target.type === 'text') return;
       const by = e.key === 'z' && !e.shiftKey ? -1 : e.key === 'y' || e.key === 'Z' || e.key === 'z' ? 1 : 0;
       if (by) e.preventDefault(), this.step(by);
     });
@@ -267,7 +268,7 @@ export function startPicker() {
   const data = readData();
   byId('pickFacts').textContent = facts(data);
   byId('pickMeaning').hidden = data.overlap === null;
-  byId('jobLine').textContent = data.job ? 'slicemorph morph --config ' + data.file : '';
+  byId('jobLine').textContent = data.job ? 'slicemorph morph --config ' + forShell(data.file) : '';
   try {
     new Picker(data);
   } catch (error) {
