@@ -293,6 +293,8 @@ def case_demo():
 
 
 def case_demo_of_own_shapes():
+    if not os.environ.get("SLICEMORPH_ALL_TESTS"):
+        raise Skip("only with SLICEMORPH_ALL_TESTS")
     meshes()
     lines, _ = watched("demo", "blade.ply", "ring.ply", "-o", "mine")
     percents = [line[2] for line in lines]
