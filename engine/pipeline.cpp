@@ -199,6 +199,7 @@ RebuiltShape makeInBetween(const Plan& plan, const Weights& ofObjects) {
   const Rejoined rejoined =
       rejoinComponents(surface, shapes.piecesAt(pose->mean), InSomeObject(plan, weights, *pose));
   result.shape.smallComponents = removeSmallComponents(surface, rejoined.loose);
+  fillVoxelVoids(surface);
   return result;
 }
 

@@ -24,6 +24,9 @@ using Set = DisjointSets::Index;
 /// by TheSmallestAreRemoved and LargePartsStay in small_components_test.cpp.
 constexpr double kSmallComponent = 0.03;
 
+/// Depth of a voxel that is filled, voxels: as good as none, which the surface does not see among deeper ones.
+constexpr double kFilled = 1e-3;
+
 /// One leaf's inside voxels labelled by component, -1 outside.
 struct LeafParts {
   std::vector<short> label;
@@ -188,6 +191,36 @@ int removeSmallComponents(FloatGrid& levelSet, const std::vector<LooseComponent>
     ++removed;
   }
   return removed;
+}
+
+int fillVoxelVoids(FloatGrid& levelSet) {
+  std::vector<const Leaf*> leaves;
+  levelSet.tree().getNodes(leaves);
+  std::vector<std::vector<openvdb::Coord>> found(leaves.size());
+  tbb::parallel_for(size_t(0), leaves.size(), [&](size_t i) {
+    const float* v = leaves[i]->buffer().data();
+    const FloatGrid& grid = levelSet;
+    auto values = grid.getConstAccessor();
+    for (int o = 0; o < kLeafSize; ++o) {
+      if (v[o] < 0) continue;
+      const openvdb::Coord c = leaves[i]->offsetToGlobalCoord(openvdb::Index(o));
+      bool alone = true;
+      for (int axis = 0; axis < 3 && alone; ++axis)
+        for (int side : {-1, 1}) {
+          openvdb::Coord n = c;
+          n[axis] += side;
+          alone = alone && values.getValue(n) < 0;
+        }
+      if (alone) found[i].push_back(c);
+    }
+  });
+  // No two are neighbours, so none is filled because another one is.
+  int filled = 0;
+  auto values = levelSet.getAccessor();
+  for (const auto& voids : found)
+    for (const openvdb::Coord& c : voids)
+      values.setValueOn(c, float(-kFilled * levelSet.voxelSize()[0])), ++filled;
+  return filled;
 }
 
 }  // namespace slicemorph

@@ -23,4 +23,8 @@ std::vector<LooseComponent> looseComponents(const FloatGrid& levelSet, int allow
 /// components break off where a feature gets thinner than a voxel or two. Returns the number removed.
 int removeSmallComponents(FloatGrid& levelSet, const std::vector<LooseComponent>& loose);
 
+/// Fills voids of a single voxel, outside between six inside neighbours: below what a grid can hold, and a shell of its own in a
+/// mesh. Returns their number.
+int fillVoxelVoids(FloatGrid& levelSet);
+
 }  // namespace slicemorph

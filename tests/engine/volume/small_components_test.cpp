@@ -123,5 +123,24 @@ TEST(SmallComponents, LargePartsStay) {
   EXPECT_TRUE(sameValues(*grid, *before));
 }
 
+/// A void of one voxel is filled, wherever it lies in a leaf; one of two voxels is a void, and so is a dent.
+TEST(SmallComponents, VoidsOfOneVoxelAreFilled) {
+  FloatGrid::Ptr grid = balls({{{0, 0, 0}, 2}});
+  const FloatGrid::Ptr whole = grid->deepCopy();
+  const float h = float(grid->voxelSize()[0]);
+  const openvdb::Coord inside(2, 3, 4), atBorder(8, 0, 7), pair(-3, -3, -3), other(-3, -3, -2);
+  for (const openvdb::Coord& c : {inside, atBorder, pair, other}) {
+    ASSERT_LT(whole->tree().getValue(c), -1.5f * h);  // with neighbours within
+    grid->tree().setValueOn(c, 0.25f * h);
+  }
+  EXPECT_EQ(fillVoxelVoids(*grid), 2);
+  for (const openvdb::Coord& c : {inside, atBorder}) EXPECT_LT(grid->tree().getValue(c), 0);
+  for (const openvdb::Coord& c : {pair, other}) EXPECT_EQ(grid->tree().getValue(c), 0.25f * h);
+  EXPECT_EQ(fillVoxelVoids(*grid), 0);
+  FloatGrid::Ptr untouched = whole->deepCopy();
+  EXPECT_EQ(fillVoxelVoids(*untouched), 0);
+  EXPECT_TRUE(sameValues(*untouched, *whole));
+}
+
 }  // namespace
 }  // namespace slicemorph
