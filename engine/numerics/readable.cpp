@@ -6,15 +6,12 @@
 namespace slicemorph {
 namespace {
 
-/// A number below 1000 by three digits at most, without zeros at its end: "1.5", "48.3", "300".
+/// A number below 1000, or one beyond all units, by three digits at most, without zeros at its end: "1.5", "300", "2.62e+58".
 std::string threeDigits(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.3g", value);
   return text;
 }
-
-/// What is beyond all units, or no number: "2.6e+58", "inf".
-std::string plainNumber(double value) { return threeDigits(value); }
 
 /// Two units, of which the smaller one is left out where it is none: "3 min 20 s", "2 h".
 std::string twoUnits(long large, const char* largeUnit, long small, const char* smallUnit) {
@@ -26,7 +23,7 @@ std::string twoUnits(long large, const char* largeUnit, long small, const char* 
 }  // namespace
 
 std::string readableCount(double count) {
-  if (!(std::abs(count) < 1e15)) return plainNumber(count);
+  if (!(std::abs(count) < 1e15)) return threeDigits(count);
   if (!(std::abs(count) < 999999.5)) {
     // What would be rounded to a thousand is one of the next unit.
     const char* const units[] = {"million", "billion", "trillion"};
@@ -44,7 +41,7 @@ std::string readableCount(double count) {
 }
 
 std::string readableBytes(double bytes) {
-  if (!(bytes < 1e21)) return plainNumber(bytes) + " bytes";
+  if (!(bytes < 1e21)) return threeDigits(bytes) + " bytes";
   if (bytes < 1023.5)
     return std::to_string(std::lround(bytes)) + (std::lround(bytes) == 1 ? " byte" : " bytes");
   const char* const units[] = {"KB", "MB", "GB", "TB", "PB"};

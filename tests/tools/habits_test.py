@@ -290,6 +290,14 @@ def case_demo():
     assert len(report["frames"]) == 9
     program.refused("demo", "-o", "slicemorph-demo", says=["slicemorph-demo/creature_to_ring is there already"])
     program.refused("demo", ASSETS + "/blade.ply", says=["two shapes"])
+    # What was there before stays, though nothing is in it; what was made for a demo that is refused goes.
+    os.makedirs("mine/empty")
+    os.symlink("mine", "link")
+    with open("notes.txt", "w") as file:
+        file.write("no shape")
+    for folder in ("mine", "link", "new"):
+        program.refused("demo", ASSETS + "/blade.ply", "notes.txt", "-o", folder, says=["notes.txt"])
+    assert os.listdir("mine") == ["empty"] and os.path.islink("link") and not os.path.exists("new")
 
 
 def case_demo_of_own_shapes():

@@ -66,27 +66,27 @@ std::string folderOf(const OptionSet& options) {
   return output;
 }
 
-/// Takes away folders in which nothing is, also in folders of theirs, when it ends.
-struct EmptyFolders {
-  ~EmptyFolders() {
+/// Folders that were made here: takes away those, and those within, in which nothing is when it ends.
+struct MadeFolders {
+  ~MadeFolders() {
     std::error_code ignored;
+    std::vector<fs::path> all;
     for (const std::string& folder : folders) {
-      std::vector<fs::path> all = {folder};
+      all.push_back(folder);
       for (fs::recursive_directory_iterator at(folder, ignored), end; at != end; at.increment(ignored))
         if (at->is_directory(ignored)) all.push_back(at->path());
-      // What is within comes behind: removed first. What is not empty stays.
-      for (auto path = all.rbegin(); path != all.rend(); ++path)
-        if (fs::is_directory(*path, ignored)) fs::remove(*path, ignored);
     }
+    // What is within comes behind: removed first. What is not empty stays.
+    for (auto path = all.rbegin(); path != all.rend(); ++path) fs::remove(*path, ignored);
   }
   std::vector<std::string> folders;
 };
 
 /// "155 files, 23.4 MB, made in 45 s".
-std::string summaryOf(const std::vector<std::string>& folders, double seconds) {
+std::string summaryOf(const std::vector<DemoJob>& jobs, double seconds) {
   double files = 0, bytes = 0;
-  for (const std::string& folder : folders)
-    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
+  for (const DemoJob& job : jobs)
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(job.folder))
       if (entry.is_regular_file()) ++files, bytes += double(entry.file_size());
   return readableCount(files) + " files, " + readableBytes(bytes) + ", made in " + readableDuration(seconds);
 }
@@ -95,16 +95,17 @@ void runDemoCommand(const OptionSet& options) {
   const JobOptions& given = options.values();
   const std::vector<std::vector<std::string>> pairs = pairsOf(options);
   const MemoryLimit memory = memorySettings(options);
+  const bool there = fs::exists(given.output);
   const std::string folder = folderOf(options);
+  MadeFolders made;
+  if (!there) made.folders.push_back(folder);
   std::vector<DemoJob> jobs;
-  EmptyFolders emptied{{folder}};
-  std::vector<std::string> folders;
   for (const std::vector<std::string>& pair : pairs) {
     const std::string name = joinedNames(pair, "_to_");
-    folders.push_back((fs::path(folder) / name).string());
-    jobs.push_back({pair, folders.back(), name, given.memory});
-    if (fs::exists(folders.back()))
-      options.refuse("output", folders.back() + " is there already; name another folder by -o, or remove it");
+    jobs.push_back({pair, (fs::path(folder) / name).string(), name, given.memory});
+    const std::string& own = jobs.back().folder;
+    if (fs::exists(own))
+      options.refuse("output", own + " is there already; name another folder by -o, or remove it");
   }
   const auto limit = limitThreads(given.threads);
   memory.enforce();
@@ -114,7 +115,7 @@ void runDemoCommand(const OptionSet& options) {
   WorkSteps steps;
   for (size_t i = 0; i < jobs.size(); ++i) steps.add(1);
   for (size_t i = 0; i < jobs.size(); ++i) {
-    fs::create_directory(folders[i]);
+    if (fs::create_directory(jobs[i].folder)) made.folders.push_back(jobs[i].folder);
     StepEvents part(events, steps, i);
     for (DemoResult& result : runDemo(jobs[i], part)) results.push_back(std::move(result));
   }
@@ -124,7 +125,7 @@ void runDemoCommand(const OptionSet& options) {
   for (const DemoResult& result : results) width = std::max(width, result.path.size());
   for (const DemoResult& result : results)
     std::printf("%-*s  %s\n", int(width), result.path.c_str(), result.what.c_str());
-  std::printf("%s\n", summaryOf(folders, watch.lap()).c_str());
+  std::printf("%s\n", summaryOf(jobs, watch.lap()).c_str());
 }
 
 }  // namespace

@@ -40,6 +40,10 @@ std::vector<size_t> inputsCalled(const std::string& name, const std::vector<std:
 
 }  // namespace
 
+std::string wholePath(const std::string& input) {
+  return input.empty() || input[0] == '/' ? input : (std::filesystem::current_path() / input).string();
+}
+
 std::string stemOfInput(const std::string& input) {
   std::string path = parseInput(input).path;
   while (path.size() > 1 && path.back() == '/') path.pop_back();

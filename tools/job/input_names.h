@@ -3,8 +3,11 @@
 #include <string>
 #include <vector>
 
-/// The names by which keys and regions refer to a job's inputs.
+/// The names by which keys and regions refer to a job's inputs, and by which files of jobs and plans name them.
 namespace slicemorph {
+
+/// An input or file by its whole path; what follows a file's name, as a grid's, stays behind it.
+std::string wholePath(const std::string& input);
 
 /// Name of an input's file without folder, extensions, `:grid` and `.####`.
 std::string stemOfInput(const std::string& input);

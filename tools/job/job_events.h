@@ -26,6 +26,21 @@ class JobEvents : public Progress {
   }
 };
 
+/// Passes events on and keeps the notes.
+class NoteKeeper : public JobEvents {
+ public:
+  explicit NoteKeeper(JobEvents& caller) : caller_(caller) {}
+  void report(const char* stage, double fraction) override { caller_.report(stage, fraction); }
+  bool cancelled() const override { return caller_.cancelled(); }
+  void note(const Note& note) override { caller_.note(note), kept_.push_back(note); }
+  void fileWritten(const std::string& path, bool kept) override { caller_.fileWritten(path, kept); }
+  const Notes& kept() const { return kept_; }
+
+ private:
+  JobEvents& caller_;
+  Notes kept_;
+};
+
 /// Progress of a part of a larger job: fractions 0 to 1 become `from` to `to` of the whole.
 class PartProgress : public Progress {
  public:

@@ -2,6 +2,7 @@
 
 #include "tools/job/frame_range.h"
 #include "tools/job/guidance_file.h"
+#include "tools/job/input_names.h"
 #include "tools/job/landmarks.h"
 #include "tools/job/load_settings.h"
 #include "tools/job/morph_checks.h"
@@ -11,7 +12,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 namespace slicemorph {
 namespace {
@@ -113,11 +113,6 @@ VelocitySettings velocityOf(const OptionSet& options, const MorphSettings& s, bo
           given.velocityHalf};
 }
 
-/// A path from the root of the file system; what stands behind a file's name, as a grid, stays there.
-std::string fromRoot(const std::string& path) {
-  return path.empty() || path[0] == '/' ? path : (std::filesystem::current_path() / path).string();
-}
-
 /// Options of one run: where its results go, and how it is run. The last two are here as they may name files: the job file has
 /// the positions that these hold.
 constexpr const char* kNotOfTheJob[] = {"output", "report",    "dump-slices",    "resume",
@@ -134,7 +129,7 @@ OptionSet withoutRun(const OptionSet& options) {
   for (const OptionRow* row : options.rows()) {
     std::vector<std::string> texts = options.texts(row->name);
     if (texts.empty() || isIn(kNotOfTheJob, *row)) continue;
-    if (isIn(kFilesOfTheJob, *row)) std::transform(texts.begin(), texts.end(), texts.begin(), fromRoot);
+    if (isIn(kFilesOfTheJob, *row)) std::transform(texts.begin(), texts.end(), texts.begin(), wholePath);
     whole.set(*row, texts);
   }
   return whole;

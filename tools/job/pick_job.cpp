@@ -42,19 +42,6 @@ std::vector<std::string> toldOf(const Notes& notes) {
   return sentences;
 }
 
-/// Passes events on and keeps the notes, for the page.
-class PickEvents : public JobEvents {
- public:
-  explicit PickEvents(JobEvents& caller) : caller_(caller) {}
-  void report(const char* stage, double fraction) override { caller_.report(stage, fraction); }
-  bool cancelled() const override { return caller_.cancelled(); }
-  void note(const Note& note) override { caller_.note(note), kept.push_back(note); }
-  Notes kept;
-
- private:
-  JobEvents& caller_;
-};
-
 }  // namespace
 
 PickJob pickJob(const OptionSet& options) {
@@ -98,7 +85,7 @@ std::string pickPartOf(const MorphSettings& settings, const std::vector<LoadedOb
 }
 
 void runPick(const PickJob& job, JobEvents& caller) {
-  PickEvents events(caller);
+  NoteKeeper events(caller);
   const MorphSettings& settings = job.morph.settings;
   const std::string file = std::filesystem::path(job.output).stem().string() + ".toml";
   std::string part;
@@ -109,17 +96,17 @@ void runPick(const PickJob& job, JobEvents& caller) {
     FrameMaker maker(settings, events);
     maker.moveTo(0, 0, kBeforeDrawing);
     events.report("drawing", kBeforeDrawing);
-    part = pickPartOf(settings, maker.inputs(), maker.plan().slices.get(), file, events.kept, events);
+    part = pickPartOf(settings, maker.inputs(), maker.plan().slices.get(), file, events.kept(), events);
   } else {
     FrameInputs inputs(settings);
     PartProgress reading(events, 0, kBeforeDrawing);
     const FrameInputs::Step step = inputs.moveTo(settings.frames[0].inputFrame, reading);
     events.notes(step.notes), events.notes(step.nothing);
     events.report("drawing", kBeforeDrawing);
-    part = pickPartOf(settings, inputs.loaded(), nullptr, file, events.kept, events);
+    part = pickPartOf(settings, inputs.loaded(), nullptr, file, events.kept(), events);
   }
   writeTextFile(job.output, pageWith(part));
-  caller.fileWritten(job.output, false);
+  events.fileWritten(job.output, false);
 }
 
 }  // namespace slicemorph

@@ -5,6 +5,7 @@
 #include "io/whole_file.h"
 #include "slicemorph/errors.h"
 #include "slicemorph/io/output.h"
+#include "tools/job/input_names.h"
 #include "tools/job/program_build.h"
 
 #include <nlohmann/json.hpp>
@@ -12,14 +13,12 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <optional>
 #include <utility>
 
 namespace slicemorph {
 namespace {
 
-namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 /// Begins the file; the number is raised whenever what follows changes.
@@ -35,11 +34,6 @@ bool decidesPlans(const OptionRow& row) {
   if (row.name == "plan" || row.name == "check-landmarks") return false;
   return row.group == OptionGroup::kInputs || row.group == OptionGroup::kShape ||
          row.group == OptionGroup::kMatching || (row.group == OptionGroup::kImages && row.name != "like");
-}
-
-/// An input or file by its whole path; what follows a file's name, as a grid's, stays behind it.
-std::string wholePath(const std::string& text) {
-  return text.empty() || text[0] == '/' ? text : (fs::current_path() / text).string();
 }
 
 std::string spokenTexts(const std::vector<std::string>& texts) {

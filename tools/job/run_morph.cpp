@@ -68,21 +68,6 @@ MorphSteps stepsOf(const MorphSettings& settings, size_t end, const FrameReport&
   return steps;
 }
 
-/// Passes events on and keeps the notes, for the report.
-class NoteKeeper : public JobEvents {
- public:
-  explicit NoteKeeper(JobEvents& caller) : caller_(caller) {}
-  void report(const char* stage, double fraction) override { caller_.report(stage, fraction); }
-  bool cancelled() const override { return caller_.cancelled(); }
-  void note(const Note& note) override { caller_.note(note), kept_.push_back(note); }
-  void fileWritten(const std::string& path, bool kept) override { caller_.fileWritten(path, kept); }
-  const Notes& kept() const { return kept_; }
-
- private:
-  JobEvents& caller_;
-  Notes kept_;
-};
-
 /// Makes, measures and writes one frame. Returns its row of the report.
 Json makeAndWrite(const FrameTask& task, FrameWriter& writer, FrameReport& report, const Progress& cancel) {
   Stopwatch watch;
