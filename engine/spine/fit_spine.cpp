@@ -134,11 +134,20 @@ void layOver(Chart& chart, const std::vector<Vec3d>& points) {
   chart.center = mean - chart.axes * (chart.scale[0] * chart.bend.middle());
 }
 
+/// Whether a curve through the points has a direction at each: neighbours differ, and so do those next to them.
+bool hasDirections(const std::vector<Vec3d>& p) {
+  for (size_t i = 0; i + 1 < p.size(); ++i)
+    if (p[i + 1] == p[i] || (i > 0 && p[i + 1] == p[i - 1])) return false;
+  return true;
+}
+
 /// A chart whose spine passes through the points, with rotation-minimising frames (double reflection
-/// [WJZL08]); z0 in [-1, 1], slices in world units.
-Chart chartThrough(const std::vector<Vec3d>& points) {
+/// [WJZL08]); z0 in [-1, 1], slices in world units. None where the points have run into each other, as they do in
+/// objects of a few voxels.
+std::optional<Chart> chartThrough(const std::vector<Vec3d>& points) {
   const int n = Bend::kStations;
   const std::vector<Vec3d> p = evenly(points, n);
+  if (!hasDirections(p)) return std::nullopt;
   std::vector<Vec3d> tangent(n), side(n);
   for (int i = 1; i + 1 < n; ++i) tangent[i] = (p[i + 1] - p[i - 1]).unit();
   // In an arc of constant curvature the chord lies midway between the tangents at its ends.
@@ -438,22 +447,28 @@ std::vector<Vec3d> straightStart(const InsideNodes& nodes) {
 std::optional<Chart> settled(const DistanceField& field, const InsideNodes& nodes,
                              const std::vector<Vec3d>& start) {
   if (start.empty()) return std::nullopt;
-  Chart chart = chartThrough(start);
+  const std::optional<Chart> first = chartThrough(start);
+  if (!first) return std::nullopt;
+  Chart chart = *first;
   double moved = 0;
+  // False where the axis is lost.
   const auto settle = [&](const Grip& grip, double firstWave, int rounds) {
     double wave = firstWave;
     for (int round = 0; round < rounds; ++round) {
       const Sections sections = sectionsOf(chart, nodes, grip.cap);
-      const Chart next = chartThrough(throughCentroids(chart, sections, std::max(wave, grip.wave)));
-      moved = movedBetween(chart, next) / std::sqrt(nodes.volume() / (2 * next.scale[0]));
-      chart = next;
+      const std::optional<Chart> next =
+          chartThrough(throughCentroids(chart, sections, std::max(wave, grip.wave)));
+      if (!next) return false;
+      moved = movedBetween(chart, *next) / std::sqrt(nodes.volume() / (2 * next->scale[0]));
+      chart = *next;
       if (moved < kRest && wave <= grip.wave) break;
       wave *= kSuppler;
     }
+    return true;
   };
-  settle(kEarly, kFirstWave, kRounds);
+  if (!settle(kEarly, kFirstWave, kRounds)) return std::nullopt;
   const Chart early = chart;
-  settle(kLate, kLate.wave, kLateRounds);
+  if (!settle(kLate, kLate.wave, kLateRounds)) return std::nullopt;
   if (moved > kRestless) chart = early;
   const double volume = nodes.volume(), radius = std::sqrt(volume / (2 * chart.scale[0]));
   chart.scale[1] = chart.scale[2] = radius;

@@ -19,6 +19,7 @@
 #include <cstdlib>
 #include <exception>
 #include <new>
+#include <system_error>
 
 namespace {
 
@@ -32,12 +33,21 @@ int fail(int code, const std::string& message) {
   return code;
 }
 
-/// Where memory ends in a place that no exception may leave, there is a message, too, and no abort.
+/// The message of an error that is none of the library's own. Threads and their stacks, too, are refused where memory ends.
+const char* messageOf(const std::exception& error) {
+  if (dynamic_cast<const std::bad_alloc*>(&error)) return kOutOfMemory;
+  const auto* refused = dynamic_cast<const std::system_error*>(&error);
+  return refused && refused->code() == std::errc::resource_unavailable_try_again ? kOutOfMemory
+                                                                                 : error.what();
+}
+
+/// Where something fails in a place that no exception may leave, there is a message, too, and no abort. (Where memory
+/// ends, TBB fails while it ends its threads.)
 [[noreturn]] void endProgram() {
   try {
     if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);
-  } catch (const std::bad_alloc&) {
-    fail(kFailed, kOutOfMemory);
+  } catch (const std::exception& error) {
+    fail(kFailed, messageOf(error));
     std::_Exit(kFailed);
   } catch (...) {
   }
@@ -97,9 +107,7 @@ int main(int argc, char** argv) {
     return run(argc, argv);
   } catch (const slicemorph::InputError& error) {
     return fail(kWrongUsage, error.what());
-  } catch (const std::bad_alloc&) {
-    return fail(kFailed, kOutOfMemory);
   } catch (const std::exception& error) {
-    return fail(kFailed, error.what());
+    return fail(kFailed, messageOf(error));
   }
 }

@@ -9,8 +9,8 @@
 
 namespace slicemorph {
 
-/// From now on the first Ctrl-C or SIGTERM sets TerminalProgress::cancelled; the next one ends the
-/// program at once.
+/// From now on the first Ctrl-C, SIGTERM or, where it is not ignored, SIGHUP sets TerminalProgress::cancelled; the next
+/// one ends the program at once.
 void cancelOnInterrupt();
 
 /// One line on stderr, redrawn in place: stage, percentage, time left. The percentage never goes back. Silent unless stderr
