@@ -42,20 +42,20 @@ OLD = b"what was there before\n"
 INPUTS = {}  # made once, see make_inputs
 
 SDF = ["--method", "sdf"]
-MORPH = ["morph", "{i}/a.vdb", "{i}/b.vdb", *SDF, "--frames", "3", "-o"]
+MORPH = ["morph", "{i}/a.vdb", "{i}/b.vdb", *SDF, "--frames", "2", "-o"]
 MESH = ["convert", "{i}/a.ply", "--resolution", "16", "-o"]
 # Each kind of output by its smallest job: the words, and the files that it writes. {i}: inputs, {o}: outputs.
 JOBS = {
-    "vdb": (MORPH + ["{o}/m.####.vdb"], ["m.0001.vdb", "m.0002.vdb", "m.0003.vdb"]),
-    "nvdb": (MORPH + ["{o}/m.####.nvdb"], ["m.0001.nvdb", "m.0002.nvdb", "m.0003.nvdb"]),
+    "vdb": (MORPH + ["{o}/m.####.vdb"], ["m.0001.vdb", "m.0002.vdb"]),
+    "nvdb": (MORPH + ["{o}/m.####.nvdb"], ["m.0001.nvdb", "m.0002.nvdb"]),
     "obj": (MESH + ["{o}/m.obj"], ["m.obj"]),
-    "ply": (MORPH + ["{o}/m.####.ply"], ["m.0001.ply", "m.0002.ply", "m.0003.ply"]),
+    "ply": (MORPH + ["{o}/m.####.ply"], ["m.0001.ply", "m.0002.ply"]),
     "stl": (MESH + ["{o}/m.stl"], ["m.stl"]),
     "glb": (MORPH + ["{o}/m.glb"], ["m.glb"]),
     "vtp": (MESH + ["{o}/m.vtp"], ["m.vtp"]),
-    "usda": (MORPH + ["{o}/m.usda"], ["m.usda", "m.0001.vdb", "m.0002.vdb", "m.0003.vdb"]),
-    "png": (MORPH + ["{o}/m.####.png", "--size", "32x32"], ["m.0001.png", "m.0002.png", "m.0003.png"]),
-    "exr": (MORPH + ["{o}/m.####.exr", "--size", "32x32"], ["m.0001.exr", "m.0002.exr", "m.0003.exr"]),
+    "usda": (MORPH + ["{o}/m.usda"], ["m.usda", "m.0001.vdb", "m.0002.vdb"]),
+    "png": (MORPH + ["{o}/m.####.png", "--size", "32x32"], ["m.0001.png", "m.0002.png"]),
+    "exr": (MORPH + ["{o}/m.####.exr", "--size", "32x32"], ["m.0001.exr", "m.0002.exr"]),
     "slices": (["slice", "{i}/a.vdb", "--slices", "3", "-o", "{o}/s.####.exr"], ["s.0001.exr", "s.0002.exr", "s.0003.exr"]),
     "nii.gz": (MESH + ["{o}/m.nii.gz"], ["m.nii.gz"]),
     "nrrd": (MESH + ["{o}/m.nrrd"], ["m.nrrd"]),
