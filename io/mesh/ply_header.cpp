@@ -48,6 +48,8 @@ PlyHeader readPlyHeader(const std::string& path, std::string_view bytes) {
     if (kind == "format") format = tokens.token();
     if (kind == "element") {
       const std::string name(tokens.token());
+      for (const PlyElement& element : header.elements)
+        if (element.name == name) refuse(path, "is damaged: its header has the element '" + name + "' twice");
       header.elements.push_back({name, parseCount(path, tokens.token(), name.c_str(), bytes.size()), {}});
     }
     if (kind == "property" && !header.elements.empty())
