@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <sstream>
 
 namespace slicemorph {
 namespace {
@@ -104,9 +105,11 @@ class Skinning {
     const double weight = double(weights_[set].at(point)[c]);
     if (weight == 0) return 0;
     const float joint = indices_[set].at(point)[c];
-    if (!(joint >= 0 && size_t(joint) < joints_.size()))
-      throw GltfDamage("a point hangs on joint " + std::to_string(int(joint)) + ", its skin has " +
-                       std::to_string(joints_.size()));
+    if (!(joint >= 0 && double(joint) < double(joints_.size()))) {
+      std::ostringstream why;
+      why << "a point hangs on joint " << joint << ", its skin has " << joints_.size();
+      throw GltfDamage(why.str());
+    }
     const NodeTransform& of = joints_[size_t(joint)];
     sum.linear += of.linear * weight, sum.shift += of.shift * weight;
     return weight;

@@ -59,6 +59,27 @@ void checkNeeds(const std::string& path, const json& gltf) {
   }
 }
 
+/// Arrays and objects within each other; exporters take some ten. JSON is written again by recursion, which deep files
+/// would let run out of stack.
+constexpr int kMostNested = 256;
+
+bool nestsTooDeeply(std::string_view json) {
+  int depth = 0;
+  bool quoted = false;
+  for (size_t i = 0; i < json.size(); ++i) {
+    const char c = json[i];
+    if (quoted && c == '\\')
+      ++i;
+    else if (c == '"')
+      quoted = !quoted;
+    else if (!quoted && (c == '[' || c == '{') && ++depth > kMostNested)
+      return true;
+    else if (!quoted && (c == ']' || c == '}'))
+      --depth;
+  }
+  return false;
+}
+
 /// A whole number that is not negative. Throws GltfDamage for anything else.
 std::uint64_t wholeOf(const json& object, const char* key, std::uint64_t otherwise) {
   const auto found = object.find(key);
@@ -257,6 +278,8 @@ GltfFile readGltfFile(const std::string& path, std::string_view bytes) {
   const GltfParts parts = gltfPartsOf(path, bytes);
   std::string memory;
   const std::string_view text = plainText(parts.json, memory);
+  if (nestsTooDeeply(text))
+    refuse(path, "is damaged: its JSON nests deeper than " + std::to_string(kMostNested) + " levels");
   json gltf = json::parse(text.begin(), text.end(), nullptr, false);
   if (!gltf.is_object()) refuse(path, "cannot be read as glTF: its JSON is damaged or cut short");
   GltfFile file;

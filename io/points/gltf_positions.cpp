@@ -34,16 +34,22 @@ void checkPlain(const std::string& path, const tinygltf::Model& model, const Pla
   if (std::abs(placed.places[0].linear.det()) < 1e-30) refuse("a node's scale is 0");
 }
 
+/// Bytes from one point to the next; 0 in a file means that nothing lies between them, as where it says none.
+size_t strideOf(const Json& view) {
+  const auto stated = view.value("byteStride", size_t(0));
+  return stated == 0 ? 3 * sizeof(float) : stated;
+}
+
 }  // namespace
 
 GltfPositions::GltfPositions(const std::string& path, std::string_view bytes) {
-  const GltfFile file = readGltfFile(path, bytes);
-  const GltfParts parts = gltfPartsOf(path, bytes);
-  json_ = parts.json, binary_ = parts.binary;
-  const Json gltf = Json::parse(json_);
-  const tinygltf::Model& model = file.model;
-  std::vector<bool> taken(model.accessors.size(), false);
   try {
+    const GltfFile file = readGltfFile(path, bytes);
+    const GltfParts parts = gltfPartsOf(path, bytes);
+    json_ = parts.json, binary_ = parts.binary;
+    const Json gltf = Json::parse(json_);
+    const tinygltf::Model& model = file.model;
+    std::vector<bool> taken(model.accessors.size(), false);
     for (const PlacedNode& placed : placedNodes(model)) {
       const size_t mesh = size_t(model.nodes[size_t(placed.node)].mesh);
       if (mesh >= model.meshes.size()) throw GltfDamage("it refers to mesh " + std::to_string(mesh));
@@ -66,7 +72,7 @@ GltfPositions::GltfPositions(const std::string& path, std::string_view bytes) {
           throw InputError(path, "its points cannot be replaced: they are packed or not in the file itself");
         const GltfVectors points = readGltfVectors(model, index, accessor.count, 3);
         Part part{index, accessor.count, view.value("byteOffset", size_t(0)) + accessor.byteOffset,
-                  view.value("byteStride", size_t(12)), placed.places[0]};
+                  strideOf(view), placed.places[0]};
         for (size_t i = 0; i < part.count; ++i)
           positions_.push_back(part.toWorld.apply(Vec3d(openvdb::Vec3s(points.at(i)))));
         parts_.push_back(part);

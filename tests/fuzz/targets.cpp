@@ -8,6 +8,7 @@
 #include "io/image/image_formats.h"
 #include "io/mesh/mesh_reader.h"
 #include "io/mesh/picture_texture.h"
+#include "io/paths.h"
 #include "io/points/position_file.h"
 #include "io/scratch_folder.h"
 #include "slicemorph/errors.h"
@@ -23,6 +24,7 @@
 #include "tools/job/plan_file.h"
 #include "tools/job/plane_file.h"
 
+#include <filesystem>
 #include <fstream>
 
 namespace slicemorph::fuzz {
@@ -84,7 +86,12 @@ void readJob(const std::string& path, std::string_view bytes) {
   readKeys(file, inputs);
 }
 
-void readPositions(const std::string& path, std::string_view) { PositionFile{path}; }
+/// Reads positions and writes the file again with them.
+void readPositions(const std::string& path, std::string_view) {
+  const PositionFile file(path);
+  file.write(std::filesystem::path(path).replace_filename("written" + extensionOf(path)).string(),
+             file.positions());
+}
 
 void readPointLandmarks(const std::string& path, std::string_view) {
   readLandmarks("--landmarks", path + "," + path, 2);
