@@ -28,7 +28,9 @@ using openvdb::io::GridDescriptor;
 constexpr unsigned kFirstWithGridCompression = 220;
 /// Since this version a descriptor holds the name of the grid whose tree it shares.
 constexpr unsigned kFirstWithInstances = 216;
-/// Since this version inactive values are left out; the trees of older files are not checked.
+/// The oldest whose trees are read: others wrote them before OpenVDB was public (BOOL_LEAF_OPTIMIZATION).
+constexpr unsigned kFirstRead = 217;
+/// Since this version inactive values are left out.
 constexpr unsigned kFirstWithMasks = 222;
 
 /// Reads a file's parts through the members of OpenVDB's Archive that take any stream.
@@ -125,13 +127,13 @@ class Reader : public openvdb::io::Archive {
     return grid;
   }
 
-  /// Returns where the grid starts. Throws Damaged.
-  std::istream::pos_type checkGrid(const GridDescriptor& descriptor) {
+  /// Returns where the grid starts. `later`: its leaves will be read when they are asked for. Throws Damaged.
+  std::istream::pos_type checkGrid(const GridDescriptor& descriptor, bool later = false) {
     if (hasOffsets()) descriptor.seekToGrid(stream_);
     const auto start = stream_.tellg();
     const GridBase::Ptr grid = readHeaderOf(descriptor);
     if (!grid) throw Damaged("its type " + descriptor.gridType() + " is not known to this OpenVDB");
-    if (!descriptor.isInstance()) checkTreeOf(*grid);
+    if (!descriptor.isInstance()) checkTreeOf(*grid, later);
     return start;
   }
 
@@ -154,10 +156,14 @@ class Reader : public openvdb::io::Archive {
     return grid;
   }
 
-  /// Sets `storage` for the value types that are checked; false for any other.
+  /// Sets `storage` for the types of trees that are read; false for any other.
   static bool storageOf(const GridBase& grid, TreeStorage& storage) {
     using Types = openvdb::TypeList<FloatGrid, openvdb::DoubleGrid, openvdb::Vec3SGrid, openvdb::Vec3DGrid,
-                                    openvdb::Vec3IGrid, openvdb::Int32Grid, openvdb::Int64Grid>;
+                                    openvdb::Vec3IGrid, openvdb::Int32Grid, openvdb::Int64Grid,
+                                    openvdb::BoolGrid, openvdb::MaskGrid>;
+    storage.leaves = grid.isType<openvdb::BoolGrid>()   ? LeafKind::kBools
+                     : grid.isType<openvdb::MaskGrid>() ? LeafKind::kMask
+                                                        : LeafKind::kValues;
     return grid.apply<Types>([&](const auto& typed) {
       using Value = typename std::decay_t<decltype(typed)>::ValueType;
       using Stored = typename openvdb::io::RealToHalf<Value>::HalfT;
@@ -167,9 +173,16 @@ class Reader : public openvdb::io::Archive {
   }
 
   /// The stream must be right after the grid's transform.
-  void checkTreeOf(const GridBase& grid) {
+  void checkTreeOf(const GridBase& grid, bool later) {
     TreeStorage storage;
-    if (version() < kFirstWithMasks || !storageOf(grid, storage)) return;
+    if (version() < kFirstRead)
+      throw Damaged("its format is of version " + std::to_string(version()) + ", before " +
+                    std::to_string(kFirstRead) + "; write it again with a newer OpenVDB");
+    if (!storageOf(grid, storage)) throw Damaged("trees of its type, " + grid.type() + ", are not read");
+    if (later)
+      storage.listed =
+          dynamic_cast<const openvdb::io::DelayedLoadMetadata*>(grid[GridBase::META_FILE_DELAYED_LOAD].get());
+    storage.saysWhatIsLeftOut = version() >= kFirstWithMasks;
     storage.compression = openvdb::io::getDataCompression(stream_);
     Walker walker(stream_, size_);
     checkTree(walker, storage);
@@ -267,7 +280,7 @@ struct VdbFile::Impl {
       return GridBase::isRegistered(d.gridType());
     });
     if (!streamed.empty() || !known || descriptors.at(index).isInstance()) return readConnected(index);
-    Reader(path, size).checkGrid(descriptors[index]);
+    Reader(path, size).checkGrid(descriptors[index], /*later=*/true);
     openvdb::io::File file(path);
     file.setCopyMaxBytes(0);
     file.open(/*delayLoad=*/true);
