@@ -12,6 +12,7 @@
 #include "tools/commands/render_command.h"
 #include "tools/commands/retime_command.h"
 #include "tools/commands/slice_command.h"
+#include "tools/commands/survey_command.h"
 
 #include <openvdb/openvdb.h>
 
@@ -84,6 +85,7 @@ int run(int argc, char** argv) {
   slicemorph::addRetimeCommand(program);
   slicemorph::addConvertCommand(program);
   slicemorph::addCompareCommand(program);
+  slicemorph::addSurveyCommand(program);
   slicemorph::addInfoCommand(program);
   slicemorph::addReconstructCommand(program);
   slicemorph::addRenderCommand(program);

@@ -37,6 +37,7 @@ struct JobOptions {
 
   // Shape and matching
   std::string method = "slices", pictureResolution;
+  std::vector<std::string> methods;  ///< of `survey`; empty: all
   MorphOptions plan;
   std::string axis = "auto", spine = "auto", align = "auto", interpolation = "linear", landmarks,
               checkLandmarks;
@@ -56,8 +57,10 @@ struct JobOptions {
   double sliceTime = 0;             ///< of `slice`
   double fromTime = 0, toTime = 1;  ///< of `apply`, as the next one
   bool field = false;
-  bool noPlan = false;  ///< of `pick`
-  double factor = 1;    ///< of `retime`, as the next one
+  bool noPlan = false;              ///< of `pick`
+  std::vector<std::string> truths;  ///< of `survey`, as the next one
+  std::string tableFile;
+  double factor = 1;  ///< of `retime`, as the next one
   std::string curve;
 
   // Pictures

@@ -32,6 +32,7 @@ enum Command : unsigned {
   kRetime = 256,
   kPick = 512,
   kDemo = 1024,
+  kSurvey = 2048,
 };
 
 /// The field that a row is bound to; none for tables that only files have.

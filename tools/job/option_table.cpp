@@ -3,6 +3,7 @@
 #include "io/exr/exr_slice_writer.h"
 #include "io/points/position_file.h"
 #include "slicemorph/io/formats.h"
+#include "tools/job/survey_job.h"
 
 #include <utility>
 
@@ -33,6 +34,7 @@ class Row {
 
   Row& as(OptionType type) { return row_.type = type, *this; }
   Row& positional(const std::string& name) { return row_.positional = name, *this; }
+  Row& of(unsigned commands) { return row_.commands = commands, *this; }
   Row& unit(const std::string& unit) { return row_.unit = unit, *this; }
   Row& range(double least, double most) { return row_.range = {least, most, false}, *this; }
   Row& above(double least) { return row_.range.least = least, row_.range.open = true, *this; }
@@ -52,7 +54,7 @@ class Row {
   OptionRow row_;
 };
 
-constexpr unsigned kMatchers = kMorph | kApply | kPick;
+constexpr unsigned kMatchers = kMorph | kApply | kPick | kSurvey;
 constexpr unsigned kVoxelisers = kMatchers | kSlice | kConvert | kRender | kCompare;
 
 std::string readableShapes() {
@@ -121,13 +123,17 @@ Rows inputRows() {
           "Two or more objects, as for `morph`; of a sequence its first file is shown")
           .positional("INPUT")
           .basic(),
+      Row(kSurvey, "inputs", at<&J::inputs>, "",
+          "Two or more objects, as for `morph`; more than two follow each other in time")
+          .positional("INPUT")
+          .basic(),
       Row(kMatchers, "upright", at<&J::upright>, "",
           "The inputs' axis that points up: objects are turned about it rather than laid down; none: they "
           "lie anyhow")
           .oneOf({"auto", "x", "y", "z", "none"})
           .fallback("as --glb-up says; none for images")
           .basic(),
-      Row(kMorph | kPick, "fit", at<&J::fit>, "",
+      Row(kMorph | kPick | kSurvey, "fit", at<&J::fit>, "",
           "Inputs of different sizes are scaled to the first one's size, or also moved into its box; of one "
           "alone: "
           "file.obj{scale=0.001,upright=z,fit=box}; the transforms are in the report")
@@ -158,10 +164,16 @@ Rows shapeRows() {
           .above(0)
           .fallback("found; for grids one pixel")
           .basic(),
-      Row(kVoxelisers & ~kRender, "resolution", at<&J::load, &LoadOptions::resolution>, "N",
+      Row(kVoxelisers & ~kRender & ~kSurvey, "resolution", at<&J::load, &LoadOptions::resolution>, "N",
           "Voxels along the longest side of each object")
           .range(8, 4096)
           .fallback("256 for meshes; VDB inputs keep their voxel size")
+          .excludes({"voxel-size"})
+          .basic(),
+      Row(kSurvey, "resolution", at<&J::load, &LoadOptions::resolution>, "N",
+          "Voxels along the longest side of each object, also of VDB inputs")
+          .range(8, 4096)
+          .fallback(std::to_string(kSurveyResolution))
           .excludes({"voxel-size"})
           .basic(),
       Row(kRender, "resolution", at<&J::pictureResolution>, "WxH|N",
@@ -182,6 +194,9 @@ Rows shapeRows() {
           .basic(),
       Row(kRender, "surface", at<&J::fogAsSurface>, "", "Fog is drawn as the shape in it, at --iso"),
       Row(kMorph, "method", at<&J::method>, "", methodHelp()).oneOf(methodNames()).basic(),
+      Row(kSurvey, "method", at<&J::methods>, "NAME", "Only this method of `morph`; may be given again")
+          .fallback("all; those that cannot take the inputs say why on the page")
+          .basic(),
   };
 }
 
@@ -233,6 +248,19 @@ Rows outputRows() {
           "file for "
           "`morph --config`")
           .required(),
+      Row(kSurvey, "output", at<&J::output>, "PAGE.html",
+          "Page with the score of every method, its frames, time and memory, and curves of all")
+          .required(),
+      Row(kSurvey, "csv", at<&J::tableFile>, "FILE.csv",
+          "The figures as a table, too, a line a frame of each method")
+          .fallback("no table")
+          .basic(),
+      Row(kSurvey, "truth", at<&J::truths>, "t=T:FILE",
+          "The true shape at a time between 0 and 1, at which there is a frame; may be given again. The "
+          "score is then the "
+          "distance to it")
+          .fallback("none; the score is made of several figures")
+          .basic(),
       Row(kPick, "no-plan", at<&J::noPlan>, "",
           "Show the shapes at once, without matching them: no colours tell what meets what"),
       Row(kRetime, "output", at<&J::output>, "OUTPUT",
@@ -295,6 +323,11 @@ Rows timeRows() {
           .range(1, 1000000)
           .fallback("24; as many as input sequences have")
           .excludes({"at", "weights"})
+          .basic(),
+      Row(kSurvey, "frames", at<&J::frames>, "N",
+          "Frames of each method, the first input at 1, the last at N")
+          .range(2, 65)
+          .fallback(std::to_string(kSurveyFrames))
           .basic(),
       Row(kMorph, "at", at<&J::at>, "T[,T...]", "Only these times, 0 to 1")
           .as(OptionType::kNumbers)
@@ -474,11 +507,13 @@ Rows cameraRows() {
       row("view", at<&J::picture, &PictureOptions::view>, "DX,DY,DZ",
           "Direction from the camera into the scene")
           .as(numbers)
-          .fallback("-0.55,-0.3,-1"),
+          .fallback("-0.55,-0.3,-1")
+          .of(kCameras | kSurvey),
       row("up", at<&J::picture, &PictureOptions::up>, "x|y|z|DX,DY,DZ",
           "Direction that is up in the picture, and the turntable's axis")
           .as(numbers)
-          .fallback("y"),
+          .fallback("y")
+          .of(kCameras | kSurvey),
       row("camera", at<&J::picture, &PictureOptions::camera>, "X,Y,Z", "Position of the camera")
           .as(numbers)
           .unit("world units")
@@ -629,6 +664,10 @@ Rows farmRows() {
       Row(kPick, "config", at<&J::config>, "FILE.toml",
           "Job file of `morph`, whose features are shown and whose options go on into the page's; the "
           "command line wins")
+          .notInFiles()
+          .basic(),
+      Row(kSurvey, "config", at<&J::config>, "FILE.toml",
+          "Job file of `morph`, of which inputs, matching, features and regions count; the command line wins")
           .notInFiles()
           .basic(),
       Row(kMorph, "config", at<&J::config>, "FILE.toml",

@@ -2,6 +2,7 @@
 
 #include "io/atomic_file.h"
 #include "slicemorph/errors.h"
+#include "tools/report/page_text.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -16,16 +17,6 @@ using Contour = SlicePicture::Contour;
 
 constexpr double kPanel = 360, kMargin = 20, kHeader = 28;  // pixels
 constexpr const char* kGrey = "#999999";
-/// Six colours of Okabe and Ito's palette for colour-blind readers, and two more.
-constexpr const char* kColours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
-                                    "#e69f00", "#56b4e9", "#7b4ab8", "#8c6d31"};
-
-std::string escape(const std::string& text) {
-  std::string escaped;
-  for (char c : text)
-    escaped += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
-  return escaped;
-}
 
 /// Maps chart coordinates to pixels, with one scale for all slices, so that they can be flipped through.
 struct View {
@@ -65,7 +56,7 @@ std::vector<std::vector<std::string>> chooseColours(const SlicePicture& slice) {
     for (size_t i = 0; i < slice.objects[k].size(); ++i) {
       const int partner = slice.objects[k][i].partner;
       if (partner < 0 || size_t(partner) >= slice.objects[k + 1].size()) continue;
-      if (colours[k][i] == kGrey) colours[k][i] = kColours[next++ % std::size(kColours)];
+      if (colours[k][i] == kGrey) colours[k][i] = seriesColour(next++);
       colours[k + 1][size_t(partner)] = colours[k][i];
     }
   return colours;
@@ -102,7 +93,7 @@ std::string drawSlice(const SlicePicture& slice, size_t number, size_t count, co
       << "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
   for (size_t k = 0; k < panels; ++k) {
     svg << "<text x=\"" << kPanel * double(k) + 8 << "\" y=\"18\">"
-        << escape(k < names.size() ? withoutFolder(names[k]) : "");
+        << escapedForPage(k < names.size() ? withoutFolder(names[k]) : "");
     if (k == 0) svg << " - slice " << number << " of " << count << ", u = " << slice.u;
     svg << "</text>\n";
     // Outer contours first, so that holes are drawn over them.

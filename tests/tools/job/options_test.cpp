@@ -16,7 +16,8 @@
 namespace slicemorph {
 namespace {
 
-const Command kCommands[] = {kMorph, kSlice, kReconstruct, kConvert, kRender, kCompare, kInfo, kDemo, kPick};
+const Command kCommands[] = {kMorph,   kSlice, kReconstruct, kConvert, kRender,
+                             kCompare, kInfo,  kDemo,        kPick,    kSurvey};
 
 bool isNumber(const OptionRow& row) {
   return row.type == OptionType::kInteger || row.type == OptionType::kNumber;
