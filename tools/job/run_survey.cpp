@@ -138,7 +138,12 @@ Camera cameraOf(const Shapes& shapes, const std::vector<Seen>& seen, const Pictu
   return cameraFor(boxes, picture);
 }
 
-std::string captionOf(const FrameJob& frame) { return "t=" + formatNumber(*frame.t, 3); }
+/// In one row the page says the times above all sheets.
+bool isOneRow(const MorphSettings& settings) { return settings.frames.size() <= size_t(kMostColumns); }
+
+std::string captionOf(const MorphSettings& settings, size_t frame) {
+  return isOneRow(settings) ? "" : "t=" + formatNumber(*settings.frames[frame].t, 3);
+}
 
 Picture pictureOf(const RenderSubject& subject, const std::vector<FogMeasure>& fogs, const Camera& camera,
                   const PictureOptions& picture) {
@@ -155,7 +160,7 @@ std::string drawFrames(const MethodRun& run, const MorphSettings& settings,
                        const std::vector<FogMeasure>& fogs, const Camera& camera) {
   std::vector<Tile> tiles;
   forFrames(run, settings, [&](size_t index, const RenderSubject& subject) {
-    tiles.push_back({pictureOf(subject, fogs, camera, settings.picture), captionOf(settings.frames[index])});
+    tiles.push_back({pictureOf(subject, fogs, camera, settings.picture), captionOf(settings, index)});
   });
   return sheetOf(tiles);
 }
@@ -168,7 +173,7 @@ std::string drawTruths(const SurveyJob& job, const Shapes& shapes, const Camera&
   for (size_t i = 0; i < job.truths.size(); ++i) {
     const size_t frame = job.truths[i].frame;
     tiles[frame] = {pictureOf({shapes.trueSurfaces[i], nullptr, std::nullopt}, {}, camera, picture),
-                    captionOf(job.morph.settings.frames[frame])};
+                    captionOf(job.morph.settings, frame)};
   }
   return sheetOf(tiles);
 }
@@ -238,6 +243,8 @@ void runSurvey(const SurveyJob& job, JobEvents& events) {
   const Camera camera = cameraOf(shapes, seen, settings.picture);
   SurveyResult survey;
   survey.inputs = shapes.inputs, survey.truths = shapes.truths, survey.voxels = voxelsInWords(settings);
+  if (isOneRow(settings))
+    for (const FrameJob& frame : settings.frames) survey.sheetTimes.push_back(*frame.t);
   survey.truthSheet = drawTruths(job, shapes, camera);
   for (size_t i = 0; i < runs.size(); ++i) {
     events.throwIfCancelled();

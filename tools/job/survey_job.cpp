@@ -102,10 +102,12 @@ PictureOptions pictureOf(const OptionSet& options, const MorphOptions& plan) {
   return checkedPicture(pictures);
 }
 
-std::vector<std::string> methodsOf(const OptionSet& options) {
-  std::vector<std::string> methods = options.values().methods;
-  for (const std::string& method : methods) options.about("method", [&] { methodNamed(method); });
-  return methods.empty() ? methodNames() : methods;
+std::vector<SurveyJob::Asked> methodsOf(const OptionSet& options) {
+  const std::vector<std::string>& given = options.values().methods;
+  std::vector<SurveyJob::Asked> methods;
+  for (const std::string& text : given.empty() ? methodNames() : given)
+    methods.push_back({text, options.about("method", [&] { return &methodNamed(text); })});
+  return methods;
 }
 
 /// `t=0.5:middle.obj`

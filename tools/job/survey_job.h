@@ -22,7 +22,12 @@ struct SurveyTruth {
 /// What `slicemorph survey` is to do; values are checked.
 struct SurveyJob {
   MorphJob morph;  ///< by the default method
-  std::vector<std::string> methods;
+  /// A method, and how it was asked for.
+  struct Asked {
+    std::string text;
+    const MorphMethod* method;
+  };
+  std::vector<Asked> methods;
   std::vector<SurveyTruth> truths;
   std::string page, table;  ///< .html and .csv; the latter empty: none
   /// An option of `morph` with its values.

@@ -32,9 +32,9 @@ struct MethodCommand {
   std::vector<std::string> notes;
 };
 
-MethodCommand commandOf(const SurveyJob& job, const std::string& method, const std::string& guidance,
+MethodCommand commandOf(const SurveyJob& job, const SurveyJob::Asked& asked, const std::string& guidance,
                         const std::string& files, const std::string& report) {
-  const MethodTraits& can = methodNamed(method).can;
+  const MethodTraits& can = asked.method->can;
   MethodCommand command;
   command.words = {"morph"};
   command.words.insert(command.words.end(), job.morph.settings.inputs.begin(),
@@ -53,7 +53,7 @@ MethodCommand commandOf(const SurveyJob& job, const std::string& method, const s
   if (!guidance.empty() && can.guided) add("config", guidance);
   if (!guidance.empty() && !can.guided)
     command.notes.push_back("without features and regions, which this method does not take");
-  add("method", method), add("output", files), add("report", report), add("velocity", "none");
+  add("method", asked.text), add("output", files), add("report", report), add("velocity", "none");
   if (can.surface) add("grids", "surface");
   return command;
 }
@@ -99,13 +99,13 @@ std::vector<SurveyFrame> framesOfReport(const MethodJson& report) {
 
 MethodRun runMethod(const SurveyJob& job, size_t index, const std::string& guidance,
                     const ScratchFolder& scratch, const Progress& cancel) {
-  const std::string& name = job.methods[index];
+  const SurveyJob::Asked& asked = job.methods[index];
   MethodRun run;
   SurveyMethod& method = run.method;
-  method.name = name, method.does = methodNamed(name).help, method.surface = methodNamed(name).can.surface;
+  method.name = asked.text, method.does = asked.method->help, method.surface = asked.method->can.surface;
   const std::string number = std::to_string(index + 1), report = scratch.file(number + ".json");
   run.files = scratch.file(number + ".####.vdb");
-  const MethodCommand command = commandOf(job, name, guidance, run.files, report);
+  const MethodCommand command = commandOf(job, asked, guidance, run.files, report);
   const ChildEnd end = runOwnProgram(command.words, cancel);
   method.seconds = end.seconds, method.processorSeconds = end.processorSeconds,
   method.peakBytes = end.peakBytes;

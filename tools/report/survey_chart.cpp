@@ -170,7 +170,7 @@ std::string surveyChart(const SurveyResult& survey) {
   };
   std::vector<Panel> panels = {sizes("Volume, world units cubed", &ShapeMeasures::volume, 3),
                                sizes("Area, world units squared", &ShapeMeasures::area, 2),
-                               {"Change since the frame before, world units cubed"},
+                               {"Change from frame to frame, units cubed"},
                                counts("Pieces", &ShapeMeasures::pieces),
                                counts("Genus: handles of all pieces", &ShapeMeasures::genus)};
   panels[2].most = kMostOfInputs * mostOfInputs(survey, &ShapeMeasures::volume);

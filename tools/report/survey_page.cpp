@@ -22,18 +22,20 @@ h2 { font-size: 17px; font-weight: 600; margin: 40px 0 10px; }
 .soft, .soft a { color: var(--soft); }
 p { max-width: 88ch; margin: 8px 0; }
 .wide { overflow-x: auto; }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
-th, td { padding: 5px 16px 5px 0; text-align: right; border-bottom: 1px solid var(--line); font-weight: 400; white-space: nowrap; }
+table { border-collapse: collapse; font-size: 14px; font-variant-numeric: tabular-nums; }
+th, td { padding: 5px 13px 5px 0; text-align: right; border-bottom: 1px solid var(--line); font-weight: 400; white-space: nowrap; }
 th { color: var(--soft); vertical-align: bottom; }
 th:nth-child(2), td:nth-child(2), .left { text-align: left; }
 td a { color: inherit; text-decoration: none; font-weight: 600; }
 .swatch { display: inline-block; width: 26px; height: 10px; margin-right: 9px; vertical-align: 1px; overflow: visible; }
-.bar { display: flex; width: 190px; height: 12px; }
+.bar { display: flex; width: 150px; height: 12px; }
 .bar i { display: block; height: 100%; }
 .ends { background: #3b4a5c; } .parts { background: #b23a00; } .size { background: #5b8fb9; } .area { background: #a9c6dd; }
 .change { background: #c9b47c; } .truth { background: #3b4a5c; }
 .head i { display: inline-block; width: 10px; height: 10px; margin-right: 5px; }
 figure { margin: 0 0 20px; }
+.times { display: grid; position: sticky; top: 0; padding: 6px 0 8px; background: var(--paper); text-align: center;
+  font-size: 13px; font-variant-numeric: tabular-nums; color: var(--soft); z-index: 1; }
 figcaption { display: flex; gap: 12px; align-items: baseline; margin-bottom: 5px; }
 figcaption b { font-weight: 600; }
 figcaption .end { margin-left: auto; white-space: nowrap; }
@@ -57,7 +59,7 @@ struct Part {
   double SurveyScore::*points;
 };
 constexpr Part kParts[] = {{"ends", "ends", &SurveyScore::ends},
-                           {"parts", "pieces, handles", &SurveyScore::parts},
+                           {"parts", "pieces,<br>handles", &SurveyScore::parts},
                            {"size", "size", &SurveyScore::size},
                            {"area", "area", &SurveyScore::area},
                            {"change", "steps", &SurveyScore::change}};
@@ -137,7 +139,7 @@ std::string headOf(const SurveyResult& survey) {
     for (const char* title : {"mean", "95 %", "largest"})
       add("t=" + shownNumber(truth.t, 3) + "<br>" + title);
   for (const char* title :
-       {"pieces", "genus", "stretch,<br>at most", "time", "processor<br>time", "peak<br>memory"})
+       {"pieces", "genus", "stretch,<br>at most", "time", "CPU<br>time", "peak<br>memory"})
     add(title);
   return htmlElement("tr", cells);
 }
@@ -187,8 +189,18 @@ std::string pictureOf(const std::string& png, const std::string& about) {
   return "<img src=\"data:image/png;base64," + base64Of(png) + "\" alt=\"" + escapedForPage(about) + "\">";
 }
 
+/// The times of the pictures, which stay in sight.
+std::string timesAbove(const SurveyResult& survey) {
+  std::string times;
+  for (const double t : survey.sheetTimes) times += htmlElement("span", "t=" + shownNumber(t, 3));
+  return times.empty() ? ""
+                       : htmlElement("div", times,
+                                     "class=\"times\" style=\"grid-template-columns:repeat(" +
+                                         std::to_string(survey.sheetTimes.size()) + ",1fr)\"");
+}
+
 std::string sheets(const SurveyResult& survey) {
-  std::string text;
+  std::string text = timesAbove(survey);
   if (!survey.truthSheet.empty())
     text += htmlElement("figure", htmlElement("figcaption", htmlElement("b", "as it truly is")) +
                                       pictureOf(survey.truthSheet, "the true frames"));

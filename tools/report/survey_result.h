@@ -64,6 +64,8 @@ struct SurveyResult {
       methods;                     ///< the best first, then those without a score, then those without frames
   std::vector<std::string> notes;  ///< sentences that hold for all methods
   std::string voxels;              ///< "64 voxels along the longest side"
+  /// Of the pictures of every sheet, where all are in one row; empty: there are several, and each says its time.
+  std::vector<double> sheetTimes;
   std::string truthSheet;  ///< as SurveyMethod::sheet, with the true frames where they belong; empty: none
 };
 
