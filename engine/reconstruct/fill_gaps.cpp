@@ -14,8 +14,9 @@ namespace slicemorph {
 
 namespace {
 
-/// Gaps that are filled at once: of eight the planes at the borders, which two fillings look at, are a third.
-constexpr size_t kLeastAtOnce = 8, kAtOncePerThread = 2;
+/// Gaps that are filled at once: their planes' distances, with three planes of the neighbours, are in memory. (On 400
+/// slices of 512 x 512 with 40 labels eight at once take no less time than five, and 4 MB more.)
+constexpr size_t kLeastAtOnce = 5, kAtOncePerThread = 2;
 /// Of wide gaps fewer: so many slices together, but one gap.
 constexpr int kSlicesAtOnce = 64;
 

@@ -71,7 +71,7 @@ class PlaneData {
       }
   }
 
-  const std::vector<PlateDatum>& data() const { return data_; }
+  std::vector<PlateDatum> takeData() { return std::move(data_); }
 
  private:
   /// Adds "outside" conditions on two virtual planes beyond an end.
@@ -118,15 +118,21 @@ std::vector<PlateDatum> plateData(const PlaneSet& planes, const PlaneSlopes& slo
     PlaneData plane(planes, int(i), lattice);
     plane.addContours();
     plane.addPixels(slopes[i], stride);
-    parts[i] = plane.data();
+    parts[i] = plane.takeData();
   });
+  size_t count = 0;
+  for (const auto& part : parts) count += part.size();
   std::vector<PlateDatum> data;
-  for (const auto& part : parts) data.insert(data.end(), part.begin(), part.end());
+  data.reserve(count);
+  for (std::vector<PlateDatum>& part : parts) {
+    data.insert(data.end(), part.begin(), part.end());
+    std::vector<PlateDatum>().swap(part);
+  }
   return data;
 }
 
 BrokenPixels brokenPixels(const PlaneSet& planes, const Lattice& lattice, const std::vector<float>& values,
-                          const std::vector<char>& on, int stride) {
+                          const NodeMarks& on, int stride) {
   std::vector<std::vector<std::pair<Vec3d, double>>> parts(planes.sections.size());
   const openvdb::BBoxd near(planes.box.min() - Vec3d(lattice.spacing),
                             planes.box.max() + Vec3d(lattice.spacing));

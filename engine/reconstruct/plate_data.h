@@ -26,9 +26,12 @@ struct BrokenPixels {
   std::vector<PlateDatum> data;  ///< the conditions that correct them
 };
 
+/// By node of a lattice, whether it is marked: one bit each.
+using NodeMarks = std::vector<bool>;
+
 /// The wrong pixels among every `stride`-th, of those next to nodes marked `on` and not too close to the
 /// plane's contours.
 BrokenPixels brokenPixels(const PlaneSet& planes, const Lattice& lattice, const std::vector<float>& values,
-                          const std::vector<char>& on, int stride);
+                          const NodeMarks& on, int stride);
 
 }  // namespace slicemorph

@@ -75,23 +75,26 @@ PlaneSlopes measuredSlopes(const PlaneSet& planes, const PlateSurface& surface, 
   return slopes;
 }
 
-void markAround(const Lattice& lattice, const Vec3d& p, int reach, std::vector<char>& on) {
+void markAround(const Lattice& lattice, const Vec3d& p, int reach, NodeMarks& on) {
   const openvdb::Coord c = lattice.coordOf(cellPoint(lattice, p).cell);
   for (int k = c[2] - reach + 1; k <= c[2] + reach; ++k)
     for (int j = c[1] - reach + 1; j <= c[1] + reach; ++j)
       for (int i = c[0] - reach + 1; i <= c[0] + reach; ++i)
-        if (lattice.holds({i, j, k})) on[lattice.index(i, j, k)] = 1;
+        if (lattice.holds({i, j, k})) on[lattice.index(i, j, k)] = true;
 }
 
 /// The marked nodes that may be solved for: those at least two nodes from the border.
-std::vector<std::uint32_t> markedNodes(const Lattice& lattice, const std::vector<char>& on) {
+std::vector<std::uint32_t> markedNodes(const Lattice& lattice, const NodeMarks& on) {
   std::vector<std::vector<std::uint32_t>> slabs(lattice.size[2]);
   tbb::parallel_for(2, lattice.size[2] - 2, [&](int k) {
     for (int j = 2; j < lattice.size[1] - 2; ++j)
       for (size_t n = lattice.index(2, j, k), end = n + lattice.size[0] - 4; n < end; ++n)
         if (on[n]) slabs[k].push_back(std::uint32_t(n));
   });
+  size_t count = 0;
+  for (const auto& slab : slabs) count += slab.size();
   std::vector<std::uint32_t> active;
+  active.reserve(count);
   for (const auto& slab : slabs) active.insert(active.end(), slab.begin(), slab.end());
   return active;
 }
@@ -99,13 +102,11 @@ std::vector<std::uint32_t> markedNodes(const Lattice& lattice, const std::vector
 /// Nodes near the current surface or near a contour.
 std::vector<std::uint32_t> activeNodes(const PlaneSet& planes, const PlateSurface& surface) {
   const Lattice& lattice = surface.lattice;
-  if (isSolvedWhole(lattice)) return markedNodes(lattice, std::vector<char>(lattice.count(), 1));
+  if (isSolvedWhole(lattice)) return markedNodes(lattice, NodeMarks(lattice.count(), true));
   const double band = kBandNodes * lattice.spacing;
-  std::vector<char> on(lattice.count(), 0);
-  tbb::parallel_for(0, lattice.size[2], [&](int k) {
-    for (size_t n = lattice.index(0, 0, k), end = lattice.index(0, 0, k + 1); n < end; ++n)
-      on[n] = std::abs(surface.values[n]) < band;
-  });
+  NodeMarks on(lattice.count(), false);
+  for (size_t n = 0; n < on.size(); ++n)
+    if (std::abs(surface.values[n]) < band) on[n] = true;
   for (size_t i = 0; i < planes.sections.size(); ++i)
     for (const PlaneSection::Edge& e : planes.sections[i].edges)
       markAround(lattice, planes.world(int(i), e.a), kContourReach, on);
@@ -116,12 +117,12 @@ std::vector<std::uint32_t> activeNodes(const PlaneSet& planes, const PlateSurfac
 /// again around pixels that contradict their plane, until there are none or kVerdictRounds are over.
 PlateSurface withVerdicts(const PlaneSet& planes, int stride, const PlateSettings& settings,
                           std::vector<PlateDatum> data, PlateSurface surface) {
-  std::vector<char> on(surface.lattice.count(), 1);
+  NodeMarks on(surface.lattice.count(), true);
   for (int round = 0; round < kVerdictRounds; ++round) {
     const BrokenPixels broken = brokenPixels(planes, surface.lattice, surface.values, on, stride);
     if (broken.at.empty()) break;
     data.insert(data.end(), broken.data.begin(), broken.data.end());
-    std::fill(on.begin(), on.end(), 0);
+    std::fill(on.begin(), on.end(), false);
     for (const Vec3d& p : broken.at) markAround(surface.lattice, p, int(kBandNodes), on);
     solvePlate(surface.lattice, markedNodes(surface.lattice, on), data, settings, surface.values);
   }

@@ -904,19 +904,27 @@ def case_real_files():
     assert right >= 30, right  # 34 with Debian 12's packages: the rest are colours, cut short, or state no geometry
 
 
+def holds_files(values, affine, paths):
+    """Every file's plane lies where pydicom has it, with its values, and there is no other."""
+    files = [pydicom.dcmread(p) for p in paths]
+    assert values.shape[2] == len(files), values.shape
+    for d in files:
+        x, place = np.array(d.ImageOrientationPatient, float), np.array(d.ImagePositionPatient, float)
+        assert np.abs(affine[:3, :2] - np.c_[x[:3] * float(d.PixelSpacing[1]), x[3:] * float(d.PixelSpacing[0])]).max() < CLOSE, affine
+        k = int(round(np.linalg.solve(affine, np.r_[place, 1])[2]))
+        assert np.abs(affine[:3] @ [0, 0, k, 1] - place).max() < CLOSE, place
+        expected = d.pixel_array * float(d.get("RescaleSlope", 1)) + float(d.get("RescaleIntercept", 0))
+        assert np.array_equal(values[:, :, k].T, expected), place
+
+
 def case_real_series():
     """A folder of pydicom's is a volume with every slice at its place; one with two stacks far apart is refused."""
     home = os.path.dirname(pydicom.__file__) + "/data/test_files/dicomdirtests/"
     if not os.path.isdir(home + "98892001/CT5N"):
         raise Skip("pydicom has no dicomdirtests/98892001")
     values, affine, _ = read(home + "98892001/CT5N")
-    files = [pydicom.dcmread(p) for p in glob.glob(home + "98892001/CT5N/*")]
-    assert values.shape[2] == len(files) == 5, values.shape
-    for d in files:
-        place = np.array(d.ImagePositionPatient, float)
-        k = int(round(np.linalg.solve(affine, np.r_[place, 1])[2]))
-        assert np.abs(affine[:3] @ [0, 0, k, 1] - place).max() < CLOSE, place
-        assert np.array_equal(values[:, :, k].T, d.pixel_array * float(d.RescaleSlope) + float(d.RescaleIntercept)), place
+    assert values.shape[2] == 5, values.shape
+    holds_files(values, affine, glob.glob(home + "98892001/CT5N/*"))
     refused("convert", home + "77654033/CT2", "-o", "x.nii", says=["more slices are missing than there are", "202.5 mm"])
 
 
@@ -969,6 +977,11 @@ def case_found_files():
     assert "big.dcm" in read(fault("13_mixed_folder"))[2]
     refused("convert", fault("15_same_uid") + ":1.2.3.4.5", "-o", "x.nii", says=["2 stacks", ":1 ", ":2 "])
     assert [i["size"][2] for i in listed(fault("15_same_uid"))] == [1, 24]
+    paths = sorted(glob.glob(fault("15_same_uid") + "/*"))
+    scouts = [p for p in paths if "LOCALIZER" in pydicom.dcmread(p).get("ImageType", [])]
+    assert len(scouts) == 1
+    holds_files(*read(fault("15_same_uid") + ":1")[:2], scouts)
+    holds_files(*read(fault("15_same_uid") + ":2")[:2], [p for p in paths if p not in scouts])
     # Its header says 50 of 64 tiles, and all are full of noise.
     refused("convert", fault("mosaic"), "-o", "x.nii", says=["a.dcm", "mosaic of Siemens", "50 tiles"])
 

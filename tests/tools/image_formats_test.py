@@ -31,6 +31,7 @@ if len(sys.argv) < 2:
     sys.exit(__doc__)
 ONLY = sys.argv[2:]
 LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
+FAULTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../shared/data/faults/image")
 OBLIQUE = np.array([[0.4, -0.3, 0.1, 10], [0.3, 0.4, 0.2, -20], [0, 0.1, -2, 30], [0, 0, 0, 1.0]])
 
 
@@ -738,6 +739,22 @@ def case_exr_windows():
     check("s.#.exr", expected, np.diag([1, 1, 2, 1]), "--spacing", "1,1,2")
     exr("b.0.exr", np.arange(63, dtype=np.float32).reshape(7, 9), -1, -2, 6, 5)
     check("b.#.exr", np.arange(63, dtype=np.float32).reshape(7, 9)[2:, 1:7].T[..., None], np.diag([1, 1, 2, 1]), "--spacing", "1,1,2", says=["outside the display window"])
+
+
+def case_exr_found_stacks():
+    """Stacks whose windows move or are cropped from picture to picture, once read wrongly, against OpenImageIO."""
+    from OpenImageIO import ROI, ImageBuf, ImageBufAlgo
+    for stack in ("09_exr_moving", "09_exr_autocrop"):
+        folder = os.path.join(FAULTS, stack)
+        if not os.path.isdir(folder):
+            raise Skip(stack + " is not there")
+        pictures = []
+        for name in sorted(os.listdir(folder)):
+            whole = ImageBufAlgo.crop(ImageBuf(os.path.join(folder, name)), ROI(0, 40, 0, 36))
+            pictures.append(whole.get_pixels()[..., 0].T)
+        expected = np.stack(pictures, -1)
+        assert expected.any() and expected.shape == (40, 36, 24)
+        check(os.path.join(folder, "s.####.exr"), expected, np.diag([1, 1, 2, 1]), "--spacing", "1,1,2")
 
 
 def case_not_finite():
