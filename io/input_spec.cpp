@@ -1,5 +1,6 @@
 #include "slicemorph/io/input_spec.h"
 
+#include "io/braces.h"
 #include "io/format.h"
 #include "io/paths.h"
 #include "io/sequence.h"
@@ -9,7 +10,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <sstream>
 
 namespace slicemorph {
 namespace {
@@ -56,14 +56,9 @@ double scaleOf(const InputSpec& spec, const std::string& value) {
 
 /// Takes what stands in braces off the end of the path.
 void splitPlacing(InputSpec& spec) {
-  const size_t open = spec.path.rfind('{');
-  if (spec.path.empty() || spec.path.back() != '}' || open == std::string::npos) return;
-  std::istringstream items(spec.path.substr(open + 1, spec.path.size() - open - 2));
-  for (std::string item; std::getline(items, item, ',');) {
-    item.erase(std::remove(item.begin(), item.end(), ' '), item.end());
-    const size_t equals = item.find('=');
-    const std::string key = item.substr(0, equals),
-                      value = equals == std::string::npos ? "" : item.substr(equals + 1);
+  const BracedText split = splitBraces(spec.path);
+  if (split.braces.empty()) return;
+  for (const auto& [item, key, value] : split.items) {
     if (key == "scale")
       spec.placing.scale = scaleOf(spec, value);
     else if (key == "upright" && (value == "x" || value == "y" || value == "z"))
@@ -74,8 +69,8 @@ void splitPlacing(InputSpec& spec) {
       refusePlacing(spec, "'" + item + "' is not understood");
   }
   if (!spec.placing.given()) refusePlacing(spec, "nothing stands in the braces");
-  spec.placing.text = spec.path.substr(open);
-  spec.path.resize(open);
+  spec.placing.text = split.braces;
+  spec.path = split.name;
 }
 
 /// Whether a path is a file that may hold several images.

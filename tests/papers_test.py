@@ -154,9 +154,10 @@ def check_options():
 
 
 def check_methods():
-    names = re.findall(r'push_back\(\{"(\w+)"', read("tools/job/methods.cpp"))
+    tables = [os.path.relpath(path, REPOSITORY) for path in glob.glob(os.path.join(REPOSITORY, "tools/job/*methods.cpp"))]
+    names = [name for table in tables for name in re.findall(r'push_back\(\{"([\w-]+)"', read(table))]
     if len(names) < 4:
-        errors.append("only %d methods found in tools/job/methods.cpp" % len(names))
+        errors.append("only %d methods found in tools/job/*methods.cpp" % len(names))
     errors.extend("tools/README.md lacks the method %s" % name for name in names if "`%s`" % name not in read("tools/README.md"))
 
 

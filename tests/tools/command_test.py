@@ -83,6 +83,19 @@ USAGE = [
     ("grids", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --grids density", 2, ["'density'", "surface"], ""),
     ("grids empty", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --grids ,", 2, ["--grids ,", "commas"], ""),
     ("method unknown", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --method melt", 2, "--method", ""),
+    ("method without parameters", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --method sdf{{x=1}}", 2,
+     ["--method sdf{{x=1}}", "no parameter 'x'", "sdf has no parameters"], ""),
+    ("method parameter unknown", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --method levelset{{speed=1}}", 2,
+     ["no parameter 'speed'", "parameters of levelset are steps", "default 2000"], ""),
+    ("method parameter out of range", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --method levelset{{steps=0}}", 2,
+     ["--method levelset{{steps=0}}", "steps must be a whole number from 1 to 1000000, not 0"], ""),
+    ("method parameter fraction", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --method levelset{{steps=1.5}}", 2, "whole number", ""),
+    ("method parameter text", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --method levelset{{steps=many}}", 2, "not many", ""),
+    ("method parameter without value", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --method levelset{{steps}}", 2, "no value is given", ""),
+    ("method parameter twice", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --method levelset{{steps=1,steps=2}}", 2, "given twice", ""),
+    ("method braces empty", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --method levelset{{}}", 2, "nothing stands in the braces", ""),
+    ("method braces open", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --method levelset{{steps=1", 2, ["levelset{{steps=1:", "{{NAME=VALUE,...}}"], ""),
+    ("method unknown in braces", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --method melt{{x=1}}", 2, ["melt{{x=1}}", "levelset"], ""),
     ("dissolve of meshes", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.ply --method dissolve", 2, "makes no surface", ""),
     ("velocity unit", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --velocity-unit hour", 2, "--velocity-unit", ""),
     ("no sequence", "morph {d}/none.####.vdb {d}/b.obj -o {o}/m.####.vdb", 1, ["none.####.vdb", "no such files"], ""),
@@ -178,6 +191,7 @@ CONFIG = [
     ("config unknown key", "morph --config {d}/unknown.toml", 2, ["unknown.toml:2:1", "sices", "slices"], ""),
     ("config wrong type", "morph --config {d}/type.toml", 2, ["type.toml:1:10", "whole number"], ""),
     ("config wrong choice", "morph --config {d}/choice.toml", 2, ["choice.toml:3:", "method"], ""),
+    ("config wrong parameter", "morph --config {d}/parameter.toml", 2, ["parameter.toml:3:", "steps", "1 to 1000000"], ""),
     ("config runs", "morph --config {d}/job.toml -o {o}/c.####.obj", 0, "", ["c.0001.obj", "c.0002.obj"]),
     ("command line wins", "morph --config {d}/job.toml --at 0.5 -o {o}/c.ply", 0, "", "c.ply"),
 ]
@@ -197,6 +211,8 @@ WORKS = [
     ("sdf", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.stl --frames 2 --resolution 24 --method sdf", 0, "", "m.0002.stl"),
     ("levelset", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.ply --frames 3 --resolution 24 --method levelset", 0, "",
      "m.0003.ply"),
+    ("levelset of few steps", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.ply --frames 3 --resolution 24 --method levelset{{steps=2}}", 0,
+     "came to rest after 2 steps", "m.0003.ply"),
     ("compare", "compare {d}/a.obj {d}/b.obj --resolution 24", 0, "", ["distance", "volume", "dice"]),
     ("info mesh", "info {d}/a.obj", 0, "", ["points", "closed"]),
     ("info vdb", "info {d}/a.vdb", 0, "", ["surface", "level set"]),
@@ -295,6 +311,7 @@ def make_inputs(d):
     write(d + "/syntax.toml", "frames = 3\nresolution = = 24\n")
     write(d + "/unknown.toml", "frames = 3\nsices = 24\n")
     write(d + "/type.toml", 'frames = "three"\n')
+    write(d + "/parameter.toml", 'inputs = ["a.obj", "b.obj"]\noutput = "m.####.vdb"\nmethod = "levelset{steps=0}"\n')
     write(d + "/choice.toml", 'inputs = ["a.obj", "b.obj"]\noutput = "m.####.vdb"\nmethod = "magic"\n')
     job = 'inputs = ["%s/a.obj", "%s/b.obj"]\nframes = 2\nresolution = 24\nquiet = false\n' % (d, d)
     write(d + "/job.toml", job)
@@ -499,6 +516,26 @@ def resume_keeps_frames(d, o):
     return problems
 
 
+def parameters_of_methods_count(d, o):
+    """--resume keeps frames of the same parameters alone, and reports name them, defaults too."""
+    folders = {"d": d, "o": o}
+    words = "morph {d}/a.obj {d}/b.obj -o {o}/m.####.ply --frames 4 --range 1-2 --resolution 24 --report {o}/r.json --method levelset"
+    problems = problems_of(run(words + "{{steps=5}}", folders), 0, "", ["m.0001.ply", "m.0002.ply"], folders)
+    problems += problems_of(run(words + "{{steps=5}} --resume", folders), 0, "", ["m.0001.ply (kept)", "m.0002.ply (kept)"], folders)
+    with open(o + "/r.json") as file:
+        if json.load(file)["settings"].get("parameters") != {"steps": 5}:
+            problems.append("the report does not say steps = 5")
+    result = run(words + "{{steps=6}} --resume", folders)
+    problems += problems_of(result, 0, "other settings", "m.0001.ply", folders)
+    if "(kept)" in result.stdout:
+        problems.append("frames of other parameters were kept")
+    run(words, folders)
+    with open(o + "/r.json") as file:
+        if json.load(file)["settings"].get("parameters") != {"steps": 2000}:
+            problems.append("the report does not say the default")
+    return problems
+
+
 def resume_of_another_program(d, o):
     """Frames of another version or build are made again, and a note says why."""
     folders = {"d": d, "o": o}
@@ -591,7 +628,7 @@ def render_previews(d, o):
     return problems
 
 
-SPECIAL = [help_of_all_options, version_is_the_projects, verbose_says_more, render_empty_fog, render_preview_without_ffmpeg, render_preview_that_fails, render_previews, read_only_folder, disk_full, empty_grid, report_holds, resume_keeps_frames, resume_of_another_program, threads_do_not_matter]
+SPECIAL = [help_of_all_options, version_is_the_projects, verbose_says_more, render_empty_fog, render_preview_without_ffmpeg, render_preview_that_fails, render_previews, read_only_folder, disk_full, empty_grid, report_holds, resume_keeps_frames, parameters_of_methods_count, resume_of_another_program, threads_do_not_matter]
 
 
 def main():

@@ -42,6 +42,7 @@ class GroupedHelp : public CLI::Formatter {
     std::string text = make_description(app) + make_usage(app, name);
     for (int group = 0; group <= int(OptionGroup::kFarm); ++group)
       text += groupText(app, OptionGroup(group), all);
+    if (all) text += methodsText();
     text += "\nHelp:\n" + make_option(app->get_help_ptr(), false);
     if (app->get_help_all_ptr()) text += make_option(app->get_help_all_ptr(), false);
     return text;
@@ -52,6 +53,17 @@ class GroupedHelp : public CLI::Formatter {
   }
 
  private:
+  /// The methods of a command that has them, with their parameters.
+  std::string methodsText() const {
+    const auto& rows = options_->rows();
+    if (std::none_of(rows.begin(), rows.end(), [](const OptionRow* row) { return row->braces; })) return "";
+    std::stringstream lines;
+    for (const MorphMethod& method : morphMethods())
+      CLI::detail::format_help(lines, "  " + method.name,
+                               wrapped(describeMethod(method), kHelpWidth - kHelpColumn), kHelpColumn);
+    return "\nMethods:\n" + lines.str();
+  }
+
   std::string groupText(const CLI::App* app, OptionGroup group, bool all) const {
     std::string text;
     for (const OptionRow* row : options_->rows())

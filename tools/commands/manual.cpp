@@ -67,6 +67,16 @@ std::string typed(const OptionRow& row) {
          (form.empty() ? "" : " \\fI" + roff(form) + "\\fR");
 }
 
+/// The methods with their parameters, of a command that has them.
+std::string methodsOf(const OptionSet& options) {
+  std::string entries;
+  for (const OptionRow* row : options.rows())
+    if (row->braces)
+      for (const MorphMethod& method : morphMethods())
+        entries += entry(bold(method.name), describeMethod(method) + ".");
+  return entries.empty() ? "" : section("METHODS") + entries;
+}
+
 std::string pageOf(const CLI::App& command) {
   const std::string name = "slicemorph-" + command.get_name();
   const OptionSet& options = optionsOf(command);
@@ -84,7 +94,8 @@ std::string pageOf(const CLI::App& command) {
          bold("slicemorph " + command.get_name()) + " [\\fIOPTIONS\\fR]" + synopsis + "\n" +
          section("OPTIONS") + groups + ".SS Help\n" +
          entry(bold("--help"), "Print the most used options and exit.") +
-         entry(bold("--help-all"), "Print every option and exit.") + foot(".BR slicemorph (1)\n");
+         entry(bold("--help-all"), "Print every option and exit.") + methodsOf(options) +
+         foot(".BR slicemorph (1)\n");
 }
 
 std::string mainPage(const CLI::App& program, const std::vector<const CLI::App*>& commands) {

@@ -64,7 +64,7 @@ OutputIdea ideaOfMorph(const OptionSet& options) {
   const bool one =
       blend || (options.given("at") ? given.at.find(',') == std::string::npos : given.frames == 1);
   const bool images = std::all_of(given.inputs.begin(), given.inputs.end(), isImageInput) &&
-                      methodNamed(given.method).can.images;
+                      methodNamed(methodChoice(given.method).name).can.images;
   const std::string ending = images ? imageEnding(given.inputs[0]) : ".vdb";
   if (one && !anyMoves(given.inputs)) return {name, "", ending};
   return {name, name, ".####" + ending};

@@ -1,6 +1,7 @@
 #include "tools/job/methods.h"
 
 #include "engine/peers/peers.h"
+#include "io/braces.h"
 #include "slicemorph/errors.h"
 #include "slicemorph/io/input.h"
 #include "tools/job/morph_settings.h"
@@ -8,13 +9,14 @@
 
 #include <algorithm>
 #include <limits>
+#include <stdexcept>
 
 namespace slicemorph {
 namespace {
 
-/// Most steps of OpenVDB's LevelSetMorphing before it is given up: enough for a surface that moves a voxel
-/// per step to cross a grid of 2000 voxels.
-constexpr int kMostLevelSetSteps = 2000;
+/// Steps of OpenVDB's LevelSetMorphing before it is given up, unless others are given: enough for a surface that moves a
+/// voxel per step to cross a grid of 2000 voxels.
+constexpr int kLevelSetSteps = 2000;
 
 MethodPlan planSlices(const MethodTask& task) {
   std::vector<Object> objects;
@@ -54,7 +56,7 @@ MethodPlan planSdf(const MethodTask& task) {
 MethodPlan planLevelSet(const MethodTask& task) {
   const auto result = std::make_shared<LevelSetMorphResult>(
       levelSetMorph(*task.inputs[0].object.levelSet, *task.inputs[1].object.levelSet,
-                    int(task.settings.frames.size()), kMostLevelSetSteps, &task.progress));
+                    int(task.settings.frames.size()), int(task.parameter("steps")), &task.progress));
   MethodPlan plan;
   plan.shape = [result, first = task.settings.frames[0].number](const FrameJob& job) {
     return InBetween{result->frames[size_t(job.number - first)], 0};
@@ -82,7 +84,12 @@ std::vector<MorphMethod> makeTable() {
 
   MethodTraits levelSet;
   levelSet.anyTime = false, levelSet.mostInputs = 2;
-  table.push_back({"levelset", "moves the surface to the nearest", levelSet, planLevelSet});
+  table.push_back({"levelset",
+                   "moves the surface to the nearest",
+                   levelSet,
+                   planLevelSet,
+                   {{"steps", "steps after which a surface that still moves is left where it is", "",
+                     kLevelSetSteps, 1, 1e6, true}}});
 
   MethodTraits values;
   values.surface = false, values.grids = values.images = true;
@@ -106,6 +113,20 @@ const MorphMethod& methodNamed(const std::string& name) {
   throw InputError("--method " + name + ": there is no such method; there are " + known);
 }
 
+MethodChoice methodChoice(const std::string& text) {
+  const BracedText split = splitBraces(text);
+  const MorphMethod& method = methodNamed(split.name);
+  return {method.name, parsedParameters("--method " + text, method.parameters, split)};
+}
+
+double MethodTask::parameter(const std::string& name) const {
+  const std::vector<MethodParameter>& all = methodNamed(settings.method).parameters;
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const MethodParameter& p) { return p.name == name; });
+  if (found == all.end()) throw std::logic_error(settings.method + " has no parameter " + name);
+  return valueOf(*found, settings.parameters);
+}
+
 std::vector<std::string> methodNames() {
   std::vector<std::string> names;
   for (const MorphMethod& method : morphMethods()) names.push_back(method.name);
@@ -118,6 +139,13 @@ std::string methodHelp() {
   for (size_t i = 1; i < methods.size(); ++i)
     help += (i > 1 ? ", " : "") + methods[i].name + " " + methods[i].help;
   return help;
+}
+
+std::string describeMethod(const MorphMethod& method) {
+  std::string text = method.help;
+  for (size_t i = 0; i < method.parameters.size(); ++i)
+    text += (i ? "; " : ". Parameters: ") + describeParameter(method.parameters[i]);
+  return text;
 }
 
 std::string methodsThat(bool MethodTraits::*can) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "slicemorph/slicemorph.h"
+#include "tools/job/method_parameters.h"
 
 #include <functional>
 #include <memory>
@@ -36,6 +37,9 @@ struct MethodTask {
   /// The settings', completed by what was found in the inputs; null: as they are.
   const MorphOptions* options = nullptr;
   const std::string* decisions = nullptr;  ///< of an earlier plan, see MorphPlan::decidedBefore; null: none
+
+  /// A parameter of the settings' method: as it was given, else its default. Of one with choices the index among them.
+  double parameter(const std::string& name) const;
 };
 
 /// What a method can do. Options that need more are refused; for what is left out of inputs there are notes.
@@ -55,6 +59,7 @@ struct MorphMethod {
   std::string help;  ///< what it does, after its name: "blends distances point by point"
   MethodTraits can;
   MethodPlan (*plan)(const MethodTask&);
+  std::vector<MethodParameter> parameters = {};
 };
 
 /// All methods, the default first.
@@ -62,9 +67,21 @@ const std::vector<MorphMethod>& morphMethods();
 /// Throws InputError, listing all methods, where there is none of that name.
 const MorphMethod& methodNamed(const std::string& name);
 
+/// A method as it was asked for: `levelset{steps=500}`.
+struct MethodChoice {
+  std::string name;
+  MethodValues given;
+};
+
+/// Throws InputError where there is no such method, or it has no such parameter, or a value is out of range.
+MethodChoice methodChoice(const std::string& text);
+
 std::vector<std::string> methodNames();
 /// One sentence on all methods, for the help of --method.
 std::string methodHelp();
+
+/// What a method does, and its parameters.
+std::string describeMethod(const MorphMethod& method);
 
 /// The methods with a trait, for messages: "--method slices or dissolve".
 std::string methodsThat(bool MethodTraits::*can);

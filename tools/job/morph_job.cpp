@@ -157,7 +157,9 @@ MorphSettings plainSettings(const OptionSet& options) {
   const JobOptions& given = options.values();
   MorphSettings s;
   s.options = given;
-  s.inputs = given.inputs, s.held = given.held, s.output = given.output, s.method = given.method;
+  s.inputs = given.inputs, s.held = given.held, s.output = given.output;
+  const MethodChoice choice = options.about("method", [&] { return methodChoice(given.method); });
+  s.method = choice.name, s.parameters = choice.given;
   s.framesPerSecond = given.framesPerSecond, s.reports = given.reports, s.sliceFolder = given.sliceFolder;
   s.quiet = given.quiet, s.resume = given.resume, s.planFile = given.planFile;
   s.conserve = given.conserve, s.like = given.like;

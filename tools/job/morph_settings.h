@@ -65,6 +65,7 @@ struct MorphSettings {
   MorphOptions plan;
   bool alignGiven = false;        ///< --align was given; else inputs of one simulation keep their directions
   std::string method = "slices";  ///< its name in methods.h
+  MethodValues parameters;        ///< those of the method's parameters that were given
   std::vector<FrameJob> frames;   ///< of the whole sequence, whatever --range asks for
   WeightCourse course;            ///< of the frames; without keys where the weights are given
   double framesPerSecond = 24;

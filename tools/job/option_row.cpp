@@ -1,5 +1,6 @@
 #include "tools/job/option_row.h"
 
+#include "io/braces.h"
 #include "slicemorph/errors.h"
 #include "tools/job/option_values.h"
 
@@ -67,8 +68,10 @@ std::string listOfChoices(const std::vector<std::string>& choices) {
 }
 
 void checkChoice(const OptionRow& row, const std::string& text) {
-  if (row.choices.empty() || std::count(row.choices.begin(), row.choices.end(), text)) return;
-  throw InputError(spelledName(row) + " " + text + ": expected " + listOfChoices(row.choices));
+  const std::string choice = row.braces ? splitBraces(text).name : text;
+  if (row.choices.empty() || std::count(row.choices.begin(), row.choices.end(), choice)) return;
+  throw InputError(spelledName(row) + " " + text + ": expected " + listOfChoices(row.choices) +
+                   (row.braces ? ", its parameters in braces behind it: {NAME=VALUE,...}" : ""));
 }
 
 std::string joinedBy(const std::string& separator, const std::vector<std::string>& words) {
@@ -115,7 +118,7 @@ std::string spelledName(const OptionRow& row) {
 }
 
 std::string formOf(const OptionRow& row) {
-  return row.choices.empty() ? row.form : joinedBy("|", row.choices);
+  return row.choices.empty() || !row.form.empty() ? row.form : joinedBy("|", row.choices);
 }
 
 std::string helpOf(const OptionRow& row) {

@@ -60,6 +60,7 @@ struct OptionRow {
   std::string unit;  ///< of numbers: "degrees"; empty: none
   OptionRange range;
   std::vector<std::string> choices;  ///< empty: any text
+  bool braces = false;               ///< behind a choice may stand its parameters: `levelset{steps=500}`
   std::string help;                  ///< what it does; unit, range and default are added by helpOf()
   std::string fallback;              ///< the default in words, if the field's initial value does not state it
   std::vector<std::string> excludes;    ///< options that cannot be given together with this one

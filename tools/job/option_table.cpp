@@ -40,6 +40,7 @@ class Row {
   Row& above(double least) { return row_.range.least = least, row_.range.open = true, *this; }
   Row& atLeast(double least) { return row_.range.least = least, *this; }
   Row& oneOf(std::vector<std::string> choices) { return row_.choices = std::move(choices), *this; }
+  Row& braced() { return row_.braces = true, *this; }
   Row& fallback(const std::string& text) { return row_.fallback = text, *this; }
   Row& excludes(std::vector<std::string> names) { return row_.excludes = std::move(names), *this; }
   Row& silencedBy(std::vector<std::string> names) { return row_.silencedBy = std::move(names), *this; }
@@ -193,8 +194,12 @@ Rows shapeRows() {
           .fallback("0 in level sets, else found from the values")
           .basic(),
       Row(kRender, "surface", at<&J::fogAsSurface>, "", "Fog is drawn as the shape in it, at --iso"),
-      Row(kMorph, "method", at<&J::method>, "", methodHelp()).oneOf(methodNames()).basic(),
-      Row(kSurvey, "method", at<&J::methods>, "NAME", "Only this method of `morph`; may be given again")
+      Row(kMorph, "method", at<&J::method>, "NAME{PARAMETER=VALUE,...}", methodHelp())
+          .oneOf(methodNames())
+          .braced()
+          .basic(),
+      Row(kSurvey, "method", at<&J::methods>, "NAME{PARAMETER=VALUE,...}",
+          "Only this method of `morph`; may be given again")
           .fallback("all; those that cannot take the inputs say why on the page")
           .basic(),
   };

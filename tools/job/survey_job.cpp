@@ -106,7 +106,7 @@ std::vector<SurveyJob::Asked> methodsOf(const OptionSet& options) {
   const std::vector<std::string>& given = options.values().methods;
   std::vector<SurveyJob::Asked> methods;
   for (const std::string& text : given.empty() ? methodNames() : given)
-    methods.push_back({text, options.about("method", [&] { return &methodNamed(text); })});
+    methods.push_back({text, options.about("method", [&] { return &methodNamed(methodChoice(text).name); })});
   return methods;
 }
 

@@ -66,7 +66,8 @@ py::list optionRows(const std::string& command) {
     const bool typed = row.field;  // not so tables that only job files have
     rows.append(py::dict(
         py::arg("name") = row.name, py::arg("type") = nameOf(row.type),
-        py::arg("form") = typed ? formOf(row) : "", py::arg("choices") = row.choices,
+        py::arg("form") = typed ? formOf(row) : "",
+        py::arg("choices") = row.braces ? std::vector<std::string>() : row.choices,
         py::arg("help") = typed ? helpOf(row) : "Tables [[" + row.name + "]] of job files, a dict each",
         py::arg("group") = titleOf(row.group)));
   }

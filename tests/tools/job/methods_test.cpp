@@ -54,6 +54,41 @@ TEST(Methods, HaveNamesOfTheirOwnAndHelp) {
   }
 }
 
+/// Every parameter has a default within its own limits, and is spelled as it is read.
+TEST(Methods, TakeTheirParametersInBraces) {
+  for (const MorphMethod& method : morphMethods()) {
+    SCOPED_TRACE(method.name);
+    EXPECT_TRUE(methodChoice(method.name).given.empty());
+    for (const MethodParameter& parameter : method.parameters) {
+      SCOPED_TRACE(parameter.name);
+      EXPECT_NE(describeMethod(method).find(parameter.name + ": " + parameter.help), std::string::npos);
+      const double most = parameter.choices.empty() ? parameter.most : double(parameter.choices.size()) - 1;
+      for (const double value : {parameter.fallback, parameter.least, most}) {
+        const std::string text =
+            method.name + "{" + parameter.name + "=" + spelledParameter(parameter, value) + "}";
+        const MethodChoice choice = methodChoice(text);
+        EXPECT_EQ(choice.name, method.name);
+        EXPECT_EQ(choice.given, (MethodValues{{parameter.name, value}})) << text;
+      }
+      for (const std::string wrong : {"", "x", "nan", "inf", "1e300", "-1e300"})
+        EXPECT_THROW(methodChoice(method.name + "{" + parameter.name + "=" + wrong + "}"), InputError)
+            << wrong;
+    }
+    EXPECT_THROW(methodChoice(method.name + "{no-such=1}"), InputError);
+    EXPECT_THROW(methodChoice(method.name + "{}"), InputError);
+  }
+}
+
+TEST(Methods, HaveDefaultsWhereNothingIsGiven) {
+  MorphSettings settings = jobOf("levelset");
+  const std::vector<LoadedObject> inputs;
+  Progress progress;
+  EXPECT_EQ((MethodTask{settings, inputs, 1, nullptr, progress}.parameter("steps")), 2000);
+  settings.parameters = methodChoice("levelset{steps=7}").given;
+  EXPECT_EQ((MethodTask{settings, inputs, 1, nullptr, progress}.parameter("steps")), 7);
+  EXPECT_THROW((MethodTask{settings, inputs, 1, nullptr, progress}.parameter("speed")), std::logic_error);
+}
+
 /// A method's plan makes what its row says.
 TEST(Methods, DoWhatTheirTraitsSay) {
   const std::vector<LoadedObject> inputs{sphere(kSmall), sphere(kLarge)};
