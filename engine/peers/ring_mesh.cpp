@@ -1,0 +1,40 @@
+#include "engine/peers/ring_mesh.h"
+
+#include "engine/volume/voxelise.h"
+#include "slicemorph/errors.h"
+
+namespace slicemorph {
+
+std::vector<openvdb::Vec3I> RingLayout::triangles() const {
+  std::vector<openvdb::Vec3I> result;
+  result.reserve(2 * size_t(rings) * size_t(around));
+  const auto add = [&](size_t a, size_t b, size_t c) {
+    result.emplace_back(unsigned(a), unsigned(b), unsigned(c));
+  };
+  const size_t last = count() - 1;
+  for (int i = 0; i < around; ++i) {
+    const int next = (i + 1) % around;
+    add(0, index(0, next), index(0, i));
+    for (int ring = 0; ring + 1 < rings; ++ring) {
+      add(index(ring, i), index(ring, next), index(ring + 1, i));
+      add(index(ring, next), index(ring + 1, next), index(ring + 1, i));
+    }
+    add(last, index(rings - 1, i), index(rings - 1, next));
+  }
+  return result;
+}
+
+FloatGrid::Ptr levelSetOfMesh(const Mesh& mesh, double voxelSize) {
+  FloatGrid::Ptr grid;
+  try {
+    grid = voxelise(mesh, voxelSize);
+  } catch (const GeometryError&) {  // nothing is inside
+    grid = FloatGrid::create(float(kHalfWidth * voxelSize));
+    grid->setTransform(openvdb::math::Transform::createLinearTransform(voxelSize));
+    grid->setGridClass(openvdb::GRID_LEVEL_SET);
+  }
+  grid->setName("surface");
+  return grid;
+}
+
+}  // namespace slicemorph
