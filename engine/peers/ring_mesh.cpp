@@ -1,5 +1,6 @@
 #include "engine/peers/ring_mesh.h"
 
+#include "engine/peers/function_level_set.h"
 #include "engine/volume/voxelise.h"
 #include "slicemorph/errors.h"
 
@@ -25,16 +26,13 @@ std::vector<openvdb::Vec3I> RingLayout::triangles() const {
 }
 
 FloatGrid::Ptr levelSetOfMesh(const Mesh& mesh, double voxelSize) {
-  FloatGrid::Ptr grid;
   try {
-    grid = voxelise(mesh, voxelSize);
+    const FloatGrid::Ptr grid = voxelise(mesh, voxelSize);
+    grid->setName("surface");
+    return grid;
   } catch (const GeometryError&) {  // nothing is inside
-    grid = FloatGrid::create(float(kHalfWidth * voxelSize));
-    grid->setTransform(openvdb::math::Transform::createLinearTransform(voxelSize));
-    grid->setGridClass(openvdb::GRID_LEVEL_SET);
+    return emptyLevelSet(voxelSize);
   }
-  grid->setName("surface");
-  return grid;
 }
 
 }  // namespace slicemorph

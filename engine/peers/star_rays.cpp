@@ -26,7 +26,7 @@ LeastDepth leastDepth(const DistanceField& field, const Vec3d& p) {
 }  // namespace
 
 RayHit followRay(const DistanceField& field, const DistanceField::Sampler& sample, const Vec3d& from,
-                 const Vec3d& direction) {
+                 const Vec3d& direction, const std::function<bool(const Vec3d&)>& counts) {
   const double h = field.voxelSize(), shortest = h / 2;
   double longest = 0;  // to the corner of the box that is farthest from the start
   for (int a = 0; a < 3; ++a) {
@@ -37,13 +37,14 @@ RayHit followRay(const DistanceField& field, const DistanceField::Sampler& sampl
   RayHit hit;
   bool found = false;
   double at = 0, value = sample(field.relative(from));
+  if (value >= 0) hit.single = false;
   while (at < longest) {
     // Distances change by no more than the step, but those of the coarse grid are a little off: hence not all of it.
     const double step = std::max(shortest, 0.5 * std::abs(value));
     const double next = sample(field.relative(from + (at + step) * direction));
     if (value < 0 && next >= 0) {
       if (!found) hit.distance = at + step * value / (value - next);
-      if (found) hit.single = false;
+      if (found && (!counts || counts(from + at * direction))) hit.single = false;
       found = true;
     }
     at += step, value = next;

@@ -2,7 +2,7 @@
 
 #include "engine/volume/distance_field.h"
 
-#include <vector>
+#include <functional>
 
 namespace slicemorph {
 
@@ -13,9 +13,9 @@ struct RayHit {
 };
 
 /// Follows a ray, `direction` of length 1, until it is out of the shape's box. What comes and goes within half a voxel is
-/// not seen.
+/// not seen. `counts`: whether what lies at a point belongs to the ray's own part of the shape; empty: it always does.
 RayHit followRay(const DistanceField& field, const DistanceField::Sampler& sample, const Vec3d& from,
-                 const Vec3d& direction);
+                 const Vec3d& direction, const std::function<bool(const Vec3d&)>& counts = {});
 
 /// A point that sees the whole surface, as far as about 8,000 samples of it tell: the centroid of the inside; where that
 /// does not see it all a point found by steps to the side of the tangent planes that it is behind (relaxation for linear
