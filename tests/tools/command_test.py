@@ -96,6 +96,16 @@ USAGE = [
     ("method braces empty", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --method levelset{{}}", 2, "nothing stands in the braces", ""),
     ("method braces open", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --method levelset{{steps=1", 2, ["levelset{{steps=1:", "{{NAME=VALUE,...}}"], ""),
     ("method unknown in braces", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --method melt{{x=1}}", 2, ["melt{{x=1}}", "levelset"], ""),
+    ("radial of two parts", "morph {d}/a.obj {d}/two.obj -o {o}/m.####.vdb --resolution 24 --method radial", 2,
+     ["'two' is not star-shaped", "--method slices"], ""),
+    ("radial tangents of three", "morph {d}/a.obj {d}/b.obj {d}/a.obj -o {o}/m.vdb --weights 1,1,1 --resolution 24 --method radial{{tangent=1}}", 2,
+     "choose tangent=0", ""),
+    ("cylindrical of two parts", "morph {d}/a.obj {d}/two.obj -o {o}/m.####.vdb --resolution 24 --method cylindrical", 2,
+     "'two' is not star-shaped about its axis", ""),
+    ("warp without features", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --resolution 24 --method feature-warp", 2,
+     ["needs features", "slicemorph pick"], ""),
+    ("features of radial", "morph --config {d}/warp.toml --method radial -o {o}/m.####.vdb", 2,
+     ["[[feature]] is for --method slices or feature-warp", "not for radial"], ""),
     ("dissolve of meshes", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.ply --method dissolve", 2, "makes no surface", ""),
     ("velocity unit", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --velocity-unit hour", 2, "--velocity-unit", ""),
     ("no sequence", "morph {d}/none.####.vdb {d}/b.obj -o {o}/m.####.vdb", 1, ["none.####.vdb", "no such files"], ""),
@@ -213,6 +223,16 @@ WORKS = [
      "m.0003.ply"),
     ("levelset of few steps", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.ply --frames 3 --resolution 24 --method levelset{{steps=2}}", 0,
      "came to rest after 2 steps", "m.0003.ply"),
+    ("radial", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.stl --frames 2 --resolution 24 --method radial", 0, "", "m.0002.stl"),
+    ("radial by tangents", "morph {d}/a.obj {d}/b.obj -o {o}/m.stl --at 0.5 --resolution 24 --method radial{{tangent=1}}", 0, "", "m.stl"),
+    ("contour-mean", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.stl --frames 2 --resolution 24 --slices 24 --axis z --method contour-mean", 0, "",
+     "m.0002.stl"),
+    ("contour-median of three", "morph {d}/a.obj {d}/two.obj {d}/b.obj -o {o}/m.stl --weights 1,1,1 --resolution 24 --method contour-median", 0, "",
+     "m.stl"),
+    ("contour-mode", "morph {d}/a.obj {d}/b.obj -o {o}/m.stl --at 0.5 --resolution 24 --method contour-mode{{width=0.2}}", 0, "", "m.stl"),
+    ("slices-plain", "morph {d}/a.obj {d}/two.obj -o {o}/m.####.vdb --frames 2 --resolution 24 --method slices-plain", 0, "", "m.0002.vdb"),
+    ("cylindrical", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.stl --frames 2 --resolution 24 --method cylindrical", 0, "", "m.0002.stl"),
+    ("feature-warp", "morph --config {d}/warp.toml -o {o}/m.####.vdb", 0, "", "m.0002.vdb"),
     ("compare", "compare {d}/a.obj {d}/b.obj --resolution 24", 0, "", ["distance", "volume", "dice"]),
     ("info mesh", "info {d}/a.obj", 0, "", ["points", "closed"]),
     ("info vdb", "info {d}/a.vdb", 0, "", ["surface", "level set"]),
@@ -271,6 +291,8 @@ def make_inputs(d):
     a = obj_text(points, faces)
     write(d + "/a.obj", a)
     write(d + "/b.obj", obj_text(*ellipsoid(0.5, 0.7, 1.1)))
+    beside = [(x + 3, y, z) for x, y, z in points]
+    write(d + "/two.obj", obj_text(points + beside, faces + [tuple(i + len(points) for i in f) for f in faces]))
     write(d + "/empty.obj", "")
     write(d + "/empty.vdb", "")
     write(d + "/text.txt", "not a shape\n")
@@ -313,6 +335,8 @@ def make_inputs(d):
     write(d + "/type.toml", 'frames = "three"\n')
     write(d + "/parameter.toml", 'inputs = ["a.obj", "b.obj"]\noutput = "m.####.vdb"\nmethod = "levelset{steps=0}"\n')
     write(d + "/choice.toml", 'inputs = ["a.obj", "b.obj"]\noutput = "m.####.vdb"\nmethod = "magic"\n')
+    write(d + "/warp.toml", 'inputs = ["%s/a.obj", "%s/b.obj"]\nframes = 2\nresolution = 24\nmethod = "feature-warp"\n'
+          "[[feature]]\npoint = [[0, 0, 0.5], [0, 0, 1]]\n[[feature]]\nline = [[[0, 0, 0], [0, 0.5, 0]], [[0, 0, 0], [0, 0.7, 0]]]\n" % (d, d))
     job = 'inputs = ["%s/a.obj", "%s/b.obj"]\nframes = 2\nresolution = 24\nquiet = false\n' % (d, d)
     write(d + "/job.toml", job)
 

@@ -4,6 +4,7 @@
 #include "io/braces.h"
 #include "slicemorph/errors.h"
 #include "slicemorph/io/input.h"
+#include "tools/job/contour_methods.h"
 #include "tools/job/morph_settings.h"
 #include "tools/job/option_values.h"
 
@@ -77,7 +78,7 @@ MethodPlan planDissolve(const MethodTask&) {
 std::vector<MorphMethod> makeTable() {
   std::vector<MorphMethod> table;
   MethodTraits slices;
-  slices.grids = slices.colors = slices.images = slices.guided = true;
+  slices.grids = slices.colors = slices.images = slices.guided = slices.features = true;
   table.push_back({"slices", "matches the contours of oriented slices and moves them", slices, planSlices});
 
   table.push_back({"sdf", "blends distances point by point", MethodTraits(), planSdf});
@@ -94,6 +95,8 @@ std::vector<MorphMethod> makeTable() {
   MethodTraits values;
   values.surface = false, values.grids = values.images = true;
   table.push_back({"dissolve", "blends values where they are", values, planDissolve});
+
+  addContourMethods(table);
   return table;
 }
 

@@ -44,12 +44,13 @@ struct MethodTask {
 
 /// What a method can do. Options that need more are refused; for what is left out of inputs there are notes.
 struct MethodTraits {
-  bool surface = true;  ///< makes a shape: a level set, its mesh and pictures of it
-  bool grids = false;   ///< carries the grids beside the shape's own, and the fog that a shape is part of
-  bool colors = false;  ///< carries the colours of surfaces
-  bool images = false;  ///< carries images
-  bool guided = false;  ///< takes features, regions, landmarks and paths of contours; its slices can be drawn
-  bool anyTime = true;  ///< makes any blend; else only steps from the first input to the last, no sequences
+  bool surface = true;    ///< makes a shape: a level set, its mesh and pictures of it
+  bool grids = false;     ///< carries the grids beside the shape's own, and the fog that a shape is part of
+  bool colors = false;    ///< carries the colours of surfaces
+  bool images = false;    ///< carries images
+  bool guided = false;    ///< takes regions and paths of contours; its slices can be drawn
+  bool features = false;  ///< takes features and landmarks
+  bool anyTime = true;    ///< makes any blend; else only steps from the first input to the last, no sequences
   size_t mostInputs = 0;  ///< 0: any number
 };
 

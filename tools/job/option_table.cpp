@@ -225,12 +225,12 @@ Rows matchingRows() {
           "Positions to be carried onto each other: a file of points per input, or in a job file "
           "[[[x,y,z],[x,y,z]], ...]")
           .as(OptionType::kLandmarks)
-          .needs(&MethodTraits::guided),
+          .needs(&MethodTraits::features),
       Row(kMorph, "check-landmarks", at<&J::checkLandmarks>, "FILE,FILE[,...]",
           "Positions that are only measured, for the report")
           .as(OptionType::kLandmarks)
           .notInFrames(),
-      Row(kMorph, "feature", nullptr, "", "").needs(&MethodTraits::guided),
+      Row(kMorph, "feature", nullptr, "", "").needs(&MethodTraits::features),
       Row(kMorph, "region", nullptr, "", "").needs(&MethodTraits::guided),
   };
 }

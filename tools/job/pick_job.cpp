@@ -60,9 +60,10 @@ PickJob pickJob(const OptionSet& options) {
   job.morph = morphJob(morph);
   const MorphSettings& settings = job.morph.settings;
   if (!settings.can().guided)
-    morph.refuse("method", "--method " + settings.method +
-                               " takes no features, so there is nothing to point "
-                               "at; leave it out");
+    morph.refuse("method",
+                 "--method " + settings.method +
+                     " matches no slices, which pick shows; leave it out: features that are pointed at "
+                     "serve each method that takes them");
   for (const std::string& input : settings.inputs) morph.about("inputs", [&] { checkInputExists(input); });
   if (settings.jobText.empty())
     morph.refuse("inputs", "pick: a job file cannot hold one of these names, which must be UTF-8");

@@ -30,6 +30,11 @@ MorphSettings jobOf(const std::string& method) {
   settings.inputs = {"small", "large"};
   settings.method = method;
   settings.plan.slices = 32;
+  if (methodNamed(method).can.features) {
+    Feature middle;
+    middle.name = "middle", middle.positions = {{Vec3d(0.0)}, {Vec3d(0.0)}};
+    settings.plan.features = {middle};
+  }
   for (int i = 0; i < 3; ++i) settings.frames.push_back({i + 1, i / 2.0, {1 - i / 2.0, i / 2.0}, "", 0, {}});
   return settings;
 }
