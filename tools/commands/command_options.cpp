@@ -59,8 +59,8 @@ class GroupedHelp : public CLI::Formatter {
     if (std::none_of(rows.begin(), rows.end(), [](const OptionRow* row) { return row->braces; })) return "";
     std::stringstream lines;
     for (const MorphMethod& method : morphMethods())
-      CLI::detail::format_help(lines, "  " + method.name,
-                               wrapped(describeMethod(method), kHelpWidth - kHelpColumn), kHelpColumn);
+      CLI::detail::format_help(lines, method.name, wrapped(describeMethod(method), kHelpWidth - kHelpColumn),
+                               kHelpColumn);
     return "\nMethods:\n" + lines.str();
   }
 
