@@ -440,7 +440,7 @@ def options_of(help_text):
 def help_of_all_options(d, o):
     """Help has groups; --help-all has all options with defaults, --help some of them in the same words."""
     problems = []
-    order = ["Inputs", "Shape", "Matching", "Outputs", "Images", "Pictures", "Farm", "Help"]
+    order = ["Inputs", "Shape", "Matching", "Outputs", "Images", "Pictures", "Farm", "Methods", "Help"]
     for command in ("morph", "slice", "reconstruct", "convert", "render", "compare", "info", "pick"):
         short, all_of_it = (options_of(run(command + word, {}).stdout) for word in (" --help", " --help-all"))
         for options, groups in (short, all_of_it):
@@ -452,6 +452,8 @@ def help_of_all_options(d, o):
                 problems.append("%s: no default: %s" % (command, text))
         if any(all_of_it[0].get(name) != text for name, text in short[0].items()):
             problems.append("%s: --help is no part of --help-all" % command)
+    if "steps: " not in run("morph --help-all", {}).stdout.partition("\nMethods:\n")[2]:
+        problems.append("morph --help-all lacks the parameters of methods")
     morph = [len(options_of(run("morph " + word, {}).stdout)[0]) for word in ("--help", "--help-all")]
     for option in MORPH_OPTIONS:
         if option not in options_of(run("morph --help-all", {}).stdout)[0]:
