@@ -46,6 +46,13 @@ std::uint64_t sizeOfInput(const std::string& path) {
   return size;
 }
 
+void requireNamedFile(const std::string& path, const std::string& file) {
+  std::error_code error;
+  if (std::filesystem::exists(file, error)) return;
+  throw IoError(
+      path, "its data file " + file + (error ? " cannot be read: " + error.message() : " does not exist"));
+}
+
 bool isNumbered(const std::string& path) {
   std::error_code ignored;
   return std::filesystem::path(path).filename().string().find('#') != std::string::npos &&

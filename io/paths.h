@@ -20,6 +20,9 @@ bool endsWith(const std::string& path, const std::string& ending);
 /// or a device.
 std::uint64_t sizeOfInput(const std::string& path);
 
+/// Throws IoError about `path` where the file that it names is missing, or its name is none that a file can have.
+void requireNamedFile(const std::string& path, const std::string& file);
+
 /// Whether a path stands for the files of a numbered sequence: its last part has a #, and no file
 /// has that name.
 bool isNumbered(const std::string& path);

@@ -102,7 +102,7 @@ std::string bytesOfHex(const std::string& path, const std::string& text) {
 /// raw and too short.
 std::uint64_t beginOfPart(const std::string& path, const DataFiles& data, const std::string& file,
                           std::uint64_t bytes) {
-  if (!std::filesystem::exists(file)) throw IoError(path, "its data file " + file + " does not exist");
+  requireNamedFile(path, file);
   const std::uint64_t size = sizeOfInput(file), begin = afterLines(file, data.from, data.lineSkip);
   if (data.encoding == DataFiles::kGzip || data.encoding == DataFiles::kBzip2) return begin;
   const bool last = data.byteSkip < 0;

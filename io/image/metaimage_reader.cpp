@@ -12,7 +12,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -145,8 +144,7 @@ DataFiles dataOfMeta(const std::string& path, const MetaHeader& header) {
 /// The stream of compressed data, which are in one file.
 std::shared_ptr<PackedBytes> packedMeta(const std::string& path, const DataFiles& data) {
   if (data.files.size() > 1) throw IoError(path, "compressed data in several files cannot be read");
-  if (!std::filesystem::exists(data.files[0]))
-    throw IoError(path, "its data file " + data.files[0] + " does not exist");
+  requireNamedFile(path, data.files[0]);
   sizeOfInput(data.files[0]);
   return std::make_shared<PackedBytes>(data.files[0], data.from + std::uint64_t(data.byteSkip),
                                        PackedAs::kDeflate);

@@ -209,7 +209,7 @@ struct NiftiStream {
 NiftiStream streamOf(const std::string& path, const OpenNifti& open, size_t volume) {
   const nifti_image& header = *open.header;
   const std::string data = header.iname ? header.iname : "";
-  if (!std::filesystem::exists(data)) throw IoError(path, "its data file " + data + " does not exist");
+  requireNamedFile(path, data);
   std::vector<StoredAxis> axes = open.axes;
   std::uint64_t each = std::uint64_t(open.voxel.type.bytes),
                 from = std::uint64_t(std::max<std::int64_t>(0, header.iname_offset));
