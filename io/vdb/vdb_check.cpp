@@ -1,5 +1,6 @@
 #include "io/vdb/vdb_check.h"
 
+#include <openvdb/Metadata.h>
 #include <openvdb/io/Compression.h>
 
 #include <algorithm>
@@ -7,6 +8,7 @@
 #include <bitset>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace slicemorph {
@@ -22,6 +24,17 @@ constexpr std::uint64_t kOriginBytes = 3 * sizeof(std::int32_t);
 
 /// Of a leaf.
 constexpr std::uint64_t kMaskBytes = kLeaf / 8;
+
+/// Types of metadata whose size is not that of their type; OpenVDB has no names as long as that.
+constexpr std::string_view kText = "string", kLeafList = "__delayedload";
+constexpr size_t kMostTypeName = 64;
+
+/// OpenVDB reads as many bytes as its type has, whatever size is stated, and takes what follows for the next entry.
+void checkSizeOf(const std::string& type, std::uint64_t bytes) {
+  if (type == kText || type == kLeafList || !openvdb::Metadata::isRegisteredType(type)) return;
+  if (bytes != openvdb::Metadata::createMetadata(type)->size())
+    throw Damaged("its metadata of the type " + type + " have " + std::to_string(bytes) + " bytes");
+}
 
 template <size_t N>
 using Mask = std::bitset<N>;
@@ -183,11 +196,12 @@ void Walker::skip(std::uint64_t count) {
 void Walker::metadata() {
   for (auto count = number<std::uint32_t>(); count > 0; --count) {
     text();
-    const bool list = textIs("__delayedload");
+    const std::string type = typeName();
     const std::uint64_t bytes = number<std::uint32_t>();
     if (bytes > left_) throw Damaged("it is truncated or damaged");
+    checkSizeOf(type, bytes);
     const std::uint64_t after = left_ - bytes;
-    if (list && bytes > 0) leafList();
+    if (type == kLeafList && bytes > 0) leafList();
     if (left_ < after) throw Damaged("its list of leaves is damaged");
     skip(left_ - after);
   }
@@ -216,12 +230,12 @@ void Walker::blosc(std::uint64_t size) {
   skip(size - sizeof header);
 }
 
-bool Walker::textIs(std::string_view wanted) {
+std::string Walker::typeName() {
   const auto length = number<std::uint32_t>();
-  if (length != wanted.size()) return skip(length), false;
-  std::string there(length, '\0');
-  load(there.data(), length);
-  return there == wanted;
+  std::string name(std::min<size_t>(length, kMostTypeName), '\0');
+  load(name.data(), name.size());
+  skip(length - name.size());
+  return name;
 }
 
 void Walker::take(std::uint64_t count) {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <istream>
 #include <stdexcept>
-#include <string_view>
+#include <string>
 
 namespace slicemorph {
 
@@ -30,12 +30,13 @@ class Walker {
   void skip(std::uint64_t count);
   void text() { skip(number<std::uint32_t>()); }
   void metadata();
+  /// The name of a type, or what begins it.
+  std::string typeName();
   /// Data that blosc packed: it believes what its own header, the first 16 bytes, says of their size.
   void blosc(std::uint64_t size);
 
  private:
   void take(std::uint64_t count);
-  bool textIs(std::string_view wanted);
   /// OpenVDB's list of leaves (DelayedLoadMetadata), for which its reader allocates what the list says.
   void leafList();
   void packedList(std::uint64_t whole, std::uint32_t packed);

@@ -30,6 +30,8 @@ constexpr unsigned kFirstWithGridCompression = 220;
 constexpr unsigned kFirstWithInstances = 216;
 /// The oldest whose trees are read: others wrote them before OpenVDB was public (BOOL_LEAF_OPTIMIZATION).
 constexpr unsigned kFirstRead = 217;
+/// Since this version the boxes of frustums are floating point (FLOAT_FRUSTUM_BBOX).
+constexpr unsigned kFirstWithFloatBoxes = 221;
 /// Since this version inactive values are left out.
 constexpr unsigned kFirstWithMasks = 222;
 
@@ -115,6 +117,7 @@ class Reader : public openvdb::io::Archive {
     if (!grid) return grid;
     readGridCompression(stream_);
     grid->readMeta(stream_);
+    checkTransform();
     grid->readTransform(stream_);
     return grid;
   }
@@ -143,6 +146,17 @@ class Reader : public openvdb::io::Archive {
   }
 
  private:
+  /// Names of transforms have lengths, for which OpenVDB allocates.
+  void checkTransform() {
+    const auto begin = stream_.tellg();
+    Walker walker(stream_, size_);
+    // A frustum has a box, of whole numbers in older files, a taper, a depth, and a transform within.
+    const std::uint64_t box = 6 * (version() < kFirstWithFloatBoxes ? sizeof(std::int32_t) : sizeof(double));
+    while (walker.typeName() == openvdb::math::NonlinearFrustumMap::mapType())
+      walker.skip(box + 2 * sizeof(double));
+    stream_.seekg(begin);
+  }
+
   GridBase::Ptr begin(const GridDescriptor& descriptor) {
     if (!GridBase::isRegistered(descriptor.gridType())) return nullptr;
     if (hasOffsets()) descriptor.seekToGrid(stream_);

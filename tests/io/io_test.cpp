@@ -4,6 +4,7 @@
 #include "slicemorph/io/file_info.h"
 #include "slicemorph/io/input.h"
 #include "slicemorph/io/output.h"
+#include "slicemorph/io/vdb_reader.h"
 #include "tests/support/surface_checks.h"
 
 #include <gtest/gtest.h>
@@ -380,6 +381,13 @@ TEST_F(Io, DamagedMeshesNameTheFault) {
   ply = kCubePly;
   ply.replace(ply.find("1 3 7 5"), 7, "1 3 7 8");
   EXPECT_HAS(refusal<IoError>(write("index.ply", ply)), "index.ply");
+  ply = kCubePly;
+  ply.insert(ply.find("element face"),
+             "element vertex 0\nproperty float x\nproperty float y\nproperty float z\n");
+  EXPECT_HAS(refusal<IoError>(write("twice.ply", ply)), "its header has the element 'vertex' twice");
+  const std::string deep = R"({"asset": {"version": "2.0", "extras": )" + std::string(400000, '[') +
+                           std::string(400000, ']') + "}}";
+  EXPECT_HAS(refusal<IoError>(write("deep.gltf", deep)), "its JSON nests deeper than 256 levels");
   std::string stl(84, '\0');
   stl[80] = 7;
   EXPECT_HAS(refusal<IoError>(write("short.stl", stl)), "is truncated: the header says 7 triangles");
@@ -539,6 +547,28 @@ TEST_F(Io, FilesWithoutOffsetsAreRead) {
     openvdb::io::Stream(stream).write(openvdb::GridCPtrVec{ball()});
   }
   EXPECT_TRUE(loadObject(file("s.vdb")).notes.empty());
+}
+
+/// Both by a reader that takes leaves at once and by one that takes them when they are asked for.
+TEST_F(Io, BoolsAndMasksAreRead) {
+  const auto bools = openvdb::BoolGrid::create(false);
+  const auto mask = openvdb::MaskGrid::create();
+  bools->setName("bools"), mask->setName("mask");
+  for (int i = 0; i < 50; ++i) {
+    bools->tree().setValue(openvdb::Coord(7 * i, 300 * i, -i), i % 3 == 0);
+    mask->tree().setValueOn(openvdb::Coord(-5 * i, i, 200 * i));
+  }
+  openvdb::io::File(file("bits.vdb")).write(openvdb::GridCPtrVec{bools, mask});
+  const VdbFile vdb(file("bits.vdb"));
+  for (const bool later : {false, true}) {
+    const auto read = [&](size_t index) { return later ? vdb.readDelayed(index) : vdb.read(index); };
+    const auto readBools = openvdb::gridPtrCast<openvdb::BoolGrid>(read(0));
+    const auto readMask = openvdb::gridPtrCast<openvdb::MaskGrid>(read(1));
+    EXPECT_TRUE(readMask->tree().hasSameTopology(mask->tree()));
+    EXPECT_TRUE(readBools->tree().hasSameTopology(bools->tree()));
+    for (auto value = bools->cbeginValueOn(); value; ++value)
+      EXPECT_EQ(readBools->tree().getValue(value.getCoord()), *value);
+  }
 }
 
 TEST_F(Io, TruncatedVdbsAreRefused) {
