@@ -156,9 +156,10 @@ void AtomicFile::discard() noexcept {
 }
 
 void AtomicFile::fail(const char* what) {
-  const std::string reason = std::strerror(errno);
+  // Writers that end by writing the rest fail again: the first reason counts.
+  if (failure_.empty()) failure_ = std::string(what) + ": " + std::strerror(errno);
   discard();
-  throw IoError(path_, std::string(what) + ": " + reason);
+  throw IoError(path_, failure_);
 }
 
 void removeUnfinished(const std::string& path, long process) noexcept {

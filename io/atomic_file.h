@@ -36,6 +36,7 @@ class AtomicFile {
 
   std::string path_, temporary_;
   std::string buffer_;
+  std::string failure_;  ///< why it failed; empty where it has not
   int descriptor_ = -1;
   class StreamBuffer;
   std::unique_ptr<StreamBuffer> streamBuffer_;

@@ -203,6 +203,7 @@ def failed_write(kind, words, files, want, call, nth, error):
             for name in files:
                 assert same(name, result.files[name], want.files[name]), "%s: exit 0, but %s is not as it should be" % (what, name)
         else:
+            assert error != "short", "%s: exit 1: %s" % (what, result.message)
             assert os.strerror(action) in result.message, "%s: no reason: %s" % (what, result.message)
             assert place.top in result.message, "%s: no file: %s" % (what, result.message)
         check_files(result, files, want, what, LOG)

@@ -140,7 +140,12 @@ void ResumeLog::add(const FrameJob& job, const Json& row) {
   // Before it an end for a line that was cut.
   const std::string text = "\n" + line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
   const int file = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
-  const bool written = file >= 0 && ::write(file, text.data(), text.size()) == ssize_t(text.size());
+  // A line that was cut counts for nothing: it is written again, as one.
+  ssize_t done = -1;
+  if (file >= 0) do {
+      done = ::write(file, text.data(), text.size());
+    } while (done < 0 ? errno == EINTR : done < ssize_t(text.size()));
+  const bool written = done == ssize_t(text.size());
   const std::string reason = std::strerror(errno);
   if (file >= 0) ::close(file);
   if (!written) throw IoError(path_, "cannot be written: " + reason);
