@@ -6,8 +6,7 @@ namespace slicemorph {
 
 struct RadialOptions {
   /// 0: points move along straight lines. Else along Hermite cubics that leave the first object and reach the second
-  /// along their outward normals: the length of these tangents, in mean radii of the two objects. 1 is Kent's choice of
-  /// whole normals on objects of unit size.
+  /// along their outward normals: the length of these tangents, in mean radii of the two objects.
   double tangent = 0;
 };
 
