@@ -203,13 +203,19 @@ def case_schema_refuses():
 def case_options_of_the_program():
     """Parameters that are options of the program have its choices and defaults, whatever these are."""
     for module, command in ((MORPH, "morph"), (FILL, "reconstruct"), (SURFACE, "reconstruct")):
-        told = " ".join(PROGRAM.run(command, "--help-all").stdout.split())
+        lines = PROGRAM.run(command, "--help-all").stdout
+        told = " ".join(lines.split())
         options = 0
         for e in module.parameters():
             option = re.sub("[A-Z]", lambda c: "-" + c.group().lower(), e.findtext("name"))
             found = re.search(r" --%s (\S+)? ?(.*?)(?= --[a-z]|$)" % option, told)
             if e.tag == "string-enumeration":
-                assert found and found.group(1) == "|".join(c.text for c in e.findall("element")), (option, found)
+                choices = [c.text for c in e.findall("element")]
+                if found and "{" in found.group(1):  # values with parameters have a section of the help to themselves
+                    section = re.search(r"^%ss:\n((?:  .*\n)+)" % option.capitalize(), lines, re.M).group(1)
+                    assert choices == re.findall(r"^  (\S+)", section, re.M), (option, section)
+                else:
+                    assert found and found.group(1) == "|".join(choices), (option, found)
             help_text = e.findtext("description").split("; 0 stands for the default")[0]
             options += " --" + option + " " in told and help_text in told
         assert options >= 5, (module.name, options)
