@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/peers/full_fields.h"
 #include "slicemorph/conventions.h"
 #include "slicemorph/progress.h"
 #include "slicemorph/slicemorph.h"
@@ -18,7 +19,7 @@ class SdfBlend {
   FloatGrid::Ptr frame(const Weights& weights) const;
 
  private:
-  std::vector<FloatGrid::Ptr> fields_;  ///< all voxels of the box are active; all fields have the same leaves
+  FullFields fields_;
 };
 
 /// Cross-dissolve: values are blended where they are, nothing moves. Weights as for MorphPlan::pullback().

@@ -1,125 +1,21 @@
 #include "engine/peers/peers.h"
-#include "engine/rebuild/sweep_band.h"
-#include "engine/volume/distance_field.h"
-#include "slicemorph/errors.h"
 
-#include <openvdb/tools/SignedFloodFill.h>
-#include <tbb/parallel_for.h>
-
-#include <cmath>
+#include <algorithm>
 
 namespace slicemorph {
-namespace {
 
-using openvdb::Coord;
-using openvdb::CoordBBox;
-using openvdb::FloatTree;
-using openvdb::math::Transform;
-using Leaf = FloatTree::LeafNodeType;
-
-/// Box of all narrow bands, in voxels of `transform`, rounded to whole leaves.
-CoordBBox commonBox(const std::vector<FloatGrid::ConstPtr>& levelSets, const Transform& transform) {
-  CoordBBox box;
-  for (const auto& grid : levelSets) {
-    const openvdb::BBoxd world = grid->transform().indexToWorld(grid->evalActiveVoxelBoundingBox());
-    box.expand(transform.worldToIndexCellCentered(world.min()));
-    box.expand(transform.worldToIndexCellCentered(world.max()));
-  }
-  const int mask = ~(int(Leaf::DIM) - 1);
-  return CoordBBox(box.min() & mask, (box.max() & mask).offsetBy(Leaf::DIM - 1));
-}
-
-std::vector<Coord> leafOrigins(const CoordBBox& box) {
-  std::vector<Coord> origins;
-  const int step = Leaf::DIM;
-  for (int x = box.min().x(); x <= box.max().x(); x += step)
-    for (int y = box.min().y(); y <= box.max().y(); y += step)
-      for (int z = box.min().z(); z <= box.max().z(); z += step) origins.emplace_back(x, y, z);
-  return origins;
-}
-
-/// The distance to a level set's surface at every voxel of the given leaves.
-FloatGrid::Ptr fullField(FloatGrid::ConstPtr levelSet, const Transform& transform,
-                         const std::vector<Coord>& origins) {
-  const DistanceField distance(levelSet);
-  std::vector<Leaf*> leaves(origins.size());
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, origins.size()), [&](const auto& range) {
-    DistanceField::Sampler sample(distance);
-    for (size_t i = range.begin(); i != range.end(); ++i) {
-      leaves[i] = new Leaf(origins[i], 0.0f, true);
-      for (openvdb::Index n = 0; n < Leaf::SIZE; ++n)
-        leaves[i]->setValueOnly(
-            n, sample(distance.relative(transform.indexToWorld(leaves[i]->offsetToGlobalCoord(n)))));
-    }
-  });
-  auto field = FloatGrid::create();
-  field->setTransform(transform.copy());
-  for (Leaf* leaf : leaves) field->tree().addLeaf(leaf);
-  return field;
-}
-
-void blendLeaf(const std::vector<const Leaf*>& sources, const Weights& weights, Leaf& result) {
-  float* values = result.buffer().data();
-  std::fill(values, values + Leaf::SIZE, 0.0f);
-  for (size_t k = 0; k < sources.size(); ++k) {
-    const float* source = sources[k]->buffer().data();
-    const float weight = float(weights[k]);
-    for (openvdb::Index i = 0; i < Leaf::SIZE; ++i) values[i] += weight * source[i];
-  }
-}
-
-/// Activates the voxels within the band and clamps all others. Blends of distances change by at most a voxel
-/// per voxel, so the band contains everything that close to the surface. Returns whether any voxel is active.
-bool clampToBand(Leaf& leaf, float band) {
-  float* values = leaf.buffer().data();
-  for (openvdb::Index i = 0; i < Leaf::SIZE; ++i) {
-    const bool near = std::abs(values[i]) < band;
-    if (!near) values[i] = std::copysign(band, values[i]);
-    leaf.setActiveState(i, near);
-  }
-  return !leaf.isEmpty();
-}
-
-}  // namespace
-
-SdfBlend::SdfBlend(const std::vector<FloatGrid::ConstPtr>& levelSets, double voxelSize) {
-  const auto transform = Transform::createLinearTransform(voxelSize);
-  const CoordBBox box = commonBox(levelSets, *transform);
-  if (box.volume() > (openvdb::Index64(1) << 31))
-    throw InputError("--method sdf needs every voxel of the box about all inputs, which are " +
-                     std::to_string(box.volume()) +
-                     " here; 2147483648 at most: choose a larger --voxel-size or a "
-                     "smaller --resolution");
-  const std::vector<Coord> origins = leafOrigins(box);
-  for (const auto& levelSet : levelSets) fields_.push_back(fullField(levelSet, *transform, origins));
-}
+SdfBlend::SdfBlend(const std::vector<FloatGrid::ConstPtr>& levelSets, double voxelSize)
+    : fields_(levelSets, voxelSize, "sdf") {}
 
 FloatGrid::Ptr SdfBlend::frame(const Weights& weights) const {
-  if (weights.size() != fields_.size())
-    throw InputError(std::to_string(weights.size()) + " weights for " + std::to_string(fields_.size()) +
-                     " objects");
-  const float band = float(kHalfWidth * fields_[0]->voxelSize()[0]);
-  std::vector<std::vector<const Leaf*>> leaves(fields_.size());
-  for (size_t k = 0; k < fields_.size(); ++k) fields_[k]->tree().getNodes(leaves[k]);
-
-  // Only leaves with voxels of the band are kept; flood fill restores the sign of the others.
-  std::vector<std::unique_ptr<Leaf>> blended(leaves[0].size());
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, blended.size()), [&](const auto& range) {
-    std::vector<const Leaf*> sources(fields_.size());
-    for (size_t i = range.begin(); i != range.end(); ++i) {
-      for (size_t k = 0; k < fields_.size(); ++k) sources[k] = leaves[k][i];
-      auto leaf = std::make_unique<Leaf>(sources[0]->origin());
-      blendLeaf(sources, weights, *leaf);
-      if (clampToBand(*leaf, band)) blended[i] = std::move(leaf);
+  fields_.requireWeights(weights);
+  return fields_.levelSetOf([&](const std::vector<const float*>& distances, float* values) {
+    std::fill(values, values + FullFields::kLeafValues, 0.0f);
+    for (size_t k = 0; k < distances.size(); ++k) {
+      const float weight = float(weights[k]);
+      for (openvdb::Index i = 0; i < FullFields::kLeafValues; ++i) values[i] += weight * distances[k][i];
     }
   });
-  auto blend = FloatGrid::create(band);
-  blend->setTransform(fields_[0]->transform().copy());
-  for (auto& leaf : blended)
-    if (leaf) blend->tree().addLeaf(leaf.release());
-  openvdb::tools::signedFloodFill(blend->tree());
-  // A blend of distances is not a distance.
-  return sweptLevelSet(*blend, band);
 }
 
 }  // namespace slicemorph

@@ -233,6 +233,7 @@ WORKS = [
     ("slices-plain", "morph {d}/a.obj {d}/two.obj -o {o}/m.####.vdb --frames 2 --resolution 24 --method slices-plain", 0, "", "m.0002.vdb"),
     ("cylindrical", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.stl --frames 2 --resolution 24 --method cylindrical", 0, "", "m.0002.stl"),
     ("feature-warp", "morph --config {d}/warp.toml -o {o}/m.####.vdb", 0, "", "m.0002.vdb"),
+    ("morphology", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frames 2 --resolution 24 --method morphology", 0, "", "m.0002.vdb"),
     ("compare", "compare {d}/a.obj {d}/b.obj --resolution 24", 0, "", ["distance", "volume", "dice"]),
     ("info mesh", "info {d}/a.obj", 0, "", ["points", "closed"]),
     ("info vdb", "info {d}/a.vdb", 0, "", ["surface", "level set"]),

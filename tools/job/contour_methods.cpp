@@ -5,9 +5,7 @@
 #include "engine/peers/feature_warp.h"
 #include "engine/peers/radial.h"
 #include "engine/peers/slices_plain.h"
-#include "tools/job/morph_settings.h"
-
-#include <algorithm>
+#include "tools/job/plan_parts.h"
 
 namespace slicemorph {
 namespace {
@@ -16,21 +14,6 @@ std::vector<Object> objectsOf(const MethodTask& task) {
   std::vector<Object> objects;
   for (const LoadedObject& input : task.inputs) objects.push_back(input.object);
   return objects;
-}
-
-/// Of all frames: the one that is asked for, else the finest input's.
-double commonVoxelSize(const MethodTask& task) {
-  if (task.settings.plan.voxelSize > 0) return task.settings.plan.voxelSize;
-  double finest = task.inputs[0].object.levelSet->voxelSize()[0];
-  for (const LoadedObject& input : task.inputs)
-    finest = std::min(finest, input.object.levelSet->voxelSize()[0]);
-  return finest;
-}
-
-/// The plan of a method whose class makes frames of weights alone.
-template <typename Morph>
-MethodPlan planOf(std::shared_ptr<const Morph> morph) {
-  return {[morph](const FrameJob& job) { return InBetween{morph->frame(job.weights), 0}; }};
 }
 
 MethodPlan planRadial(const MethodTask& task) {

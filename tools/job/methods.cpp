@@ -5,11 +5,12 @@
 #include "slicemorph/errors.h"
 #include "slicemorph/io/input.h"
 #include "tools/job/contour_methods.h"
+#include "tools/job/grid_methods.h"
 #include "tools/job/morph_settings.h"
 #include "tools/job/option_values.h"
+#include "tools/job/plan_parts.h"
 
 #include <algorithm>
-#include <limits>
 #include <stdexcept>
 
 namespace slicemorph {
@@ -43,15 +44,7 @@ MethodPlan planSlices(const MethodTask& task) {
 }
 
 MethodPlan planSdf(const MethodTask& task) {
-  std::vector<FloatGrid::ConstPtr> grids;
-  double finest = std::numeric_limits<double>::max();
-  for (const LoadedObject& input : task.inputs) {
-    grids.push_back(input.object.levelSet);
-    finest = std::min(finest, grids.back()->voxelSize()[0]);
-  }
-  const double voxelSize = task.settings.plan.voxelSize > 0 ? task.settings.plan.voxelSize : finest;
-  const auto blend = std::make_shared<SdfBlend>(grids, voxelSize);
-  return {[blend](const FrameJob& job) { return InBetween{blend->frame(job.weights), 0}; }};
+  return planOf(std::make_shared<const SdfBlend>(gridsOf(task), commonVoxelSize(task)));
 }
 
 MethodPlan planLevelSet(const MethodTask& task) {
@@ -97,6 +90,7 @@ std::vector<MorphMethod> makeTable() {
   table.push_back({"dissolve", "blends values where they are", values, planDissolve});
 
   addContourMethods(table);
+  addGridMethods(table);
   return table;
 }
 
