@@ -14,16 +14,6 @@
 namespace slicemorph {
 namespace {
 
-/// Direction of a point of the layout: rings are parallels of latitude at equal steps from pole to pole along z.
-Vec3d directionOf(const RingLayout& layout, size_t point) {
-  if (point == 0) return {0, 0, -1};
-  if (point + 1 == layout.count()) return {0, 0, 1};
-  const size_t ring = (point - 1) / size_t(layout.around), at = (point - 1) % size_t(layout.around);
-  const double polar = openvdb::math::pi<double>() * double(ring + 1) / (layout.rings + 1);
-  const double angle = 2 * openvdb::math::pi<double>() * double(at) / layout.around;
-  return {std::sin(polar) * std::cos(angle), std::sin(polar) * std::sin(angle), -std::cos(polar)};
-}
-
 /// The largest distance of the surface from a point.
 double farthestFrom(const DistanceField& field, const Vec3d& p) {
   double farthest = 0;
@@ -82,7 +72,7 @@ RadialMorph::RadialMorph(const std::vector<Object>& objects, double voxelSize, c
     tbb::parallel_for(tbb::blocked_range<size_t>(0, layout.count(), 256), [&](const auto& range) {
       const DistanceField::Sampler sample(*fields[k]);
       for (size_t i = range.begin(); i != range.end(); ++i) {
-        const Vec3d direction = directionOf(layout, i);
+        const Vec3d direction = layout.direction(i);
         const RayHit hit = followRay(*fields[k], sample, star.centre, direction);
         single[i] = hit.single;
         star.reach[i] = openvdb::Vec3s(hit.distance * direction);

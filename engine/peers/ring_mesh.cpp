@@ -4,6 +4,8 @@
 #include "engine/volume/voxelise.h"
 #include "slicemorph/errors.h"
 
+#include <cmath>
+
 namespace slicemorph {
 
 std::vector<openvdb::Vec3I> RingLayout::triangles() const {
@@ -23,6 +25,15 @@ std::vector<openvdb::Vec3I> RingLayout::triangles() const {
     add(last, index(rings - 1, i), index(rings - 1, next));
   }
   return result;
+}
+
+Vec3d RingLayout::direction(size_t point) const {
+  if (point == 0) return {0, 0, -1};
+  if (point + 1 == count()) return {0, 0, 1};
+  const size_t ring = (point - 1) / size_t(around), at = (point - 1) % size_t(around);
+  const double polar = openvdb::math::pi<double>() * double(ring + 1) / (rings + 1);
+  const double angle = 2 * openvdb::math::pi<double>() * double(at) / around;
+  return {std::sin(polar) * std::cos(angle), std::sin(polar) * std::sin(angle), -std::cos(polar)};
 }
 
 FloatGrid::Ptr levelSetOfMesh(const Mesh& mesh, double voxelSize) {

@@ -13,6 +13,8 @@ struct RingLayout {
 
   size_t count() const { return size_t(rings) * size_t(around) + 2; }
   size_t index(int ring, int at) const { return 1 + size_t(ring) * size_t(around) + size_t(at); }
+  /// Of a point on a sphere, where rings are parallels of latitude at equal steps from pole to pole along z: unit vector.
+  Vec3d direction(size_t point) const;
   /// The triangles between the points, wound outwards.
   std::vector<openvdb::Vec3I> triangles() const;
 };

@@ -234,6 +234,8 @@ WORKS = [
     ("cylindrical", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.stl --frames 2 --resolution 24 --method cylindrical", 0, "", "m.0002.stl"),
     ("feature-warp", "morph --config {d}/warp.toml -o {o}/m.####.vdb", 0, "", "m.0002.vdb"),
     ("morphology", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frames 2 --resolution 24 --method morphology", 0, "", "m.0002.vdb"),
+    ("minkowski", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frames 2 --resolution 24 --method minkowski{{directions=16}}", 0, "", "m.0002.vdb"),
+    ("minkowski of two parts", "morph {d}/a.obj {d}/two.obj -o {o}/m.vdb --at 0.5 --resolution 16 --method minkowski", 0, "", "m.vdb"),
     ("compare", "compare {d}/a.obj {d}/b.obj --resolution 24", 0, "", ["distance", "volume", "dice"]),
     ("info mesh", "info {d}/a.obj", 0, "", ["points", "closed"]),
     ("info vdb", "info {d}/a.vdb", 0, "", ["surface", "level set"]),
