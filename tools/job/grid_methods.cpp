@@ -1,7 +1,9 @@
 #include "tools/job/grid_methods.h"
 
+#include "engine/peers/fourier.h"
 #include "engine/peers/minkowski.h"
 #include "engine/peers/morphology.h"
+#include "engine/peers/wavelet.h"
 #include "tools/job/plan_parts.h"
 
 namespace slicemorph {
@@ -19,6 +21,22 @@ MethodPlan planMinkowski(const MethodTask& task) {
       std::make_shared<const MinkowskiMorph>(gridsOf(task), commonVoxelSize(task), options, &task.progress));
 }
 
+/// `method`: for messages.
+MethodPlan planScheduled(const MethodTask& task, std::unique_ptr<LatticeTransform> transform,
+                         const char* method) {
+  return planOf(std::make_shared<const ScheduledDissolve>(gridsOf(task), commonVoxelSize(task),
+                                                          task.parameter("fade"), std::move(transform),
+                                                          method, &task.progress));
+}
+
+MethodPlan planFourier(const MethodTask& task) {
+  return planScheduled(task, cosineTransform(task.parameter("cutoff")), "fourier");
+}
+
+MethodPlan planWavelet(const MethodTask& task) {
+  return planScheduled(task, haarTransform(int(task.parameter("levels"))), "wavelet");
+}
+
 }  // namespace
 
 void addGridMethods(std::vector<MorphMethod>& table) {
@@ -32,6 +50,24 @@ void addGridMethods(std::vector<MorphMethod>& table) {
                    planMinkowski,
                    {{"directions", "directions per right angle in which convex objects are measured", "", 32,
                      4, 256, true}}});
+  const MethodParameter fade{
+      "fade", "share of the way after which the finest parts of the first input are gone",
+      "",     FourierOptions().fade,
+      0,      1};
+  table.push_back({"fourier",
+                   "blends distances by frequency: detail fades, shape changes, detail comes (134 million "
+                   "voxels at most)",
+                   surface,
+                   planFourier,
+                   {fade,
+                    {"cutoff", "frequency from which on parts are the finest",
+                     "half waves along the longest side", FourierOptions().cutoff, 1, 1e4}}});
+  table.push_back(
+      {"wavelet",
+       "does the same by levels of a Haar wavelet, in blocks",
+       surface,
+       planWavelet,
+       {fade, {"levels", "levels of the wavelet", "", double(WaveletOptions().levels), 1, 8, true}}});
 }
 
 }  // namespace slicemorph
