@@ -238,6 +238,7 @@ WORKS = [
     ("minkowski of two parts", "morph {d}/a.obj {d}/two.obj -o {o}/m.vdb --at 0.5 --resolution 16 --method minkowski", 0, "", "m.vdb"),
     ("fourier", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frames 2 --resolution 24 --method fourier{{fade=0.4,cutoff=8}}", 0, "", "m.0002.vdb"),
     ("wavelet", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frames 2 --resolution 24 --method wavelet{{levels=3}}", 0, "", "m.0002.vdb"),
+    ("bounded-blend", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frames 2 --resolution 24 --method bounded-blend{{gap=0.2,stay=0.3}}", 0, "", "m.0002.vdb"),
     ("compare", "compare {d}/a.obj {d}/b.obj --resolution 24", 0, "", ["distance", "volume", "dice"]),
     ("info mesh", "info {d}/a.obj", 0, "", ["points", "closed"]),
     ("info vdb", "info {d}/a.vdb", 0, "", ["surface", "level set"]),

@@ -1,5 +1,6 @@
 #include "tools/job/grid_methods.h"
 
+#include "engine/peers/bounded_blend.h"
 #include "engine/peers/fourier.h"
 #include "engine/peers/minkowski.h"
 #include "engine/peers/morphology.h"
@@ -37,6 +38,14 @@ MethodPlan planWavelet(const MethodTask& task) {
   return planScheduled(task, haarTransform(int(task.parameter("levels"))), "wavelet");
 }
 
+MethodPlan planBoundedBlend(const MethodTask& task) {
+  BoundedBlendOptions options;
+  options.gap = task.parameter("gap"), options.stay = task.parameter("stay");
+  options.strength = task.parameter("strength"), options.width = task.parameter("width");
+  return planOf(
+      std::make_shared<const BoundedBlend>(gridsOf(task), commonVoxelSize(task), options, &task.progress));
+}
+
 }  // namespace
 
 void addGridMethods(std::vector<MorphMethod>& table) {
@@ -68,6 +77,17 @@ void addGridMethods(std::vector<MorphMethod>& table) {
        surface,
        planWavelet,
        {fade, {"levels", "levels of the wavelet", "", double(WaveletOptions().levels), 1, 8, true}}});
+  const BoundedBlendOptions bounded;
+  table.push_back(
+      {"bounded-blend",
+       "blends unions of cylinders in space and time within a bounding object",
+       surface,
+       planBoundedBlend,
+       {{"gap", "length of the way through time", "diagonals of the inputs' box", bounded.gap, 0.01, 10},
+        {"stay", "share of the way for which each input lasts by itself", "", bounded.stay, 0.01, 0.49},
+        {"strength", "the most that the blend adds", "gaps", bounded.strength, 0, 100},
+        {"width", "how far from all inputs the blend is felt", "bounding objects", bounded.width, 0.01,
+         100}}});
 }
 
 }  // namespace slicemorph
