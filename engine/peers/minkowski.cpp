@@ -114,7 +114,7 @@ class UnionOfCopies {
   std::vector<const MovedCopy*> near_;
 };
 
-void refuseTooFine(const openvdb::BBoxd& box, double voxelSize) {
+void refuseFineSum(const openvdb::BBoxd& box, double voxelSize) {
   const Vec3d size = box.extents() / voxelSize;
   const double voxels = size[0] * size[1] * size[2];
   if (!(voxels <= MinkowskiMorph::kMostVoxels))
@@ -126,7 +126,7 @@ void refuseTooFine(const openvdb::BBoxd& box, double voxelSize) {
 
 FloatGrid::Ptr sumOf(const ScaledObject& a, const ScaledObject& b, double voxelSize) {
   const openvdb::BBoxd box(a.box().min() + b.box().min(), a.box().max() + b.box().max());
-  refuseTooFine(box, voxelSize);
+  refuseFineSum(box, voxelSize);
   const std::vector<MovedCopy> copies = movedCopies(a, b);
   return levelSetOfFunction({box, voxelSize, "minkowski"}, [&] {
     const auto at = std::make_shared<UnionOfCopies>(a, b, copies, voxelSize);

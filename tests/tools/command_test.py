@@ -239,6 +239,7 @@ WORKS = [
     ("fourier", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frames 2 --resolution 24 --method fourier{{fade=0.4,cutoff=8}}", 0, "", "m.0002.vdb"),
     ("wavelet", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frames 2 --resolution 24 --method wavelet{{levels=3}}", 0, "", "m.0002.vdb"),
     ("bounded-blend", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frames 2 --resolution 24 --method bounded-blend{{gap=0.2,stay=0.3}}", 0, "", "m.0002.vdb"),
+    ("variational", "morph {d}/a.obj {d}/b.obj -o {o}/m.####.vdb --frames 2 --resolution 24 --method variational{{points=60}}", 0, "", "m.0002.vdb"),
     ("compare", "compare {d}/a.obj {d}/b.obj --resolution 24", 0, "", ["distance", "volume", "dice"]),
     ("info mesh", "info {d}/a.obj", 0, "", ["points", "closed"]),
     ("info vdb", "info {d}/a.vdb", 0, "", ["surface", "level set"]),

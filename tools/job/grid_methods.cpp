@@ -4,6 +4,7 @@
 #include "engine/peers/fourier.h"
 #include "engine/peers/minkowski.h"
 #include "engine/peers/morphology.h"
+#include "engine/peers/variational.h"
 #include "engine/peers/wavelet.h"
 #include "tools/job/plan_parts.h"
 
@@ -44,6 +45,13 @@ MethodPlan planBoundedBlend(const MethodTask& task) {
   options.strength = task.parameter("strength"), options.width = task.parameter("width");
   return planOf(
       std::make_shared<const BoundedBlend>(gridsOf(task), commonVoxelSize(task), options, &task.progress));
+}
+
+MethodPlan planVariational(const MethodTask& task) {
+  VariationalOptions options;
+  options.points = int(task.parameter("points")), options.apart = task.parameter("apart");
+  return planOf(std::make_shared<const VariationalMorph>(gridsOf(task), commonVoxelSize(task), options,
+                                                         &task.progress));
 }
 
 }  // namespace
@@ -88,6 +96,16 @@ void addGridMethods(std::vector<MorphMethod>& table) {
         {"strength", "the most that the blend adds", "gaps", bounded.strength, 0, 100},
         {"width", "how far from all inputs the blend is felt", "bounding objects", bounded.width, 0.01,
          100}}});
+  const VariationalOptions plate;
+  table.push_back({"variational",
+                   "takes slices of one smooth function in further dimensions (constraints times voxels: 10 "
+                   "billion at most)",
+                   surface,
+                   planVariational,
+                   {{"points", "points on each input's surface through which it passes", "",
+                     double(plate.points), 10, 2500, true},
+                    {"apart", "how far inputs are from each other in the further dimensions",
+                     "half diagonals of the inputs' box", plate.apart, 0.01, 100}}});
 }
 
 }  // namespace slicemorph

@@ -89,6 +89,13 @@ TEST(BoundedBlend, RefusesWhatItCannotTake) {
   EXPECT_EQ(refusal([&] { morph.frame({1}); }), "1 weights for 2 objects");
 }
 
+TEST(BoundedBlend, IsCancelled) {
+  class Stopped : public Progress {
+    bool cancelled() const override { return true; }
+  } stopped;
+  EXPECT_THROW(BoundedBlend({boundBall(4), boundBall(6)}, kBoundVoxel, {}, &stopped), Cancelled);
+}
+
 TEST(BoundedBlend, DoesNotDependOnTheNumberOfThreads) {
   const auto run = [] {
     return bytesOf(*BoundedBlend({boundBall(5), boundBall(5, {3, 1, 0})}, kBoundVoxel).frame({0.4, 0.6}));
