@@ -166,7 +166,8 @@ FloatGrid::Ptr MinkowskiMorph::frame(const Weights& weights) const {
   for (const double weight : weights)
     if (!(weight >= 0))
       throw InputError(
-          "--method minkowski: there are no sums with weights below 0, as they overshoot between keys");
+          "--method minkowski: a weight is below 0, as where splines through keys overshoot; sums need "
+          "weights of 0 or more");
   return convex_ ? convexSum(weights) : gridSum(weights);
 }
 

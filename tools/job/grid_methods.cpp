@@ -58,8 +58,10 @@ MethodPlan planVariational(const MethodTask& task) {
 
 void addGridMethods(std::vector<MorphMethod>& table) {
   const MethodTraits surface;
-  table.push_back({"morphology", "dilates and erodes what objects have beside their common part", surface,
-                   planMorphology});
+  table.push_back(
+      {"morphology",
+       "dilates and erodes what objects have beside their common part (2.1 billion voxels at most)", surface,
+       planMorphology});
   table.push_back({"minkowski",
                    "adds weighted objects point by point (others than convex ones in a box of 2.1 million "
                    "voxels at most)",
@@ -81,14 +83,14 @@ void addGridMethods(std::vector<MorphMethod>& table) {
                      "half waves along the longest side", FourierOptions().cutoff, 1, 1e4}}});
   table.push_back(
       {"wavelet",
-       "does the same by levels of a Haar wavelet, in blocks",
+       "blends distances by levels of a Haar wavelet on the same schedule, in blocks (as many voxels)",
        surface,
        planWavelet,
        {fade, {"levels", "levels of the wavelet", "", double(WaveletOptions().levels), 1, 8, true}}});
   const BoundedBlendOptions bounded;
   table.push_back(
       {"bounded-blend",
-       "blends unions of cylinders in space and time within a bounding object",
+       "blends unions of cylinders in space and time within a bounding object (as many voxels as morphology)",
        surface,
        planBoundedBlend,
        {{"gap", "length of the way through time", "diagonals of the inputs' box", bounded.gap, 0.01, 10},

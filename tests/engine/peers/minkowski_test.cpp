@@ -109,7 +109,7 @@ TEST(Minkowski, AddsAnyNumberOfObjects) {
 TEST(Minkowski, RefusesWhatItCannotTake) {
   const FloatGrid::ConstPtr torus = summand(shapes::torus({0, 0, 0}, 9, 3), 12);
   const MinkowskiMorph morph({torus, torus}, kSumVoxel);
-  EXPECT_NE(refusal([&] { morph.frame({1.5, -0.5}); }).find("weights below 0"), std::string::npos);
+  EXPECT_NE(refusal([&] { morph.frame({1.5, -0.5}); }).find("a weight is below 0"), std::string::npos);
   EXPECT_EQ(refusal([&] { morph.frame({1}); }), "1 weights for 2 objects");
   const MinkowskiMorph fine({torus, torus}, 0.1);
   EXPECT_NE(refusal([&] { fine.frame({0.5, 0.5}); }).find("2.1 million at most"), std::string::npos);
