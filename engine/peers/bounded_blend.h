@@ -4,8 +4,7 @@
 
 namespace slicemorph {
 
-/// [PPK04] gives the form of the blend and leaves its numbers to the user. These keep a ball that becomes itself within a
-/// tenth of its radius, for up to ten objects.
+/// Chosen by us: a ball that becomes itself stays within a tenth of its radius; among up to ten such balls, within a fifth.
 struct BoundedBlendOptions {
   /// Length of the way through time from one object to another, in diagonals of the objects' box.
   double gap = 0.3;
@@ -19,8 +18,8 @@ struct BoundedBlendOptions {
 
 /// Union of functions that are positive inside, to which a displacement is added within a bounding object [PPK05]:
 /// max_k f_k + most (1 - r^2)^3 / (1 + r^2) with r^2 = m / (m + bound^2), where m is the mean of (f_k / width)^2 by
-/// weights. Outside the bounding object, where `bound` is not positive, it is the union and no more. The paper has a sum of
-/// two squares for m; the mean is ours, so that any number can be blended and one of weight 0 counts for nothing.
+/// weights. Outside the bounding object, where `bound` is not positive, it is the union and no more. The
+/// mean is ours, so that any number can be blended and one of weight 0 counts for nothing.
 double boundedUnion(const std::vector<double>& functions, const Weights& weights, double bound, double most,
                     double width);
 

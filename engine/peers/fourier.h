@@ -4,7 +4,7 @@
 
 namespace slicemorph {
 
-/// Schedule of the Fourier dissolve; [Hug92] leaves it to the user.
+/// Schedule of the Fourier dissolve; its numbers are ours.
 struct FourierOptions {
   /// How far the way has gone when the finest parts of the first object are gone; those of the second come as late.
   double fade = 0.5;

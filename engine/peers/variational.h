@@ -9,7 +9,7 @@
 namespace slicemorph {
 
 struct VariationalOptions {
-  /// Points on each object's surface, each with one inside; the paper has some hundreds.
+  /// Points on each object's surface, each with one inside.
   int points = 300;
   /// How far objects are from each other in the further dimensions, in half diagonals of their box.
   double apart = 1;
