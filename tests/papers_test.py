@@ -124,7 +124,7 @@ def check_options():
     """Every option of every command has a row in tools/README.md for that
     command, and every row is of an option."""
     letters = {"morph": "m", "apply": "a", "retime": "t", "slice": "s", "reconstruct": "r", "convert": "c", "render": "d", "compare": "p", "info": "i",
-               "demo": "e", "pick": "k"}
+               "demo": "e", "pick": "k", "survey": "v"}
     text = read("tools/README.md")
     there = {name[:-len("_command.cpp")] for name in os.listdir(os.path.join(REPOSITORY, "tools/commands"))
              if name.endswith("_command.cpp")}

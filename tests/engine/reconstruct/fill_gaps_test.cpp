@@ -114,7 +114,9 @@ TEST(FillGaps, OneThatFailsLeavesTheOthersWhole) {
   const SliceLayout layout = layoutOf(sparse.lattice, 2);
   const Image expected = interpolateLabels(sparse, given);
   const std::vector<double> ranked = rankLabels(sparse, given);
-  for (size_t bad = 0; bad < 8; ++bad) {
+  const size_t atOnce = GapFiller(sparse.lattice, given, ranked).next().end;
+  ASSERT_GE(atOnce, 2u);
+  for (size_t bad = 0; bad < atOnce; ++bad) {
     GapFiller filler(sparse.lattice, given, ranked);
     Image made = expected;
     std::mutex one;
@@ -130,7 +132,7 @@ TEST(FillGaps, OneThatFailsLeavesTheOthersWhole) {
                        ++others;
                      }),
                  std::bad_alloc);
-    EXPECT_EQ(others, 7u) << bad;
+    EXPECT_EQ(others, atOnce - 1) << bad;
     EXPECT_EQ(made.values, expected.values) << bad;
   }
 }
