@@ -81,8 +81,11 @@ class UnionOfCopies {
     if (leaf != leaf_ || near_.empty()) enter(leaf);
     // 10 voxels: the band, and a voxel more than from the middle of a leaf to its corner. Far values are dropped.
     if (std::abs(middle_) > 10.0f / 8 * float(side_)) return std::copysign(1000 * float(side_), middle_);
+    const Vec3d middle = side_ * (leaf.asVec3d() + Vec3d(7.0 / 16));
+    const int part = (p[0] > middle[0]) + 2 * (p[1] > middle[1]) + 4 * (p[2] > middle[2]);
+    if (parts_[part].empty()) enterPart(part, middle);
     float nearest = std::numeric_limits<float>::max();
-    for (const MovedCopy* copy : near_) nearest = std::min(nearest, distance(*copy, p));
+    for (const MovedCopy* copy : parts_[part]) nearest = std::min(nearest, distance(*copy, p));
     return nearest;
   }
 
@@ -101,8 +104,20 @@ class UnionOfCopies {
     for (const MovedCopy& copy : copies_) distances.push_back(distance(copy, middle));
     middle_ = *std::min_element(distances.begin(), distances.end());
     near_.clear();
+    for (auto& part : parts_) part.clear();
     for (size_t i = 0; i < copies_.size(); ++i)
       if (distances[i] <= middle_ + 14.0f / 8 * float(side_)) near_.push_back(&copies_[i]);
+  }
+
+  /// The same for the voxels of an eighth of the leaf, with corners 2.6 voxels from its middle.
+  void enterPart(int part, const Vec3d& leafMiddle) {
+    const Vec3d side(part & 1 ? 1 : -1, part & 2 ? 1 : -1, part & 4 ? 1 : -1);
+    const Vec3d middle = leafMiddle + side_ / 4 * side;
+    std::vector<float> distances;
+    for (const MovedCopy* copy : near_) distances.push_back(distance(*copy, middle));
+    const float nearest = *std::min_element(distances.begin(), distances.end());
+    for (size_t i = 0; i < near_.size(); ++i)
+      if (distances[i] <= nearest + 7.0f / 8 * float(side_)) parts_[part].push_back(near_[i]);
   }
 
   ScaledObject objects_[2];  ///< second, first
@@ -110,8 +125,8 @@ class UnionOfCopies {
   const std::vector<MovedCopy>& copies_;
   double side_;  ///< of a leaf
   openvdb::Coord leaf_;
-  float middle_ = 0;  ///< distance at the leaf's middle
-  std::vector<const MovedCopy*> near_;
+  float middle_ = 0;                               ///< distance at the leaf's middle
+  std::vector<const MovedCopy*> near_, parts_[8];  ///< of the leaf, and of its eighths as they are asked for
 };
 
 void refuseFineSum(const openvdb::BBoxd& box, double voxelSize) {
