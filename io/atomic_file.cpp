@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <mutex>
 #include <streambuf>
 #include <vector>
 
@@ -37,7 +38,31 @@ void flushFolder(const std::string& path) {
   ::close(folder);
 }
 
+std::mutex openFilesLock;
+AtomicFile* anOpenFile = nullptr;  ///< one of the files that are being written; the others hang on it
+
 }  // namespace
+
+void AtomicFile::list() {
+  const std::lock_guard<std::mutex> lock(openFilesLock);
+  after_ = anOpenFile;
+  if (anOpenFile) anOpenFile->before_ = this;
+  anOpenFile = this;
+}
+
+void AtomicFile::unlist() noexcept {
+  const std::lock_guard<std::mutex> lock(openFilesLock);
+  (before_ ? before_->after_ : anOpenFile) = after_;
+  if (after_) after_->before_ = before_;
+  before_ = after_ = nullptr;
+}
+
+void removeOpenFiles() noexcept {
+  // Not waited for: whoever holds it may be the one that cannot go on.
+  const std::unique_lock<std::mutex> lock(openFilesLock, std::try_to_lock);
+  if (!lock) return;
+  for (const AtomicFile* file = anOpenFile; file; file = file->after_) ::unlink(file->temporary_.c_str());
+}
 
 /// The buffer of stream(): writes into the file and fails as write() does.
 class AtomicFile::StreamBuffer : public std::streambuf {
@@ -77,7 +102,13 @@ class AtomicFile::StreamBuffer : public std::streambuf {
 AtomicFile::AtomicFile(const std::string& path) : path_(path), temporary_(temporaryFor(path, ::getpid())) {
   descriptor_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (descriptor_ < 0) fail("cannot be created");
-  buffer_.reserve(kBuffer);
+  list();
+  try {
+    buffer_.reserve(kBuffer);
+  } catch (...) {
+    discard();  // no destructor follows
+    throw;
+  }
 }
 
 AtomicFile::~AtomicFile() { discard(); }
@@ -130,6 +161,7 @@ void AtomicFile::commit() {
   if (::fsync(descriptor_) != 0 && errno != EINVAL) fail("cannot be written");
   const int closed = ::close(descriptor_);
   descriptor_ = -1;
+  unlist();
   if (closed != 0 || std::rename(temporary_.c_str(), path_.c_str()) != 0) {
     const int reason = errno;
     ::unlink(temporary_.c_str());
@@ -150,6 +182,7 @@ void AtomicFile::writeThrough(std::string_view bytes) {
 
 void AtomicFile::discard() noexcept {
   if (descriptor_ < 0) return;
+  unlist();
   ::close(descriptor_);
   ::unlink(temporary_.c_str());
   descriptor_ = -1;

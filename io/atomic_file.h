@@ -41,7 +41,16 @@ class AtomicFile {
   class StreamBuffer;
   std::unique_ptr<StreamBuffer> streamBuffer_;
   std::unique_ptr<std::ostream> stream_;
+
+  friend void removeOpenFiles() noexcept;
+  void list();
+  void unlist() noexcept;
+  AtomicFile *before_ = nullptr, *after_ = nullptr;  ///< in the list of all files that are being written
 };
+
+/// Removes the temporary files of all that this process is writing, for when it ends in the middle: where an exception
+/// has nowhere to go. It needs no memory. What another thread begins or commits meanwhile may stay.
+void removeOpenFiles() noexcept;
 
 /// Removes what a process (its number) that was killed left of `path` half written, if it left anything.
 void removeUnfinished(const std::string& path, long process) noexcept;

@@ -11,10 +11,12 @@
 #include <openvdb/io/GridDescriptor.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <fstream>
 #include <map>
 #include <mutex>
 #include <string_view>
+#include <system_error>
 
 namespace slicemorph {
 namespace {
@@ -39,6 +41,7 @@ constexpr unsigned kFirstWithMasks = 222;
 class Reader : public openvdb::io::Archive {
  public:
   Reader(const std::string& path, std::uint64_t size) : stream_(path, std::ios::binary), size_(size) {
+    if (!stream_) throw std::system_error(errno, std::generic_category(), "it cannot be opened");
     // A read beyond the end throws, wherever in OpenVDB it happens.
     stream_.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
     readHeader(stream_);

@@ -1,3 +1,4 @@
+#include "io/atomic_file.h"
 #include "slicemorph/errors.h"
 #include "tools/commands/apply_command.h"
 #include "tools/commands/compare_command.h"
@@ -45,6 +46,7 @@ const char* messageOf(const std::exception& error) {
 /// Where something fails in a place that no exception may leave, there is a message, too, and no abort. (Where memory
 /// ends, TBB fails while it ends its threads.)
 [[noreturn]] void endProgram() {
+  slicemorph::removeOpenFiles();
   try {
     if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);
   } catch (const std::exception& error) {

@@ -28,6 +28,7 @@ int fail(int code, const std::string& name, const std::string& message) {
 
 /// Where memory ends in a place that no exception may leave, there is a message, too, and no abort.
 [[noreturn]] void endModule() {
+  removeOpenFiles();
   try {
     if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);
   } catch (const std::bad_alloc&) {
