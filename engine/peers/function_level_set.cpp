@@ -7,6 +7,7 @@
 #include <openvdb/tools/SignedFloodFill.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -37,6 +38,14 @@ void refuseTooMany(const FunctionBox& where) {
                      " at most: choose a larger --voxel-size or a smaller --resolution");
 }
 
+/// How far a point is outside of a box, along the axis where it is furthest; below 0 inside.
+double outsideOf(const openvdb::BBoxd& box, const Vec3d& p) {
+  double most = box.min()[0] - p[0];
+  for (int axis = 0; axis < 3; ++axis)
+    most = std::max({most, box.min()[axis] - p[axis], p[axis] - box.max()[axis]});
+  return most;
+}
+
 /// Whether a leaf is near the surface.
 bool isNear(const FunctionLeaf& leaf, float far) {
   const float* values = leaf.buffer().data();
@@ -64,8 +73,10 @@ FloatGrid::Ptr levelSetOfFunction(const FunctionBox& where, const std::function<
     for (size_t i = range.begin(); i != range.end(); ++i) {
       const openvdb::Coord step(int(i / (ny * nz) * side), int(i / nz % ny * side), int(i % nz * side));
       auto leaf = std::make_unique<FunctionLeaf>(box.min() + step, 0.0f, true);
-      for (openvdb::Index n = 0; n < FunctionLeaf::SIZE; ++n)
-        leaf->setValueOnly(n, at(where.voxelSize * leaf->offsetToGlobalCoord(n).asVec3d()));
+      for (openvdb::Index n = 0; n < FunctionLeaf::SIZE; ++n) {
+        const Vec3d p = where.voxelSize * leaf->offsetToGlobalCoord(n).asVec3d();
+        leaf->setValueOnly(n, std::max(at(p), float(outsideOf(where.box, p))));
+      }
       if (isNear(*leaf, float(kKeptBands) * band)) leaves[i] = std::move(leaf);
     }
   });

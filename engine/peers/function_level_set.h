@@ -16,7 +16,8 @@ struct FunctionBox {
   const char* method;  ///< for the message of InputError
 };
 
-/// Level set named "surface" of a function's zero set in a box, which it must not leave. The function need be no distance,
+/// Level set named "surface" of a function's zero set in a box, at whose faces it is cut off where it reaches them (to a
+/// voxel). The function need be no distance,
 /// but change by no more than twelve voxels from voxel to voxel where it is 0. Throws InputError for more than 2^30
 /// voxels; only the leaves near the surface are kept in memory.
 FloatGrid::Ptr levelSetOfFunction(const FunctionBox& where, const std::function<PointFunction()>& function);
