@@ -1,6 +1,7 @@
 #include "engine/peers/contour_average.h"
 
 #include "engine/numerics/parallel_each.h"
+#include "engine/peers/require.h"
 #include "slicemorph/errors.h"
 
 #include <algorithm>
@@ -122,9 +123,7 @@ ContourAverage::ContourAverage(const std::vector<Object>& objects, double voxelS
 }
 
 FloatGrid::Ptr ContourAverage::frame(const Weights& weights) const {
-  if (weights.size() != ends_.size())
-    throw InputError(std::to_string(weights.size()) + " weights for " + std::to_string(ends_.size()) +
-                     " objects");
+  requireWeights(weights, ends_.size());
   std::vector<Vec2d> ends;
   double length = 0;
   for (const auto& end : ends_)

@@ -1,7 +1,7 @@
 #include "engine/peers/cylindrical.h"
 
 #include "engine/frame/spine_frames.h"
-#include "engine/numerics/readable.h"
+#include "engine/peers/require.h"
 #include "engine/peers/ring_mesh.h"
 #include "engine/peers/star_rays.h"
 #include "slicemorph/errors.h"
@@ -73,11 +73,8 @@ RayRings ringsFor(double farthest, double longest, double voxelSize) {
   const double around = std::max(std::ceil(2 * openvdb::math::pi<double>() * farthest / voxelSize), 16.0);
   const double middle = std::max(std::ceil(2 * longest / voxelSize), 8.0);
   const double rays = around * (middle + around / 2);
-  if (!(rays <= CylindricalMorph::kMostRays))
-    throw InputError(
-        "--method cylindrical needs a ray for each voxel of a cylinder about an object, which are " +
-        readableCount(rays) + " here; " + readableCount(CylindricalMorph::kMostRays) +
-        " at most: choose a larger --voxel-size or a smaller --resolution");
+  requireAtMost("--method cylindrical needs a ray for each voxel of a cylinder about an object, which are ",
+                rays, CylindricalMorph::kMostRays);
   return {int(around) / 4, int(middle), int(around)};
 }
 
@@ -146,9 +143,7 @@ CylindricalMorph::CylindricalMorph(const std::vector<Object>& objects, double vo
 }
 
 FloatGrid::Ptr CylindricalMorph::frame(const Weights& weights) const {
-  if (weights.size() != cylinders_.size())
-    throw InputError(std::to_string(weights.size()) + " weights for " + std::to_string(cylinders_.size()) +
-                     " objects");
+  requireWeights(weights, cylinders_.size());
   std::vector<Chart> charts;
   double middle = 0;
   for (size_t k = 0; k < cylinders_.size(); ++k)

@@ -2,6 +2,7 @@
 
 #include "engine/numerics/parallel_each.h"
 #include "engine/peers/function_level_set.h"
+#include "engine/peers/require.h"
 #include "slicemorph/errors.h"
 
 #include <algorithm>
@@ -108,12 +109,6 @@ struct WarpAt {
   }
 };
 
-void requireWeights(const Weights& weights, const Fields& fields) {
-  if (weights.size() != fields.size())
-    throw InputError(std::to_string(weights.size()) + " weights for " + std::to_string(fields.size()) +
-                     " objects");
-}
-
 /// A box that holds all objects as each element alone would carry them, and a little more: the mean of the maps is none
 /// of them.
 openvdb::BBoxd boxOf(const WarpAt& warp, const Fields& fields) {
@@ -159,7 +154,7 @@ FeatureWarp::FeatureWarp(const std::vector<Object>& objects, double voxelSize,
 }
 
 FloatGrid::Ptr FeatureWarp::frame(const Weights& weights) const {
-  requireWeights(weights, fields_);
+  requireWeights(weights, fields_.size());
   const WarpAt warp(elements_, weights, nearness_);
   const auto makeFunction = [&]() -> PointFunction {
     std::vector<DistanceField::Sampler> samplers;
@@ -176,7 +171,7 @@ FloatGrid::Ptr FeatureWarp::frame(const Weights& weights) const {
 }
 
 Vec3d FeatureWarp::onObject(const Vec3d& point, const Weights& weights, size_t object) const {
-  requireWeights(weights, fields_);
+  requireWeights(weights, fields_.size());
   std::vector<Vec3d> on(fields_.size());
   WarpAt(elements_, weights, nearness_)(point, on);
   return on[object];

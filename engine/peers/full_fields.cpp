@@ -1,5 +1,6 @@
 #include "engine/peers/full_fields.h"
 
+#include "engine/peers/require.h"
 #include "engine/rebuild/sweep_band.h"
 #include "engine/volume/distance_field.h"
 #include "slicemorph/errors.h"
@@ -102,8 +103,7 @@ void FullFields::add(const FloatGrid::ConstPtr& levelSet) {
 }
 
 void FullFields::requireWeights(const Weights& weights) const {
-  if (weights.size() != inputs_)
-    throw InputError(std::to_string(weights.size()) + " weights for " + std::to_string(inputs_) + " objects");
+  slicemorph::requireWeights(weights, inputs_);
 }
 
 FloatGrid::Ptr FullFields::levelSetOf(const LeafFunction& function, double steepest) const {

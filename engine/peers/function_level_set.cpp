@@ -1,8 +1,7 @@
 #include "engine/peers/function_level_set.h"
 
-#include "engine/numerics/readable.h"
+#include "engine/peers/require.h"
 #include "engine/rebuild/sweep_band.h"
-#include "slicemorph/errors.h"
 
 #include <openvdb/tools/SignedFloodFill.h>
 #include <tbb/parallel_for.h>
@@ -31,11 +30,9 @@ void refuseTooMany(const FunctionBox& where) {
   constexpr double kMost = double(1 << 30);
   const Vec3d size = where.box.extents() / where.voxelSize;
   const double voxels = size[0] * size[1] * size[2];
-  if (!(voxels <= kMost))
-    throw InputError("--method " + std::string(where.method) +
-                     " looks at every voxel of the box about its shape, " + readableCount(voxels) +
-                     " here; " + readableCount(kMost) +
-                     " at most: choose a larger --voxel-size or a smaller --resolution");
+  requireAtMost(
+      "--method " + std::string(where.method) + " looks at every voxel of the box about its shape, ", voxels,
+      kMost);
 }
 
 /// How far a point is outside of a box, along the axis where it is furthest; below 0 inside.

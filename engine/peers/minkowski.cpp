@@ -3,6 +3,7 @@
 #include "engine/numerics/readable.h"
 #include "engine/peers/full_fields.h"
 #include "engine/peers/function_level_set.h"
+#include "engine/peers/require.h"
 #include "engine/volume/voxelise.h"
 #include "slicemorph/errors.h"
 
@@ -175,9 +176,7 @@ MinkowskiMorph::MinkowskiMorph(const std::vector<FloatGrid::ConstPtr>& levelSets
 }
 
 FloatGrid::Ptr MinkowskiMorph::frame(const Weights& weights) const {
-  if (weights.size() != fields_.size())
-    throw InputError(std::to_string(weights.size()) + " weights for " + std::to_string(fields_.size()) +
-                     " objects");
+  requireWeights(weights, fields_.size());
   for (const double weight : weights)
     if (!(weight >= 0))
       throw InputError(

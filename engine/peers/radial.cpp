@@ -1,7 +1,7 @@
 #include "engine/peers/radial.h"
 
 #include "engine/numerics/parallel_each.h"
-#include "engine/numerics/readable.h"
+#include "engine/peers/require.h"
 #include "engine/peers/ring_mesh.h"
 #include "engine/peers/star_rays.h"
 #include "slicemorph/errors.h"
@@ -25,10 +25,8 @@ double farthestFrom(const DistanceField& field, const Vec3d& p) {
 RingLayout layoutFor(double farthest, double voxelSize) {
   RingLayout layout;
   const double around = std::ceil(2 * openvdb::math::pi<double>() * farthest / voxelSize);
-  if (!(around * around / 2 <= RadialMorph::kMostRays))
-    throw InputError("--method radial needs a ray for each voxel of a sphere about an object, which are " +
-                     readableCount(around * around / 2) + " here; " + readableCount(RadialMorph::kMostRays) +
-                     " at most: choose a larger --voxel-size or a smaller --resolution");
+  requireAtMost("--method radial needs a ray for each voxel of a sphere about an object, which are ",
+                around * around / 2, RadialMorph::kMostRays);
   layout.around = std::max(int(around), 16);
   layout.rings = layout.around / 2;
   return layout;
@@ -88,9 +86,7 @@ RadialMorph::RadialMorph(const std::vector<Object>& objects, double voxelSize, c
 }
 
 FloatGrid::Ptr RadialMorph::frame(const Weights& weights) const {
-  if (weights.size() != stars_.size())
-    throw InputError(std::to_string(weights.size()) + " weights for " + std::to_string(stars_.size()) +
-                     " objects");
+  requireWeights(weights, stars_.size());
   const RingLayout layout{rings_, around_};
   Vec3d centre(0.0);
   for (size_t k = 0; k < stars_.size(); ++k) centre += weights[k] * stars_[k].centre;

@@ -1,11 +1,10 @@
 #include "engine/peers/scheduled_dissolve.h"
 
-#include "engine/numerics/readable.h"
 #include "engine/peers/full_fields.h"
 #include "engine/peers/function_level_set.h"
+#include "engine/peers/require.h"
 #include "engine/reconstruct/lattice_level_set.h"
 #include "engine/volume/distance_field.h"
-#include "slicemorph/errors.h"
 
 #include <tbb/parallel_for.h>
 
@@ -26,11 +25,9 @@ Lattice latticeAbout(const std::vector<FloatGrid::ConstPtr>& levelSets, double v
   const Vec3d low = (box.min() - margin) / voxelSize, high = (box.max() + margin) / voxelSize;
   const Vec3d extent = high - low;
   const double nodes = extent[0] * extent[1] * extent[2];
-  if (!(nodes <= ScheduledDissolve::kMostNodes))
-    throw InputError("--method " + std::string(method) +
-                     " needs every voxel of a box about all inputs, which are " + readableCount(nodes) +
-                     " here; " + readableCount(ScheduledDissolve::kMostNodes) +
-                     " at most: choose a larger --voxel-size or a smaller --resolution");
+  requireAtMost(
+      "--method " + std::string(method) + " needs every voxel of a box about all inputs, which are ", nodes,
+      ScheduledDissolve::kMostNodes);
   Lattice lattice;
   lattice.spacing = voxelSize;
   const openvdb::Coord first = openvdb::Coord::floor(low), last = openvdb::Coord::ceil(high);
@@ -74,9 +71,7 @@ ScheduledDissolve::ScheduledDissolve(const std::vector<FloatGrid::ConstPtr>& lev
 }
 
 FloatGrid::Ptr ScheduledDissolve::frame(const Weights& weights) const {
-  if (weights.size() != parts_.size())
-    throw InputError(std::to_string(weights.size()) + " weights for " + std::to_string(parts_.size()) +
-                     " objects");
+  requireWeights(weights, parts_.size());
   std::vector<float> blend(lattice_.count());
   tbb::parallel_for(0, lattice_.size[2], [&](int z) {
     for (int y = 0; y < lattice_.size[1]; ++y)

@@ -1,6 +1,7 @@
 #include "engine/peers/slices_plain.h"
 
 #include "engine/numerics/parallel_each.h"
+#include "engine/peers/require.h"
 #include "engine/volume/moments.h"
 #include "slicemorph/errors.h"
 
@@ -111,9 +112,7 @@ PlainSlices::PlainSlices(const std::vector<Object>& objects, double voxelSize,
 }
 
 FloatGrid::Ptr PlainSlices::frame(const Weights& weights) const {
-  if (weights.size() != boxes_.size())
-    throw InputError(std::to_string(weights.size()) + " weights for " + std::to_string(boxes_.size()) +
-                     " objects");
+  requireWeights(weights, boxes_.size());
   LoopStack stack;
   stack.method = kPlainSlices;
   std::vector<Chart> charts;

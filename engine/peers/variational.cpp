@@ -3,6 +3,7 @@
 #include "engine/numerics/readable.h"
 #include "engine/peers/full_fields.h"
 #include "engine/peers/function_level_set.h"
+#include "engine/peers/require.h"
 #include "engine/volume/distance_field.h"
 #include "slicemorph/errors.h"
 
@@ -138,8 +139,7 @@ VariationalMorph::VariationalMorph(const std::vector<FloatGrid::ConstPtr>& level
 }
 
 FloatGrid::Ptr VariationalMorph::frame(const Weights& weights) const {
-  if (weights.size() != inputs_)
-    throw InputError(std::to_string(weights.size()) + " weights for " + std::to_string(inputs_) + " objects");
+  requireWeights(weights, inputs_);
   const VariationalFunction::Slice slice(*function_, weights);
   return levelSetOfFunction({box_, voxelSize_, "variational"},
                             [&] { return [&](const Vec3d& p) { return float(slice(p)); }; });
