@@ -10,12 +10,6 @@
 namespace slicemorph {
 namespace {
 
-std::vector<Object> objectsOf(const MethodTask& task) {
-  std::vector<Object> objects;
-  for (const LoadedObject& input : task.inputs) objects.push_back(input.object);
-  return objects;
-}
-
 MethodPlan planRadial(const MethodTask& task) {
   RadialOptions options;
   options.tangent = task.parameter("tangent");
@@ -79,7 +73,7 @@ void addContourMethods(std::vector<MorphMethod>& table) {
        surface,
        planRadial,
        {{"tangent", "length of the tangents of Hermite paths along the surfaces' normals; 0: straight paths",
-         "mean radii", 0, 0, 10}}});
+         "mean radii", RadialOptions().tangent, 0, 10}}});
   table.push_back({"contour-mean", "averages contours on parallel slices, matched by their hulls", surface,
                    planContourMean});
   table.push_back({"contour-median", "takes the median of contours so matched", surface, planContourMedian});
@@ -87,8 +81,8 @@ void addContourMethods(std::vector<MorphMethod>& table) {
                    "takes the mode of contours so matched",
                    surface,
                    planContourMode,
-                   {{"width", "points nearer to each other than this count as one value", "mean radii", 0.1,
-                     0.001, 10}}});
+                   {{"width", "points nearer to each other than this count as one value", "mean radii",
+                     ContourAverageOptions().width, 0.001, 10}}});
   table.push_back({"slices-plain", "is the slice method as published, matched by rays or angles", surface,
                    planPlainSlices});
   table.push_back({"cylindrical",
@@ -96,7 +90,7 @@ void addContourMethods(std::vector<MorphMethod>& table) {
                    surface,
                    planCylindrical,
                    {{"cap", "length of the cap at either end of the axis; 0: the object's mean radius",
-                     "halves of the axis", 0, 0, 0.9}}});
+                     "halves of the axis", CylindricalOptions().cap, 0, 0.9}}});
   MethodTraits warp;
   warp.features = true;
   table.push_back({"feature-warp",
@@ -104,7 +98,7 @@ void addContourMethods(std::vector<MorphMethod>& table) {
                    warp,
                    planFeatureWarp,
                    {{"nearness", "added to distances from features, whose weights are their inverse squares",
-                     "diagonals of the inputs' box", 0.001, 1e-6, 1}}});
+                     "diagonals of the inputs' box", FeatureWarpOptions().nearness, 1e-6, 1}}});
 }
 
 }  // namespace slicemorph

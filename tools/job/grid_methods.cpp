@@ -67,8 +67,8 @@ void addGridMethods(std::vector<MorphMethod>& table) {
                    "voxels at most)",
                    surface,
                    planMinkowski,
-                   {{"directions", "directions per right angle in which convex objects are measured", "", 32,
-                     4, 256, true}}});
+                   {{"directions", "directions per right angle in which convex objects are measured", "",
+                     double(MinkowskiOptions().directions), 4, 256, true}}});
   const MethodParameter fade{
       "fade", "share of the way after which the finest parts of the first input are gone",
       "",     FourierOptions().fade,

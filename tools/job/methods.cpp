@@ -21,8 +21,7 @@ namespace {
 constexpr int kLevelSetSteps = 2000;
 
 MethodPlan planSlices(const MethodTask& task) {
-  std::vector<Object> objects;
-  for (const LoadedObject& input : task.inputs) objects.push_back(input.object);
+  const std::vector<Object> objects = objectsOf(task);
   MethodPlan plan;
   const MorphOptions& options = task.options ? *task.options : task.settings.plan;
   if (task.decisions) {

@@ -12,6 +12,12 @@ double commonVoxelSize(const MethodTask& task) {
   return finest;
 }
 
+std::vector<Object> objectsOf(const MethodTask& task) {
+  std::vector<Object> objects;
+  for (const LoadedObject& input : task.inputs) objects.push_back(input.object);
+  return objects;
+}
+
 std::vector<FloatGrid::ConstPtr> gridsOf(const MethodTask& task) {
   std::vector<FloatGrid::ConstPtr> grids;
   for (const LoadedObject& input : task.inputs) grids.push_back(input.object.levelSet);

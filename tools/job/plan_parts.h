@@ -12,6 +12,9 @@ namespace slicemorph {
 /// Of all frames: the one that is asked for, else the finest input's; world units.
 double commonVoxelSize(const MethodTask& task);
 
+/// What the inputs' files hold, as plans take it.
+std::vector<Object> objectsOf(const MethodTask& task);
+
 /// The inputs' level sets.
 std::vector<FloatGrid::ConstPtr> gridsOf(const MethodTask& task);
 
