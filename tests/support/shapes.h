@@ -85,4 +85,9 @@ inline openvdb::BBoxd cube(const Vec3d& centre, double half) {
   return {centre - Vec3d(half), centre + Vec3d(half)};
 }
 
+/// The level set of a ball.
+inline FloatGrid::Ptr ball(double voxelSize, double radius, const Vec3d& centre = Vec3d(0.0)) {
+  return levelSet(sphere(centre, radius), cube(centre, radius + 2 * kHalfWidth * voxelSize), voxelSize);
+}
+
 }  // namespace slicemorph::shapes

@@ -2,7 +2,6 @@
 
 #include "tests/support/frame_points.h"
 #include "tests/support/shapes.h"
-#include "tests/support/with_threads.h"
 
 #include <gtest/gtest.h>
 
@@ -12,10 +11,6 @@ namespace slicemorph {
 namespace {
 
 constexpr double kBoundVoxel = 0.5;
-
-FloatGrid::ConstPtr boundBall(double radius, const Vec3d& centre = Vec3d(0.0)) {
-  return shapes::levelSet(shapes::sphere(centre, radius), shapes::cube(centre, radius + 3), kBoundVoxel);
-}
 
 /// Outside the bounding object it is the union, to the bit; inside it adds what the formula says: where both functions are
 /// 0, the most; where their mean square is the bound's, (1 / 2)^3 / (3 / 2) of it; next to the bound's end, nothing.
@@ -54,7 +49,7 @@ double blendedRadius(double a, double b, double t, double gap) {
 /// Distances are off by h^2 / 8 / r within the band and by a few hundredths of a coarse node (26 / 112) beyond it, a tenth
 /// of a voxel; the blend's zero moves by more where the blend is flat. Half a voxel.
 TEST(BoundedBlend, OfBallsIsABall) {
-  const BoundedBlend morph({boundBall(5), boundBall(10)}, kBoundVoxel);
+  const BoundedBlend morph({shapes::ball(kBoundVoxel, 5), shapes::ball(kBoundVoxel, 10)}, kBoundVoxel);
   // Voxels nearer than three to the larger ball make its box.
   EXPECT_NEAR(morph.gap(), 0.3 * std::sqrt(3.0) * 2 * 11, 1e-9);
   for (const double t : {0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0}) {
@@ -68,8 +63,9 @@ TEST(BoundedBlend, OfBallsIsABall) {
 }
 
 TEST(BoundedBlend, KeepsEachOfManyAtItsTime) {
-  const std::vector<FloatGrid::ConstPtr> balls{boundBall(5), boundBall(4, {6, 0, 0}),
-                                               boundBall(6, {0, 5, 0})};
+  const std::vector<FloatGrid::ConstPtr> balls{shapes::ball(kBoundVoxel, 5),
+                                               shapes::ball(kBoundVoxel, 4, {6, 0, 0}),
+                                               shapes::ball(kBoundVoxel, 6, {0, 5, 0})};
   const std::vector<shapes::Distance> shapes{shapes::sphere({0, 0, 0}, 5), shapes::sphere({6, 0, 0}, 4),
                                              shapes::sphere({0, 5, 0}, 6)};
   const BoundedBlend morph(balls, kBoundVoxel);
@@ -83,9 +79,11 @@ TEST(BoundedBlend, KeepsEachOfManyAtItsTime) {
 }
 
 TEST(BoundedBlend, RefusesWhatItCannotTake) {
-  EXPECT_NE(refusal([] { BoundedBlend({boundBall(4)}, 0.001); }).find("--method bounded-blend needs"),
+  EXPECT_NE(refusal([] {
+              BoundedBlend({shapes::ball(kBoundVoxel, 4)}, 0.001);
+            }).find("--method bounded-blend needs"),
             std::string::npos);
-  const BoundedBlend morph({boundBall(4), boundBall(6)}, kBoundVoxel);
+  const BoundedBlend morph({shapes::ball(kBoundVoxel, 4), shapes::ball(kBoundVoxel, 6)}, kBoundVoxel);
   EXPECT_EQ(refusal([&] { morph.frame({1}); }), "1 weights for 2 objects");
 }
 
@@ -93,14 +91,16 @@ TEST(BoundedBlend, IsCancelled) {
   class Stopped : public Progress {
     bool cancelled() const override { return true; }
   } stopped;
-  EXPECT_THROW(BoundedBlend({boundBall(4), boundBall(6)}, kBoundVoxel, {}, &stopped), Cancelled);
+  EXPECT_THROW(
+      BoundedBlend({shapes::ball(kBoundVoxel, 4), shapes::ball(kBoundVoxel, 6)}, kBoundVoxel, {}, &stopped),
+      Cancelled);
 }
 
 TEST(BoundedBlend, DoesNotDependOnTheNumberOfThreads) {
-  const auto run = [] {
-    return bytesOf(*BoundedBlend({boundBall(5), boundBall(5, {3, 1, 0})}, kBoundVoxel).frame({0.4, 0.6}));
-  };
-  EXPECT_EQ(withThreads(1, run), withThreads(4, run));
+  expectSameForThreads([] {
+    return BoundedBlend({shapes::ball(kBoundVoxel, 5), shapes::ball(kBoundVoxel, 5, {3, 1, 0})}, kBoundVoxel)
+        .frame({0.4, 0.6});
+  });
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include "slicemorph/errors.h"
 #include "tests/support/frame_points.h"
 #include "tests/support/shapes.h"
-#include "tests/support/with_threads.h"
 
 #include <gtest/gtest.h>
 
@@ -95,16 +94,12 @@ TEST(Cylindrical, RefusesWhatItCannotTake) {
 }
 
 TEST(Cylindrical, IsTheSameForAnyNumberOfThreads) {
-  const auto bytes = [](size_t threads) {
-    return withThreads(threads, [] {
-      return bytesOf(
-          *CylindricalMorph({rodObject("a", bentRod(0, 4)), rodObject("b", bentRod(60, 4))}, kRodVoxel)
-               .frame({0.5, 0.5}));
-    });
-  };
-  const std::string one = bytes(1);
-  EXPECT_FALSE(one.empty());
-  EXPECT_EQ(one, bytes(4));
+  expectSameForThreads(
+      [] {
+        return CylindricalMorph({rodObject("a", bentRod(0, 4)), rodObject("b", bentRod(60, 4))}, kRodVoxel)
+            .frame({0.5, 0.5});
+      },
+      {4});
 }
 
 }  // namespace

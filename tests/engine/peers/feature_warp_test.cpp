@@ -3,7 +3,6 @@
 #include "slicemorph/errors.h"
 #include "tests/support/frame_points.h"
 #include "tests/support/shapes.h"
-#include "tests/support/with_threads.h"
 
 #include <gtest/gtest.h>
 
@@ -110,18 +109,11 @@ TEST(FeatureWarp, RefusesWhatItCannotTake) {
 }
 
 TEST(FeatureWarp, IsTheSameForAnyNumberOfThreads) {
-  const auto bytes = [](size_t threads) {
-    return withThreads(threads, [] {
-      const FeatureWarp warp(
-          {warpObject(shapes::sphere({0, 0, 0}, 6)), warpObject(shapes::box({9, 5, 4}, 2))}, kWarpVoxel,
-          {pointAt({{5, 0, 0}, {9, 0, 0}}), pointAt({{-5, 0, 0}, {-9, 0, 0}})});
-      return bytesOf(*warp.frame({0.5, 0.5}));
-    });
-  };
-  const std::string one = bytes(1);
-  EXPECT_FALSE(one.empty());
-  EXPECT_EQ(one, bytes(2));
-  EXPECT_EQ(one, bytes(4));
+  expectSameForThreads([] {
+    const FeatureWarp warp({warpObject(shapes::sphere({0, 0, 0}, 6)), warpObject(shapes::box({9, 5, 4}, 2))},
+                           kWarpVoxel, {pointAt({{5, 0, 0}, {9, 0, 0}}), pointAt({{-5, 0, 0}, {-9, 0, 0}})});
+    return warp.frame({0.5, 0.5});
+  });
 }
 
 }  // namespace

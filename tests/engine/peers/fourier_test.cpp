@@ -3,7 +3,6 @@
 #include "slicemorph/measure.h"
 #include "tests/support/frame_points.h"
 #include "tests/support/shapes.h"
-#include "tests/support/with_threads.h"
 
 #include <gtest/gtest.h>
 
@@ -13,11 +12,6 @@ namespace slicemorph {
 namespace {
 
 constexpr double kWaveVoxel = 0.5;
-
-FloatGrid::ConstPtr waveBall(double radius) {
-  return shapes::levelSet(shapes::sphere({0, 0, 0}, radius), shapes::cube(Vec3d(0.0), radius + 3),
-                          kWaveVoxel);
-}
 
 ScheduledDissolve fourierOf(const std::vector<FloatGrid::ConstPtr>& levelSets, double fade, double cutoff,
                             double voxelSize = kWaveVoxel) {
@@ -73,7 +67,8 @@ TEST(CosineTransform, OfCosinesIsOnePart) {
 /// coarse node (26 / 112, half a voxel) for each object: a sixth of a voxel in all.
 TEST(Fourier, BlendsRadii) {
   for (const double fade : {0.5, 1.0}) {
-    const ScheduledDissolve morph = fourierOf({waveBall(5), waveBall(10)}, fade, 16);
+    const ScheduledDissolve morph =
+        fourierOf({shapes::ball(kWaveVoxel, 5), shapes::ball(kWaveVoxel, 10)}, fade, 16);
     for (const double t : {0.0, 0.25, 0.5, 1.0}) {
       if (fade < 1 && t > 0 && t < 1) continue;
       const FloatGrid::Ptr frame = morph.frame({1 - t, t});
@@ -83,13 +78,15 @@ TEST(Fourier, BlendsRadii) {
       for (const Vec3d& p : points) ASSERT_NEAR(p.length(), 5 + 5 * t, kWaveVoxel / 6) << fade << " " << t;
     }
   }
-  const ScheduledDissolve three = fourierOf({waveBall(5), waveBall(10), waveBall(7)}, 1, 16);
+  const ScheduledDissolve three = fourierOf(
+      {shapes::ball(kWaveVoxel, 5), shapes::ball(kWaveVoxel, 10), shapes::ball(kWaveVoxel, 7)}, 1, 16);
   for (const Vec3d& p : surfacePoints(*three.frame({0.25, 0.25, 0.5})))
     ASSERT_NEAR(p.length(), 7.25, kWaveVoxel / 6);
 }
 
 TEST(Fourier, GrowsWithoutTurningBack) {
-  const ScheduledDissolve morph = fourierOf({waveBall(5), waveBall(10)}, 0.5, 16);
+  const ScheduledDissolve morph =
+      fourierOf({shapes::ball(kWaveVoxel, 5), shapes::ball(kWaveVoxel, 10)}, 0.5, 16);
   double before = 0;
   for (int i = 0; i <= 8; ++i) {
     const double volume = measureShape(*morph.frame({1 - i / 8.0, i / 8.0})).volume;
@@ -116,16 +113,17 @@ TEST(Fourier, FadesDetailFirst) {
   const FloatGrid::ConstPtr a = shapes::levelSet(rippled, shapes::cube(Vec3d(0.0), 13), kWaveVoxel);
   const double whole = ripple(*a);
   EXPECT_NEAR(whole, 1.2, 0.2);
-  EXPECT_GT(ripple(*fourierOf({a, waveBall(9)}, 1, 8).frame({0.5, 0.5})), 0.4 * whole);
-  EXPECT_LT(ripple(*fourierOf({a, waveBall(9)}, 0.5, 8).frame({0.5, 0.5})), 0.2 * whole);
+  EXPECT_GT(ripple(*fourierOf({a, shapes::ball(kWaveVoxel, 9)}, 1, 8).frame({0.5, 0.5})), 0.4 * whole);
+  EXPECT_LT(ripple(*fourierOf({a, shapes::ball(kWaveVoxel, 9)}, 0.5, 8).frame({0.5, 0.5})), 0.2 * whole);
 }
 
 TEST(Fourier, RefusesWhatItCannotTake) {
   EXPECT_NE(refusal([] {
-              fourierOf({waveBall(5), waveBall(8)}, 0.5, 16, 0.01);
+              fourierOf({shapes::ball(kWaveVoxel, 5), shapes::ball(kWaveVoxel, 8)}, 0.5, 16, 0.01);
             }).find("--method fourier"),
             std::string::npos);
-  const ScheduledDissolve morph = fourierOf({waveBall(3), waveBall(4)}, 0.5, 16);
+  const ScheduledDissolve morph =
+      fourierOf({shapes::ball(kWaveVoxel, 3), shapes::ball(kWaveVoxel, 4)}, 0.5, 16);
   EXPECT_EQ(refusal([&] { morph.frame({1}); }), "1 weights for 2 objects");
 }
 
@@ -133,14 +131,15 @@ TEST(Fourier, IsCancelled) {
   class Stopped : public Progress {
     bool cancelled() const override { return true; }
   } stopped;
-  EXPECT_THROW(ScheduledDissolve({waveBall(3), waveBall(4)}, kWaveVoxel, 0.5, cosineTransform(16), "fourier",
-                                 &stopped),
+  EXPECT_THROW(ScheduledDissolve({shapes::ball(kWaveVoxel, 3), shapes::ball(kWaveVoxel, 4)}, kWaveVoxel, 0.5,
+                                 cosineTransform(16), "fourier", &stopped),
                Cancelled);
 }
 
 TEST(Fourier, DoesNotDependOnTheNumberOfThreads) {
-  const auto run = [] { return bytesOf(*fourierOf({waveBall(3), waveBall(5)}, 0.5, 16).frame({0.4, 0.6})); };
-  EXPECT_EQ(withThreads(1, run), withThreads(4, run));
+  expectSameForThreads([] {
+    return fourierOf({shapes::ball(kWaveVoxel, 3), shapes::ball(kWaveVoxel, 5)}, 0.5, 16).frame({0.4, 0.6});
+  });
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 
 #include "tests/support/frame_points.h"
 #include "tests/support/shapes.h"
-#include "tests/support/with_threads.h"
 
 #include <gtest/gtest.h>
 
@@ -13,10 +12,6 @@ namespace {
 
 constexpr double kGrownVoxel = 0.5;
 
-FloatGrid::ConstPtr grownBall(double radius, const Vec3d& centre = Vec3d(0.0)) {
-  return shapes::levelSet(shapes::sphere(centre, radius), shapes::cube(centre, radius + 3), kGrownVoxel);
-}
-
 /// Balls about one centre: the smallest, of radius c, is the common part, and the ball of radius r and weight w reaches
 /// w r + (1 - w) c. The in-between has the largest of these radii. Linear values between voxels cut a ball by h^2 / 8 / c,
 /// a sixtieth of a voxel, in each of four level sets (inputs, common part, in-between, mesh); distances beyond the band
@@ -24,7 +19,7 @@ FloatGrid::ConstPtr grownBall(double radius, const Vec3d& centre = Vec3d(0.0)) {
 /// a voxel in all.
 constexpr double kGrownTolerance = kGrownVoxel / 6;
 TEST(Morphology, GrowsAndShrinksBalls) {
-  const MorphologyMorph two({grownBall(4), grownBall(12)}, kGrownVoxel);
+  const MorphologyMorph two({shapes::ball(kGrownVoxel, 4), shapes::ball(kGrownVoxel, 12)}, kGrownVoxel);
   for (const double t : {0.0, 0.25, 0.5, 0.9, 1.0}) {
     const FloatGrid::Ptr frame = two.frame({1 - t, t});
     EXPECT_EQ(frame->getName(), "surface");
@@ -32,7 +27,9 @@ TEST(Morphology, GrowsAndShrinksBalls) {
     ASSERT_FALSE(points.empty());
     for (const Vec3d& p : points) ASSERT_NEAR(p.length(), 4 + 8 * t, kGrownTolerance) << t;
   }
-  const MorphologyMorph three({grownBall(4), grownBall(12), grownBall(8)}, kGrownVoxel);
+  const MorphologyMorph three(
+      {shapes::ball(kGrownVoxel, 4), shapes::ball(kGrownVoxel, 12), shapes::ball(kGrownVoxel, 8)},
+      kGrownVoxel);
   for (const Vec3d& p : surfacePoints(*three.frame({0.2, 0.2, 0.6})))
     ASSERT_NEAR(p.length(), 0.6 * 8 + 0.4 * 4, kGrownTolerance);
 }
@@ -41,7 +38,8 @@ TEST(Morphology, GrowsAndShrinksBalls) {
 /// from -8 to 8 and from -2 to 14. So the in-between reaches from -8 w - 2 (1 - w) to 14 (1 - w) + 8 w. The lens' tips,
 /// there, are parts of the spheres.
 TEST(Morphology, ErodesOneDifferenceWhileTheOtherIsDilated) {
-  const MorphologyMorph morph({grownBall(8), grownBall(8, {6, 0, 0})}, kGrownVoxel);
+  const MorphologyMorph morph({shapes::ball(kGrownVoxel, 8), shapes::ball(kGrownVoxel, 8, {6, 0, 0})},
+                              kGrownVoxel);
   for (const double w : {1.0, 0.7, 0.5, 0.2, 0.0}) {
     double low = 0, high = 0;
     for (const Vec3d& p : surfacePoints(*morph.frame({w, 1 - w})))
@@ -53,11 +51,13 @@ TEST(Morphology, ErodesOneDifferenceWhileTheOtherIsDilated) {
 
 TEST(Morphology, RefusesWhatItCannotTake) {
   EXPECT_NE(refusal([] {
-              MorphologyMorph({grownBall(4), grownBall(4, {20, 0, 0})}, kGrownVoxel);
+              MorphologyMorph({shapes::ball(kGrownVoxel, 4), shapes::ball(kGrownVoxel, 4, {20, 0, 0})},
+                              kGrownVoxel);
             }).find("have none"),
             std::string::npos);
-  EXPECT_NE(refusal([] { MorphologyMorph({grownBall(4)}, 0.001); }).find("at most"), std::string::npos);
-  const MorphologyMorph morph({grownBall(4), grownBall(6)}, kGrownVoxel);
+  EXPECT_NE(refusal([] { MorphologyMorph({shapes::ball(kGrownVoxel, 4)}, 0.001); }).find("at most"),
+            std::string::npos);
+  const MorphologyMorph morph({shapes::ball(kGrownVoxel, 4), shapes::ball(kGrownVoxel, 6)}, kGrownVoxel);
   EXPECT_EQ(refusal([&] { morph.frame({1}); }), "1 weights for 2 objects");
 }
 
@@ -65,14 +65,17 @@ TEST(Morphology, IsCancelled) {
   class Stopped : public Progress {
     bool cancelled() const override { return true; }
   } stopped;
-  EXPECT_THROW(MorphologyMorph({grownBall(4), grownBall(6)}, kGrownVoxel, &stopped), Cancelled);
+  EXPECT_THROW(
+      MorphologyMorph({shapes::ball(kGrownVoxel, 4), shapes::ball(kGrownVoxel, 6)}, kGrownVoxel, &stopped),
+      Cancelled);
 }
 
 TEST(Morphology, DoesNotDependOnTheNumberOfThreads) {
-  const auto run = [] {
-    return bytesOf(*MorphologyMorph({grownBall(5), grownBall(5, {3, 1, 0})}, kGrownVoxel).frame({0.4, 0.6}));
-  };
-  EXPECT_EQ(withThreads(1, run), withThreads(4, run));
+  expectSameForThreads([] {
+    return MorphologyMorph({shapes::ball(kGrownVoxel, 5), shapes::ball(kGrownVoxel, 5, {3, 1, 0})},
+                           kGrownVoxel)
+        .frame({0.4, 0.6});
+  });
 }
 
 }  // namespace

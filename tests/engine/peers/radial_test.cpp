@@ -3,7 +3,6 @@
 #include "slicemorph/errors.h"
 #include "tests/support/frame_points.h"
 #include "tests/support/shapes.h"
-#include "tests/support/with_threads.h"
 
 #include <gtest/gtest.h>
 
@@ -122,20 +121,14 @@ TEST(Radial, RefusesWhatItCannotTake) {
 }
 
 TEST(Radial, IsTheSameForAnyNumberOfThreads) {
-  const auto bytes = [](size_t threads) {
-    return withThreads(threads, [] {
-      RadialOptions options;
-      options.tangent = 0.5;
-      return bytesOf(*RadialMorph({starObject("ball", shapes::sphere({0, 0, 0}, 10)),
-                                   starObject("snowman", snowman({1, 2, 3}), {1, 2, 3})},
-                                  kVoxel, options)
-                          .frame({0.5, 0.5}));
-    });
-  };
-  const std::string one = bytes(1);
-  EXPECT_FALSE(one.empty());
-  EXPECT_EQ(one, bytes(2));
-  EXPECT_EQ(one, bytes(4));
+  expectSameForThreads([] {
+    RadialOptions options;
+    options.tangent = 0.5;
+    return RadialMorph({starObject("ball", shapes::sphere({0, 0, 0}, 10)),
+                        starObject("snowman", snowman({1, 2, 3}), {1, 2, 3})},
+                       kVoxel, options)
+        .frame({0.5, 0.5});
+  });
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 
 #include "tests/support/frame_points.h"
 #include "tests/support/shapes.h"
-#include "tests/support/with_threads.h"
 
 #include <gtest/gtest.h>
 
@@ -12,11 +11,6 @@ namespace slicemorph {
 namespace {
 
 constexpr double kLevelVoxel = 0.5;
-
-FloatGrid::ConstPtr levelBall(double radius) {
-  return shapes::levelSet(shapes::sphere({0, 0, 0}, radius), shapes::cube(Vec3d(0.0), radius + 3),
-                          kLevelVoxel);
-}
 
 ScheduledDissolve waveletOf(const std::vector<FloatGrid::ConstPtr>& levelSets, double fade, int levels,
                             double voxelSize = kLevelVoxel) {
@@ -55,8 +49,10 @@ TEST(HaarTransform, IsOfMeansAndDifferences) {
 
 /// As of the Fourier dissolve: inputs at the ends; and without schedule the blend of distances.
 TEST(Wavelet, BlendsRadii) {
-  const ScheduledDissolve scheduled = waveletOf({levelBall(5), levelBall(10)}, 0.5, 4);
-  const ScheduledDissolve plain = waveletOf({levelBall(5), levelBall(10)}, 1, 4);
+  const ScheduledDissolve scheduled =
+      waveletOf({shapes::ball(kLevelVoxel, 5), shapes::ball(kLevelVoxel, 10)}, 0.5, 4);
+  const ScheduledDissolve plain =
+      waveletOf({shapes::ball(kLevelVoxel, 5), shapes::ball(kLevelVoxel, 10)}, 1, 4);
   const auto expectRadius = [](const FloatGrid& frame, double radius) {
     EXPECT_EQ(frame.getName(), "surface");
     const std::vector<Vec3d> points = surfacePoints(frame);
@@ -66,14 +62,19 @@ TEST(Wavelet, BlendsRadii) {
   expectRadius(*scheduled.frame({1, 0}), 5);
   expectRadius(*scheduled.frame({0, 1}), 10);
   for (const double t : {0.25, 0.5, 0.75}) expectRadius(*plain.frame({1 - t, t}), 5 + 5 * t);
-  expectRadius(*waveletOf({levelBall(5), levelBall(10), levelBall(7)}, 1, 3).frame({0.25, 0.25, 0.5}), 7.25);
+  expectRadius(
+      *waveletOf({shapes::ball(kLevelVoxel, 5), shapes::ball(kLevelVoxel, 10), shapes::ball(kLevelVoxel, 7)},
+                 1, 3)
+           .frame({0.25, 0.25, 0.5}),
+      7.25);
 }
 
 /// Half way, with fade = 0 and one level, all details are gone: blocks of two voxels have one value each, the one at their
 /// middle. What is read as linear from block to block is a staircase, off by no more than half a block's diagonal, but by
 /// more than any smooth blend.
 TEST(Wavelet, LeavesBlocksHalfWay) {
-  const FloatGrid::Ptr frame = waveletOf({levelBall(6), levelBall(8)}, 0, 1).frame({0.5, 0.5});
+  const FloatGrid::Ptr frame =
+      waveletOf({shapes::ball(kLevelVoxel, 6), shapes::ball(kLevelVoxel, 8)}, 0, 1).frame({0.5, 0.5});
   double off = 0;
   for (const Vec3d& p : surfacePoints(*frame)) off = std::max(off, std::abs(p.length() - 7));
   EXPECT_GT(off, 0.25 * kLevelVoxel);
@@ -82,16 +83,18 @@ TEST(Wavelet, LeavesBlocksHalfWay) {
 
 TEST(Wavelet, RefusesWhatItCannotTake) {
   EXPECT_NE(refusal([] {
-              waveletOf({levelBall(5), levelBall(8)}, 0.5, 4, 0.01);
+              waveletOf({shapes::ball(kLevelVoxel, 5), shapes::ball(kLevelVoxel, 8)}, 0.5, 4, 0.01);
             }).find("--method wavelet"),
             std::string::npos);
-  const ScheduledDissolve morph = waveletOf({levelBall(3), levelBall(4)}, 0.5, 4);
+  const ScheduledDissolve morph =
+      waveletOf({shapes::ball(kLevelVoxel, 3), shapes::ball(kLevelVoxel, 4)}, 0.5, 4);
   EXPECT_EQ(refusal([&] { morph.frame({1}); }), "1 weights for 2 objects");
 }
 
 TEST(Wavelet, DoesNotDependOnTheNumberOfThreads) {
-  const auto run = [] { return bytesOf(*waveletOf({levelBall(3), levelBall(5)}, 0.5, 4).frame({0.4, 0.6})); };
-  EXPECT_EQ(withThreads(1, run), withThreads(4, run));
+  expectSameForThreads([] {
+    return waveletOf({shapes::ball(kLevelVoxel, 3), shapes::ball(kLevelVoxel, 5)}, 0.5, 4).frame({0.4, 0.6});
+  });
 }
 
 }  // namespace
