@@ -48,11 +48,8 @@ Json toJson(const Region& region) {
 
 Json describeJob(const MorphSettings& s) {
   Json job = {{"inputs", s.inputs}, {"output", s.output}, {"method", s.method}};
-  for (const MethodParameter& parameter : methodNamed(s.method).parameters) {
-    const double value = valueOf(parameter, s.parameters);
-    job["parameters"][parameter.name] =
-        parameter.choices.empty() ? Json(value) : Json(spelledParameter(parameter, value));
-  }
+  for (const MethodParameter& parameter : methodNamed(s.method).parameters)
+    job["parameters"][parameter.name] = valueOf(parameter, s.parameters);
   job["frames"] = s.frames.size();
   Json times = Json::array();
   for (const FrameJob& frame : s.frames) times.push_back(frame.t ? Json(*frame.t) : Json(frame.weights));

@@ -11,19 +11,9 @@
 namespace slicemorph {
 namespace {
 
-/// `a, b or c`.
-std::string listOf(const std::vector<std::string>& words) {
-  std::string list;
-  for (size_t i = 0; i < words.size(); ++i)
-    list += (i == 0 ? "" : i + 1 < words.size() ? ", " : " or ") + words[i];
-  return list;
-}
-
-/// What a value may be: "a whole number from 1 to 1000", "linear or hermite".
-std::string expectedOf(const MethodParameter& parameter) {
-  if (!parameter.choices.empty()) return listOf(parameter.choices);
-  return std::string(parameter.whole ? "a whole number" : "a number") + " from " +
-         formatNumber(parameter.least, 9) + " to " + formatNumber(parameter.most, 9) +
+/// `1 to 1000 voxels`.
+std::string limitsOf(const MethodParameter& parameter) {
+  return formatNumber(parameter.least, 9) + " to " + formatNumber(parameter.most, 9) +
          (parameter.unit.empty() ? "" : " " + parameter.unit);
 }
 
@@ -37,19 +27,14 @@ std::string describeAll(const std::string& method, const std::vector<MethodParam
 }
 
 double parsedValue(const std::string& said, const MethodParameter& parameter, const std::string& text) {
-  if (!parameter.choices.empty()) {
-    const auto& words = parameter.choices;
-    const auto found = std::find(words.begin(), words.end(), text);
-    if (found != words.end()) return double(found - words.begin());
-  } else {
-    char* end = nullptr;
-    const double value = std::strtod(text.c_str(), &end);
-    // Limits are finite, so what is not finite is outside.
-    if (!text.empty() && !*end && value >= parameter.least && value <= parameter.most &&
-        (!parameter.whole || value == std::floor(value)))
-      return value;
-  }
-  throw InputError(said + ": " + parameter.name + " must be " + expectedOf(parameter) +
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  // Limits are finite, so what is not finite is outside.
+  if (!text.empty() && !*end && value >= parameter.least && value <= parameter.most &&
+      (!parameter.whole || value == std::floor(value)))
+    return value;
+  throw InputError(said + ": " + parameter.name + " must be a " + (parameter.whole ? "whole " : "") +
+                   "number from " + limitsOf(parameter) +
                    (text.empty() ? "; no value is given" : ", not " + text));
 }
 
@@ -60,18 +45,9 @@ double valueOf(const MethodParameter& parameter, const MethodValues& given) {
   return found == given.end() ? parameter.fallback : found->second;
 }
 
-std::string spelledParameter(const MethodParameter& parameter, double value) {
-  return parameter.choices.empty() ? formatExactly(value) : parameter.choices[size_t(value)];
-}
-
 std::string describeParameter(const MethodParameter& parameter) {
-  const std::string limits = parameter.choices.empty()
-                                 ? formatNumber(parameter.least, 9) + " to " +
-                                       formatNumber(parameter.most, 9) +
-                                       (parameter.unit.empty() ? "" : " " + parameter.unit)
-                                 : listOf(parameter.choices);
-  return parameter.name + ": " + parameter.help + " (" + limits + "; default " +
-         spelledParameter(parameter, parameter.fallback) + ")";
+  return parameter.name + ": " + parameter.help + " (" + limitsOf(parameter) + "; default " +
+         formatExactly(parameter.fallback) + ")";
 }
 
 MethodValues parsedParameters(const std::string& said, const std::vector<MethodParameter>& parameters,

@@ -16,8 +16,6 @@ struct MethodParameter {
   double fallback = 0;
   double least = 0, most = 0;  ///< both are allowed
   bool whole = false;          ///< no fractions
-  std::vector<std::string> choices =
-      {};  ///< words that it is one of; its value is then the index of the word
 };
 
 /// Values by the names of parameters.
@@ -25,9 +23,6 @@ using MethodValues = std::map<std::string, double>;
 
 /// The value that was given, else the default.
 double valueOf(const MethodParameter& parameter, const MethodValues& given);
-
-/// A value as it is typed in braces: a number, or the word of a choice.
-std::string spelledParameter(const MethodParameter& parameter, double value);
 
 /// What a parameter is, its limits and default: "steps: at most so many (1 to 1000; default 20)".
 std::string describeParameter(const MethodParameter& parameter);

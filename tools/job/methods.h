@@ -38,7 +38,7 @@ struct MethodTask {
   const MorphOptions* options = nullptr;
   const std::string* decisions = nullptr;  ///< of an earlier plan, see MorphPlan::decidedBefore; null: none
 
-  /// A parameter of the settings' method: as it was given, else its default. Of one with choices the index among them.
+  /// A parameter of the settings' method: as it was given, else its default.
   double parameter(const std::string& name) const;
 };
 

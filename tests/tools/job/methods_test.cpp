@@ -4,6 +4,7 @@
 #include "slicemorph/errors.h"
 #include "slicemorph/io/input.h"
 #include "tools/job/morph_settings.h"
+#include "tools/job/option_values.h"
 
 #include <openvdb/tools/LevelSetSphere.h>
 
@@ -67,10 +68,8 @@ TEST(Methods, TakeTheirParametersInBraces) {
     for (const MethodParameter& parameter : method.parameters) {
       SCOPED_TRACE(parameter.name);
       EXPECT_NE(describeMethod(method).find(parameter.name + ": " + parameter.help), std::string::npos);
-      const double most = parameter.choices.empty() ? parameter.most : double(parameter.choices.size()) - 1;
-      for (const double value : {parameter.fallback, parameter.least, most}) {
-        const std::string text =
-            method.name + "{" + parameter.name + "=" + spelledParameter(parameter, value) + "}";
+      for (const double value : {parameter.fallback, parameter.least, parameter.most}) {
+        const std::string text = method.name + "{" + parameter.name + "=" + formatExactly(value) + "}";
         const MethodChoice choice = methodChoice(text);
         EXPECT_EQ(choice.name, method.name);
         EXPECT_EQ(choice.given, (MethodValues{{parameter.name, value}})) << text;
